@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from cases import assert_near, recorded_example
-from commands import answered, refused
+from commands import answered
 
 import stochlin as sl
 from stochlin.views.pounding.pictures import draw_pound
@@ -91,17 +91,3 @@ def test_the_command_takes_one_building(storeys: bool, tmp_path: Path) -> None:
             assert f"{float(table.peak_storey_shear[0, 0]) / 1e6:.3g}" in shown
         else:
             assert f"{float(table.peak_base_shear[0]) / 1e6:.3g}" in shown
-
-
-@pytest.mark.cli
-def test_a_gap_beside_one_building_and_other_commands_say_what_is_wrong(tmp_path: Path) -> None:
-    path = alone_file(tmp_path, False, 'existing = "5 cm"')
-    assert (
-        "alone.toml, record Taft 1952: gaps = [0.05]; allowed: none for one building alone"
-        in refused("pound", path)
-    )
-    path = alone_file(tmp_path, False)
-    for command in ("probability", "mitigate"):
-        assert "building_2 is missing; this command needs two buildings: write a line" in refused(
-            command, path
-        )

@@ -52,9 +52,7 @@ def in_storeys(structure: int, storeys: Any, **device: Any) -> list[sl.Link]:
     ("exponent", "times", "method", "close"),
     [
         (0.1, 1, "Radau", 1e-5),
-        (0.35, 10, "Radau", 1e-5),
         (0.35, 1, "DOP853", 1e-5),  # from rest, where the law has no slope, the implicit one goes astray
-        (1.5, 1, "Radau", 1e-5),
         (2.0, 1, "Radau", 1e-5),
     ],
 )
@@ -139,15 +137,7 @@ def test_energy_of_any_device_is_accounted_for(
 # --- How far a contact is compressed ----------------------------------------------------------------
 
 
-def test_compression_is_force_over_stiffness_of_a_spring() -> None:
-    table = sl.pound(pair(), 0.005, sl.LinearSpring(3e7), record())
-    assert table.sizes["impact"] > 3
-    np.testing.assert_allclose(table.deepest_compression, table.hardest_force / 3e7, rtol=1e-4)
-
-
-@pytest.mark.parametrize(
-    "contact", [sl.Kelvin(3e7, restitution=0.4), sl.ImpactKelvin(3e7, restitution=0.4), sl.Hertz(3e8)]
-)
+@pytest.mark.parametrize("contact", [sl.Kelvin(3e7, restitution=0.4), sl.Hertz(3e8)])
 def test_compression_is_that_of_a_fine_history(contact: sl.Kelvin) -> None:
     row = towers()
     table = sl.pound(row, 0.005, contact, finer(record(100), 100))

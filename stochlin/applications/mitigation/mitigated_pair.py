@@ -24,7 +24,6 @@ from stochlin.models.uncertain import applied, median_of
 from stochlin.solver.simulation.finite_motions import (
     enough_motions,
     keeping_apart,
-    pair_peaks,
     pair_separation,
     quantiles_of,
     required_gaps,
@@ -32,9 +31,8 @@ from stochlin.solver.simulation.finite_motions import (
 from stochlin.solver.simulation.simulation import simulate
 from stochlin.solver.simulation.variables import OF_LINKS
 from stochlin.solver.tables import labels
+from stochlin.solver.tables.floors import LINK
 
-DEVICE = "device"
-OF_DEVICES = "device_force", "device_stroke", "device_energy"
 SHOWN = "added_damping_1", "added_damping_2", "bumper_thickness"  # parameters of a measure
 QUANTILE = 0.95  # of the forces, strokes and energies of devices over motions
 
@@ -98,13 +96,11 @@ class MitigatedPair:
         """All results of a measure; contact between bumpers counts as pounding."""
         motions = self.built if measure == Measure() else self.simulated(measure)
         gaps = zip(labels.VALUE_AND_ENDS, required_gaps(motions), strict=True)
-        peaks = pair_peaks(motions).mean(axis=0)
         columns = {
             **{name: getattr(measure, name) for name in SHOWN},
             "link_damping_constant": _of_dashpots(measure.links),
             **{f"required_gap{end}": gap + measure.bumper_thickness for end, gap in gaps},
             **keeping_apart(pair_separation(motions), self.open_gap(measure)),
-            **{f"peak_mean_{n + 1}": peaks[n] for n in (0, 1)},
             **self._linearized(measure),
         }
         devices = _devices(motions, self.system(measure)) if measure.links else xr.Dataset()
@@ -174,16 +170,15 @@ def _of_dashpots(links: Sequence[Link]) -> float:
 
 
 def _devices(motions: xr.Dataset, system: Arrangement) -> xr.Dataset:
-    """Force, stroke and energy of links and dampers over ``device``: means and 95 % quantiles."""
+    """Kind and place of each link, and means and 95 % quantiles of its force, stroke and energy."""
     floors = system.floors
     ends = [(floors[t.floor], floors[t.other] if t.other >= 0 else "ground") for t in system.ties]
     columns: dict[str, Any] = {
-        "device_kind": ["damper" if tie.link.within_one else "link" for tie in system.ties],
-        "device_place": [f"{low} to {high}" for low, high in ends],
+        "link_kind": ["damper" if tie.link.within_one else "link" for tie in system.ties],
+        "link_place": [f"{low} to {high}" for low, high in ends],
     }
-    for name, of in zip(OF_DEVICES, OF_LINKS, strict=True):
-        samples = motions[of].values
-        columns |= {f"{name}_mean": samples.mean(axis=0)}
-        columns |= {f"{name}_quantile": quantiles_of(samples, np.array(QUANTILE))}
-    numbers = np.arange(1, len(ends) + 1)
-    return xr.Dataset({name: (DEVICE, each) for name, each in columns.items()}, {DEVICE: numbers})
+    columns |= {
+        f"{name}_quantile": quantiles_of(motions[name].values, np.array(QUANTILE)) for name in OF_LINKS
+    }
+    means = motions[[f"{name}_mean" for name in OF_LINKS]]
+    return means.assign({name: (LINK, each) for name, each in columns.items()})

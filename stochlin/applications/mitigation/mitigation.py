@@ -46,8 +46,8 @@ TEXTS: dict[str, str] = {
     "kind": "as built, given, or the least that is sufficient",
     "description": "the measure with its parameters",
     "missing": "missing results of a row, and the reason",
-    "device_kind": "link between both structures, or damper in one of them",
-    "device_place": "floors of the device (structure.floor)",
+    "link_kind": "link between both structures, or damper in one of them",
+    "link_place": "floors of the link (structure.floor)",
 }
 
 
@@ -101,16 +101,15 @@ def mitigate(
         their dashpots are not linear.
 
         Over ``measure``, by simulation: ``required_gap`` [m], and ``no_pounding_probability`` [-] with
-        the existing gap, each with a 95 % interval ``_lower`` and ``_upper``; ``verdict`` on the gap;
-        ``peak_mean_1`` and ``_2`` [m] without contact. By linearization: ``rho`` [-] and
-        ``relative_displacement_std`` [m]. The coordinates ``kind``, ``description`` and
-        ``missing`` are texts. A row whose search found nothing is NaN.
+        the existing gap, each with a 95 % interval ``_lower`` and ``_upper``; ``verdict`` on the gap.
+        By linearization: ``rho`` [-] and ``relative_displacement_std`` [m]. The coordinates ``kind``,
+        ``description`` and ``missing`` are texts. A row whose search found nothing is NaN.
 
-        For measures with links or dampers, over ``measure`` and ``device``: the texts ``device_kind``
-        and ``device_place``, the floors as structure.floor; ``device_force`` [N], ``device_stroke`` [m]
-        and ``device_energy`` [J], which it dissipates in a motion, each as ``_mean`` and 95 %
-        ``_quantile`` over the simulated motions without contact. Cells beyond the devices of a measure
-        are NaN.
+        For measures with links or dampers, over ``measure`` and ``link``, its place in the list: the
+        texts ``link_kind`` and ``link_place``, the floors as structure.floor; ``peak_link_force`` [N],
+        ``peak_link_stroke`` [m] and ``link_energy`` [J], which it dissipates in a motion, each as
+        ``_mean`` and 95 % ``_quantile`` over the simulated motions without contact. Cells beyond the
+        links of a measure are NaN.
 
         With records, over ``measure`` and ``record``: ``amplification_1`` and ``_2`` [-], the peak over
         the peak as built without neighbours; ``impacts``, ``largest_force`` [N] and

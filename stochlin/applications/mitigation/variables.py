@@ -1,7 +1,6 @@
 """Variables of the results on mitigation, with unit and long name."""
 
 from stochlin.applications.pounding.variables import VARIABLES as POUNDING
-from stochlin.applications.pounding.variables import over_motions
 from stochlin.applications.separation.variables import VARIABLES as SEPARATION
 from stochlin.solver.tables.labels import Variables
 
@@ -12,13 +11,6 @@ VARIABLES: Variables = {
     "added_damping": ("1", "added damping ratio"),
     "bumper_thickness": ("m", "thickness of the bumpers"),
     "link_damping_constant": ("N s/m", "damping constant of all links between both structures"),
-    **over_motions(
-        {
-            "device_force": ("N", "largest force of the device"),
-            "device_stroke": ("m", "largest extension or compression of the device"),
-            "device_energy": ("J", "energy that the device dissipates"),
-        }
-    ),
     "largest_link_force": ("N", "largest force of any link or device"),
     "amplification": ("1", "peak displacement over that of the building as built without pounding"),
 }

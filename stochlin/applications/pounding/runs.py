@@ -75,21 +75,16 @@ def _check_runs(
     """Raise a ValueError if the motions would take too much time or memory."""
     n, lanes = standing.row.parts.mass.size, min(LANES, len(grounds))
     samples = [len(ground.acceleration) for ground in grounds]
-    steps = sum(
-        p.cuts * (1.0 + NEAR * (p.substeps - 1)) * many for p, many in zip(paces, samples, strict=True)
-    )
-    operations = 3.0 * n * n + OPERATIONS * n
-    many = f"{len(grounds)} motions, " if len(grounds) > 1 else ""
+    near = [p.cuts * (1.0 + NEAR * (p.substeps - 1)) for p in paces]
+    finest = min(ground.dt / p.cuts / p.substeps for ground, p in zip(grounds, paces, strict=True))
     seconds = sum(ground.dt * (size - 1) for ground, size in zip(grounds, samples, strict=True))
-    shortest = min(ground.dt / pace.cuts for ground, pace in zip(grounds, paces, strict=True))
-    closed = min(ground.dt / p.cuts / p.substeps for ground, p in zip(grounds, paces, strict=True))
+    operations = 3.0 * n * n + OPERATIONS * n
     check_work(
-        f"{many}{seconds:g} s of motion, in steps of {shortest:.3g} s, near contact of {closed:.3g} s, "
+        f"{len(grounds)} motions, {seconds:g} s of motion, in steps near contact of {finest:.3g} s, "
         "would take",
-        "take softer structures, a softer contact, or "
-        f"{'fewer motions' if many else 'a shorter record'}",
+        "take softer structures, a softer contact, or fewer and shorter motions",
         numbers=(standing.row.places[1].rows + 2.0) * max(samples),
-        seconds=2 * steps * (1e-9 * operations + 3e-6 / lanes),
+        seconds=2 * float(np.dot(near, samples)) * (1e-9 * operations + 3e-6 / lanes),
         cores=min(cores(), len(grounds)),
     )
 

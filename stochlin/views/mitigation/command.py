@@ -53,5 +53,5 @@ def mitigate(case: Path, out: Path | None, picture: Path | None) -> None:
         show(lines(answer_sections(table, described)))
         rows = table
         if data is not None and data.suffix.lower() == CSV:  # a row a measure, and a record
-            rows = table.drop_dims("device", errors="ignore")
+            rows = table.drop_dims("link", errors="ignore")
         write(rows, data, picture, lambda _: draw_measures(table))

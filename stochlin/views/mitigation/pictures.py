@@ -72,13 +72,6 @@ def _gaps(axes: Axes, dataset: xr.Dataset) -> None:
             axes.errorbar(
                 needed[shown], place[shown], xerr=ends, markerfacecolor=face, label=label, **style
             )
-    thickness = 100 * dataset.bumper_thickness.values
-    thick = np.isfinite(needed) & (thickness > 0)
-    if thick.any():
-        begin = needed[thick] - thickness[thick]
-        axes.hlines(
-            place[thick], begin, needed[thick], color="0.6", lw=4, zorder=1, label="thickness of bumpers"
-        )
     for row in place[~np.isfinite(needed)]:
         axes.text(
             *(0.02, row, "none found"), transform=axes.get_yaxis_transform(), size=7, va="center",

@@ -48,7 +48,7 @@ NOTES = {
     "existing gap prevents pounding. Std: standard deviation of the relative displacement by "
     "linearization, which is too small where buildings yield. All measures are simulated with the same "
     "motions.",
-    "device": "Devices: mean | 95 % quantile over the simulated motions, without contact of the "
+    "link": "Devices: mean | 95 % quantile over the simulated motions, without contact of the "
     "buildings and without partial factors of codes; 1.3 is floor 3 of building 1.",
     "record": "Times: largest displacement of buildings 1 and 2, relative to the building as built and "
     "alone. Pressed: the deepest compression of the contact; bumpers have to be thicker. Link: the "
@@ -117,24 +117,22 @@ def _interval(row: xr.Dataset) -> str:
 
 def _devices(table: xr.Dataset) -> list[ViewSection]:
     """A table of all links and dampers; none without them."""
-    if "device" not in table.dims:
+    if "link" not in table.dims:
         return []
 
-    def both(name: str, shown: Callable[[float], str]) -> Callable[[xr.Dataset], str]:
-        ends = f"device_{name}_mean", f"device_{name}_quantile"
-        return lambda row: " | ".join(shown(float(row[end])) for end in ends)
-
-    def thousands(value: float) -> str:
-        return short(value / 1e3)
+    def both(name: str, unit: str) -> Callable[[xr.Dataset], str]:
+        return lambda row: " | ".join(
+            number(float(row[f"{name}{e}"]), unit) for e in ("_mean", "_quantile")
+        )
 
     columns = {
-        "device": lambda row: f"{row.device_kind.item()} {row.device_place.item()}",
-        "force [kN]": both("force", thousands),
-        "stroke [cm]": both("stroke", centimetres),
-        "energy [kJ]": both("energy", thousands),
+        "device": lambda row: f"{row.link_kind.item()} {row.link_place.item()}",
+        "force [MN]": both("peak_link_force", "MN"),
+        "stroke [cm]": both("peak_link_stroke", "cm"),
+        "energy [kJ]": both("link_energy", "kJ"),
     }
-    rows = [row for measure in along(table, "measure") for row in along(measure, "device")]
-    present = [row for row in rows if row.device_kind.item()]
+    rows = [row for measure in along(table, "measure") for row in along(measure, "link")]
+    present = [row for row in rows if row.link_kind.item()]
     return [ViewSection("Devices", [_table(present, columns, ["device"])])]
 
 
@@ -145,7 +143,7 @@ def _in_records(table: xr.Dataset) -> list[ViewSection]:
     count = table.sizes["record"]
     what = f"Largest values in {count} records" if count > 1 else f"In {table.record[0].item()}"
     met = (table.impacts > 0).sum("record")
-    largest = table.drop_dims("device", errors="ignore").max("record").assign(met=met)
+    largest = table.drop_dims("link", errors="ignore").max("record").assign(met=met)
     columns: Columns = {
         "meet in": lambda row: f"{int(row.met)} of {count}",
         "times": lambda row: _pair(row, "amplification", "{:.2f}"),
