@@ -2,7 +2,6 @@
 
 import re
 
-import cases
 import numpy as np
 import pytest
 from motions import motion, needs_records, recorded
@@ -134,19 +133,6 @@ def test_recovers_a_known_ground(wg, xig, duration, estimator):
         for value in re.findall(r"(?:period|damping|intensity) ([\d.]+) %", ground.source)
     ]
     np.testing.assert_allclose(printed, expected, rtol=0.4, atol=0.001)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("estimator", cases.with_slow(ESTIMATORS, {"psd"}))
-def test_recovers_a_known_clough_penzien_ground(estimator):
-    """Four standard deviations of six such fits, which are 2 % for the soil, 9 % for the filter."""
-    truth = (12.0, 0.4, 2.0, 0.6, 0.02)
-    record = simulated(lambda w: clough_penzien_psd(w, *truth), 600.0, step=0.05, seed=4)
-    ground = sl.fit_ground(record, "clough_penzien", estimator, part=(0, 1))
-    soil = (TAU / ground.period, ground.damping, ground.intensity)
-    np.testing.assert_allclose(soil, np.take(truth, (0, 1, 4)), rtol=0.12)
-    high_pass = (TAU / ground.high_pass_period, ground.high_pass_damping)
-    np.testing.assert_allclose(high_pass, truth[2:4], rtol=0.36)
 
 
 @pytest.mark.parametrize("estimator", ESTIMATORS)
