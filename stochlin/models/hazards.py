@@ -162,9 +162,11 @@ class PowerLawHazard(Hazard):
     Raises
     ------
     ValueError, TypeError
-        If a number is not positive, the measure is unknown, or a period is missing or not allowed. Its
-        methods raise a ValueError where the intensity or frequency is beyond the range of numbers, and
-        give NaN in such cells of an array.
+        If a number is not positive, the measure is unknown, or a period is missing or not allowed.
+
+    Notes
+    -----
+    An intensity or frequency beyond the range of numbers is infinite, or 0; `pounding_risk` refuses it.
 
     References
     ----------
@@ -184,31 +186,12 @@ class PowerLawHazard(Hazard):
     def frequency(self, intensity: Parameter) -> Any:
         """Annual frequency at which an intensity is exceeded [1/yr]."""
         law, value = self.arrays(), _of(intensity, "intensity")
-        frequency = _applied(lambda im, k0, k: k0 * np.power(im, -k), value, *law.values())
-        return self._within_range(
-            frequency, frequency >= 0, f"annual frequency of intensity = {brief(value)}"
-        )
+        return _applied(lambda im, k0, k: k0 * np.power(im, -k), value, *law.values())
 
     def intensity(self, return_period: Parameter) -> Any:
         """Intensity, in the unit of the measure, that is exceeded with a return period [yr]."""
         law, value = self.arrays(), _of(return_period, "return_period")
-        intensity = _applied(lambda years, k0, k: np.power(k0 * years, 1 / k), value, *law.values())
-        return self._within_range(
-            intensity, intensity > 0, f"intensity of return_period = {brief(value)}"
-        )
-
-    def _within_range(self, value: Any, known: Any, what: str) -> Any:
-        """What is known and finite; a number that is not raises a ValueError, in an array it is NaN."""
-        known = known & (value < np.inf)
-        if isinstance(value, xr.DataArray):
-            return value.where(known)
-        if not known:
-            raise ValueError(
-                f"PowerLawHazard: k0 = {self.k0:.4g} and k = {self.k:.4g} give an {what} beyond the "
-                "range of numbers; allowed: a law that is within it there; k is usually 2 to 4, so "
-                "correct k0 or k"
-            )
-        return value
+        return _applied(lambda years, k0, k: np.power(k0 * years, 1 / k), value, *law.values())
 
 
 def check_curve(intensities: Array, frequencies: Array, places: Sequence[str]) -> None:

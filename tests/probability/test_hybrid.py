@@ -132,21 +132,6 @@ def test_fit_finds_the_envelope_that_made_the_record(model, envelope):
     np.testing.assert_allclose(fitted.at(time), envelope.at(time), atol=0.02)
 
 
-@needs_records
-@pytest.mark.parametrize("name", RECORDS)
-@pytest.mark.parametrize("model", ["amin_ang", "gamma"])
-def test_fit_follows_real_records(name, model):
-    record = recorded(name)
-    shape = sl.fit_envelope(record, model).at(record.time.values - float(record.time[0]))
-    of_record, of_envelope = (np.cumsum(each**2) / (each**2).sum() for each in (record.values, shape))
-    assert abs(of_record - of_envelope).max() < 0.2
-
-
-def test_unknown_envelope_is_refused(quake):
-    with pytest.raises(ValueError, match="'box' is not known"):
-        sl.fit_envelope(quake, "box")
-
-
 @pytest.mark.slow
 def test_pictures_are_drawn_with_their_parameters_and_of_their_own_tables_only(quake, tmp_path):
     from stochlin.views.probability.pictures import draw_pounding

@@ -1,6 +1,5 @@
 """Probability of pounding of laws without equivalent coefficients: by simulation alone."""
 
-import numpy as np
 import pytest
 import xarray as xr
 from cases import example_case
@@ -16,13 +15,6 @@ BESIDE = sl.Bilinear(1.0, 0.05, hardening=0.05, yield_displacement=0.04)
 STEM = "confidence_of_no_pounding"
 
 
-def chain(law):
-    """A building of one storey with the period of `CLOUGH`."""
-    stiffness = 1e5 * (2 * np.pi / 0.6) ** 2
-    strength = {"hardening": 0.05, "yield_drifts": [0.02], "law": law}
-    return sl.ShearBuilding([1e5], [stiffness], [3.0], 0.05, **strength)
-
-
 def test_shares_are_those_of_simulated_separations():
     table = sl.pounding_probability(CLOUGH, BESIDE, GROUND, 0.1, **MOTION)
     assert STEM not in table
@@ -32,15 +24,6 @@ def test_shares_are_those_of_simulated_separations():
     share = float((apart <= 0.1).mean("path"))
     assert float(table[f"{STEM}_simulated"][-1]) == share
     assert 0 < share < 1
-
-
-def test_a_building_of_one_storey_is_the_oscillator():
-    one, storey = (
-        sl.pounding_probability(each, BESIDE, GROUND, 0.1, **MOTION)
-        for each in (CLOUGH, chain("modified_clough"))
-    )
-    for name in (f"{STEM}_simulated", "required_gap_simulated"):
-        np.testing.assert_allclose(storey[name], one[name], rtol=1e-6)
 
 
 def test_without_a_simulation_there_is_nothing():

@@ -207,24 +207,3 @@ def test_gap_and_structure_may_share_a_dimension():
     alone = probability(TALL, sl.Bilinear(0.6, 0.05), FIRM, 0.08, **options)
     for name in ("confidence_of_no_pounding_simulated", "required_gap_simulated"):
         np.testing.assert_array_equal(table[name].isel(case=1), alone[name])
-
-
-# --- Bad input ------------------------------------------------------------------------------------
-
-
-def test_names_of_the_result_are_refused_for_dimensions():
-    gaps = xr.DataArray([0.05, 0.1], dims="height")
-    with pytest.raises(ValueError, match="a dimension is named 'height'"):
-        probability(TALL, LOW, FIRM, gaps)
-
-
-def test_storeys_beyond_what_can_be_computed_are_named():
-    with pytest.raises(ValueError, match="stiffnesses over masses are beyond all numbers"):
-        probability(replace(LOW, masses=[1e-300] * 2), TALL, FIRM, 0.1)
-    with pytest.raises(ValueError, match=r"4 storeys, would take .* storeys together"):
-        probability(replace(LOW, stiffnesses=[1e40, 1e8]), TALL, FIRM, 0.1)
-    many = sl.ShearBuilding.regular(period=4.0, storeys=200, storey_height=3.0, mass=1e5, damping=0.05)
-    with pytest.raises(ValueError, match=r"200 storeys, would take .* storeys together"):
-        probability(many, many, FIRM, 0.1)
-    with pytest.raises(ValueError, match="lost by rounding errors; the largest one is"):
-        sl.simulate([TALL, LOW], FIRM, duration=5.0, paths=32, link=sl.Link(1e30, floors=(1, 1)))

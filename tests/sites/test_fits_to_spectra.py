@@ -10,17 +10,11 @@ import stochlin as sl
 
 G = 9.80665
 ENVELOPE = sl.AminAng(2.0, 12.0, 0.4)
-PAIR = sl.Bilinear(0.5, 0.05, 0.05, yield_displacement=0.01), sl.Bilinear(1.0, 0.05)
 RECORD = sl.simulated_motions(sl.named_ground("firm", 0.01), 20.0, paths=2)[0]
-EUROCODE = [(kind, soil) for kind in (1, 2) for soil in "ABCDE"]
 CODES = {
-    f"Eurocode 8, type {kind}, {soil}": sl.eurocode_8(0.25 * G, soil, kind) for kind, soil in EUROCODE
+    f"type {kind}, {soil}": sl.eurocode_8(0.25 * G, soil, kind) for kind, soil in ((1, "D"), (2, "A"))
 }
-CODES |= {
-    "ASCE 7, Los Angeles": sl.asce_7(1.31 * G, 0.80 * G, 8.0),
-    "ASCE 7, Memphis": sl.asce_7(0.68 * G, 0.39 * G, 12.0),
-    "ASCE 7, Seattle": sl.asce_7(0.93 * G, 0.58 * G, 6.0),
-}
+CODES["ASCE 7"] = sl.asce_7(0.68 * G, 0.39 * G, 12.0)
 
 
 @pytest.mark.slow
@@ -55,7 +49,7 @@ def test_motions_deliver_the_spectrum(name):
 )
 def test_options_that_do_not_go_with_the_target_are_refused(options, message):
     with pytest.raises(ValueError, match=message):
-        sl.fit_ground(**{"target": CODES["Eurocode 8, type 1, A"]} | options)
+        sl.fit_ground(**{"target": CODES["ASCE 7"]} | options)
 
 
 @pytest.mark.oracle
@@ -69,17 +63,6 @@ def test_a_simulated_spectrum_is_that_of_its_motions():
     mean, error = np.mean(each, axis=0), np.std(each, axis=0) / np.sqrt(256)
     off = np.abs(found.pseudo_acceleration - mean)
     assert (off < 4 * np.hypot(error, found.pseudo_acceleration_standard_error)).all()
-
-
-@pytest.mark.oracle
-def test_motions_are_those_of_simulate():
-    options = {"duration": 10.0, "envelope": ENVELOPE, "paths": 32, "seed": 4}
-    ground = sl.named_ground("firm", intensity=0.02)
-    table = sl.simulate(PAIR, ground, steps_per_period=64, **options)
-    motions = sl.simulated_motions(ground, step=table.attrs["step_s"], **options)
-    gaps = [float(sl.recorded_gap(*PAIR, motion).separation) for motion in motions[:8]]
-    # Time steps against the exact solution between samples: second order.
-    np.testing.assert_allclose(gaps, table.separation[:8, 0, 1], rtol=2e-3)
 
 
 @pytest.mark.oracle

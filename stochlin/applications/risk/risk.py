@@ -321,7 +321,7 @@ class SimulatedRisk:
             least, top = self.hazard.intensities[0], self.hazard.intensities[-1]
             known = np.clip(intensity, least, top)
         frequencies = np.asarray(self.hazard.frequency(xr.DataArray(known)))
-        if (lost := np.isnan(frequencies) & ~np.isnan(known)).any():
+        if (lost := np.isinf(frequencies)).any():
             raise ValueError(
                 f"hazard: {self.hazard.describe()} gives annual frequencies beyond the range of numbers "
                 f"for {known[lost].min():.3g} {UNITS[self.hazard.measure]}, at which motions still "

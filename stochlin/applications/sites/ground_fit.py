@@ -19,7 +19,7 @@ from stochlin.applications.sites.spectrum_fit import (
 )
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.messages import refuse
-from stochlin.models.arguments import Duration, OneOf, Seed, TwoNumbers, Whole, checked, fitting
+from stochlin.models.arguments import Duration, OneOf, Seed, TwoNumbers, Whole, checked
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import MOST_FILTERS
 
@@ -27,26 +27,6 @@ _OF_SPECTRA = ("clough_penzien",)
 _FEWEST_DECADES = 0.5  # smallest range of periods of a spectrum within the range of the fit
 
 
-def _check_fitting(
-    target: object,
-    estimator: object,
-    part: object,
-    frequency_range: object,
-    duration: object,
-    envelope: object,
-    filters: object,
-) -> None:
-    """Raise a ValueError for an argument that goes with the other kind of target."""
-    of_records = {"estimator": estimator, "frequency_range": frequency_range}
-    if is_spectrum(target):
-        other_part = None if part is STRONG_PART else part
-        refuse("target", "a spectrum", {**of_records, "part": other_part})
-    elif isinstance(target, xr.DataArray) and "time" in target.dims:
-        of_spectra = {"duration": duration, "envelope": envelope, "filters": filters}
-        refuse("target", "a record", of_spectra)
-
-
-@fitting(_check_fitting)
 @checked
 def fit_ground(
     target: xr.DataArray,
@@ -175,6 +155,8 @@ def fit_ground(
     if not is_spectrum(target):
         if "time" not in target.dims:
             raise ValueError(f"target has the dimensions {target.dims}; allowed: time or period")
+        of_spectra = {"duration": duration, "envelope": envelope, "filters": filters}
+        refuse("target", "a record", of_spectra)
         return ground_of_record(
             target,
             model or "kanai_tajimi",
@@ -182,6 +164,9 @@ def fit_ground(
             part=part,
             frequency_range=frequency_range,
         )
+    other_part = None if part is STRONG_PART else part
+    of_records = {"estimator": estimator, "frequency_range": frequency_range, "part": other_part}
+    refuse("target", "a spectrum", of_records)
     OneOf(_OF_SPECTRA)("model", _OF_SPECTRA[0] if model is None else model)
     if duration is None:
         raise ValueError("duration is missing; a spectrum does not contain it: give it in seconds")

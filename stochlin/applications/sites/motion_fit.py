@@ -48,12 +48,9 @@ class UsualScatter(NamedTuple):
 
 # What motions are used for, and the scatter that recorded earthquakes show there.
 USES = {
-    "same_record": UsualScatter(0.0, "motions like the record itself"),
     "other_component": UsualScatter(0.4, "the other component of a station in the far field"),
-    "other_station": UsualScatter(0.4, "other stations and earthquakes, scaled to the same Sa"),
     "spectrum": UsualScatter(0.3, "suites of records about a spectrum"),
 }
-FITTED_USES = ("same_record", "other_component", "other_station")
 OTHER_COMPONENT = "other_component"
 
 
@@ -141,11 +138,9 @@ class FittedMotion:
         Length of the motion [s].
     scatter : float
         Scatter of the ground acceleration between earthquakes [-], as in `simulate`; by default that
-        between both components of a station. 0 is for motions like this record.
+        between both components of a station. 0 is for motions like this record alone.
     scatter_source : str
         Where the scatter is from.
-    doubts : tuple of str
-        What of the record the motions miss, in sentences; empty if nothing.
 
     Raises
     ------
@@ -158,7 +153,6 @@ class FittedMotion:
     duration: Duration
     scatter: Scatter = USES[OTHER_COMPONENT].scatter
     scatter_source: str = USES[OTHER_COMPONENT].source
-    doubts: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         check_fields(self, "FittedMotion: ")
@@ -169,7 +163,6 @@ def fit_motion(
     record: Records,
     envelope: Annotated[str, OneOf(FITTED_ENVELOPES)] = "amin_ang",
     *,
-    use: Annotated[str, OneOf(FITTED_USES)] = OTHER_COMPONENT,
     band: TwoNumbers = BAND,
     filters: Annotated[int, Whole(1, 3)] = FILTERS,
     seed: Seed = 0,
@@ -197,10 +190,6 @@ def fit_motion(
         ``event`` and ``station`` are known (`read_records`, AT2 files), they have to agree.
     envelope : str
         Model of the envelope, as in `fit_envelope`.
-    use : {"other_component", "other_station", "same_record"}
-        What the motions are used for, on which the ``scatter`` depends: another component or earthquake
-        at the same station; another station, scaled to the same spectral acceleration; or motions like
-        this record, without scatter.
     band : tuple of two floats
         Periods [s] of the buildings, between which the spectra of motions and record are compared.
     filters : int
@@ -214,10 +203,8 @@ def fit_motion(
     -------
     fitted motion
         The ``ground``, the ``envelope``, the ``duration`` [s] of the record and the ``scatter`` [-] of
-        its use with its source, for `simulate`, `separation`, `simulated_motions` and other functions
-        with these arguments. ``doubts`` says what the motions miss: a significant duration off by a
-        factor of more than 1.5, or a mean spectrum off by more than 30 % (root mean
-        square) in the band.
+        another component with its source, for `simulate`, `separation`, `simulated_motions` and other
+        functions with these arguments. For motions like the record alone the scatter is 0.
 
     Raises
     ------
@@ -230,7 +217,8 @@ def fit_motion(
     Warns
     -----
     UserWarning
-        For each of the ``doubts``.
+        If motions have a significant duration off by a factor of more than 1.5, or a mean spectrum off
+        by more than 30 % (root mean square) in the band.
 
     Notes
     -----
@@ -249,8 +237,8 @@ def fit_motion(
     >>> shape = sl.AminAng(3.0, 10.0, 0.3)
     >>> record = sl.simulated_motions(sl.named_ground("firm", 0.01), 25.0, shape, paths=2)[0]
     >>> motion = sl.fit_motion(record)
-    >>> motion.duration, motion.scatter, motion.doubts
-    (25.01, 0.4, ())
+    >>> motion.duration, motion.scatter
+    (25.01, 0.4)
     """
     components = checked_components(record)
     check_band(band)
@@ -272,12 +260,11 @@ def fit_motion(
     }
     lasting = _significant(shape.at(time), components.dt)
     of_record = _significant(common.to_numpy(), components.dt)
-    doubts = tuple(_misfits(lasting, of_record, periods, factor * np.exp(fit.off), band))
-    for warning in doubts:
+    for warning in _misfits(lasting, of_record, periods, factor * np.exp(fit.off), band):
         warnings.warn(f"{components.source}: {warning}", DoubtfulInput, stacklevel=3)
-    both = len(components.records) == 2 and use == OTHER_COMPONENT
-    usual = between_components(components, band) if both else USES[use]
-    return FittedMotion(replace(ground, **changed), shape, duration, *usual, doubts)
+    both = len(components.records) == 2
+    usual = between_components(components, band) if both else USES[OTHER_COMPONENT]
+    return FittedMotion(replace(ground, **changed), shape, duration, *usual)
 
 
 def periods_of_fit(duration: float) -> Array:
