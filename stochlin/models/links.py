@@ -10,10 +10,9 @@ import xarray as xr
 
 from stochlin.messages import brief
 from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Model, Parameter, Range, parameter
-from stochlin.models.structures import HARDENING
 
 GROUND = 0  # number of the ground among the floors of a link within one structure
-EXPONENT = Range(0.0, 2.0, include_upper=True)
+EXPONENT, SHARE = Range(0.0, 2.0, include_upper=True), Range(0.0, 1.0, True, True)
 
 
 @dataclass(frozen=True)
@@ -38,7 +37,7 @@ class Link(Model):
     damping_exponent : float or array, optional
         Exponent ``a`` of the dashpot [-], in (0, 2]; 1, a linear dashpot, by default.
     hardening : float or array, optional
-        Hardening ratio of the spring, post-yield over elastic stiffness [-], in (0, 1]. It is given
+        Hardening ratio of the spring, post-yield over elastic stiffness [-], from 0 to 1. It is given
         together with ``yield_displacement``.
     yield_displacement : float or array, optional
         Relative displacement ``u1 - u2`` at which the spring yields [m], positive.
@@ -80,7 +79,7 @@ class Link(Model):
     damping_constant: Parameter = parameter("N s/m", "damping constant of the link", NOT_NEGATIVE, 0.0)
     _: KW_ONLY
     damping_exponent: Parameter | None = parameter("1", "exponent of the dashpot", EXPONENT, None)
-    hardening: Parameter | None = parameter("1", "hardening ratio of the link", HARDENING, None)
+    hardening: Parameter | None = parameter("1", "hardening ratio of the link", SHARE, None)
     yield_displacement: Parameter | None = parameter("m", "extension at yield", POSITIVE, None)
     floors: tuple[int, int] | None = None
     structures: tuple[int, int] | None = None

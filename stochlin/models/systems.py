@@ -271,7 +271,7 @@ def stacks_of(oscillators: Structure, dimension: str, count: int) -> list[Stack]
 
 
 def check_stationary(system: Arrangement) -> None:
-    """Raise a ValueError if a storey or all together have no positive stiffness after yielding."""
+    """Raise a ValueError if a storey has no positive stiffness after yielding."""
     for number, stack in enumerate(system.stacks, start=1):
         weak = np.atleast_2d((stack.system.post <= 0) & (stack.system.couple > 0)).any(axis=0)
         if not weak.any():
@@ -283,27 +283,6 @@ def check_stationary(system: Arrangement) -> None:
             f"({left:.3g} N/m, with the weight above if p_delta): its drift grows without end, with no "
             f"stationary value; {CURE}; or give more hardening, or p_delta=False"
         )
-    _check_links(system)
-
-
-def _check_links(system: Arrangement) -> None:
-    """Raise a ValueError if links that soften take all stiffness after yielding; not for arrays."""
-    posts = [tie.link.springs[0] for tie in system.ties]
-    of_storeys = system.storeys.post
-    if of_storeys.ndim > 1 or any(np.ndim(post) for post in posts) or min(posts, default=0.0) >= 0:
-        return
-    rows, n = system.extensions, of_storeys.size
-    left = rows[:n].T * of_storeys @ rows[:n]
-    for i in np.argsort(posts)[::-1]:  # those that harden first
-        row, tie = rows[n + i], system.ties[i]
-        least = -1 / (row @ np.linalg.solve(left, row))
-        if posts[i] <= least:
-            raise ValueError(
-                f"links, number {tie.number}: hardening = {tie.link.number('hardening'):g} leaves no "
-                "stiffness after yielding, and the displacement no stationary value; "
-                f"allowed: {least / tie.link.number('stiffness'):.4g} < value; or {CURE}"
-            )
-        left += posts[i] * np.outer(row, row)
 
 
 def shares_at(levels: Array, height: float) -> dict[int, float]:

@@ -354,27 +354,6 @@ def test_weight_that_eats_the_hardening_has_no_stationary_answer():
         sl.linearize_system([LOW, weak], GROUND)
 
 
-def test_link_that_softens_leaves_some_stiffness_or_is_refused_with_the_limit():
-    """Of two oscillators in series with the link; the way from above to below 0 has no jump."""
-    pair = [sl.Bilinear(period, 0.05, mass=1e5) for period in (0.5, 0.8)]
-    springs = [1e5 * (2 * np.pi / one.period) ** 2 for one in pair]
-    least = -1 / (1 / springs[0] + 1 / springs[1]) / 1e8
-
-    def tied(hardening):
-        link = sl.Link(1e8, hardening=hardening, yield_displacement=1e-3)
-        return sl.linearize_system(pair, GROUND, [link]).drift_std
-
-    below, none, above = (tied(hardening) for hardening in (-1e-6, 0.0, 1e-6))
-    np.testing.assert_allclose(none, 0.5 * (below + above), rtol=1e-7)
-    assert np.isfinite(tied(0.5 * least)).all()
-    with pytest.raises(
-        ValueError, match=r"links, number 1: .*allowed: (\S+) < value; or follow"
-    ) as told:
-        tied(1.01 * least)
-    named = float(str(told.value).split("allowed: ")[1].split()[0])
-    np.testing.assert_allclose(named, least, rtol=1e-3)
-
-
 @pytest.mark.parametrize(
     ("change", "message"),
     [

@@ -4,25 +4,19 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from stochlin.kernels.linearization.transient import Difference, Own
 from stochlin.kernels.probability.drift_growth import drift_variances
 
 pytestmark = pytest.mark.oracle
 HARDENING, BIAS = np.array([0.05, 0.1]), np.array([-0.3, -0.2])
-PAIR, RHO_BIAS = np.array([[0], [1]]), np.array([0.1])
+RHO_BIAS = np.array([0.1])
 TIMES = np.linspace(0, 20, 401)
 
 
-def moments(variance, product, relaxation):
-    """Moments over time (times, 2) of two structures, and (times,) their covariance."""
-    nothing = np.zeros_like(variance)
-    own = Own(variance, nothing, nothing, nothing, relaxation, nothing[:, None])
-    return own, Difference(*[np.zeros((len(product), 1))] * 3, product[:, None])
-
-
-def drifts(*of_time):
-    own, apart = drift_variances(*moments(*of_time), PAIR, TIMES, HARDENING, BIAS, RHO_BIAS)
-    return own, apart[:, 0]
+def drifts(variance, product, relaxation):
+    """Of one pair, from moments (times, 2) of both structures and their covariance (times,)."""
+    variances, pace = variance.T[..., None], (HARDENING * relaxation).T[..., None]
+    own, apart = drift_variances(variances, product[:, None], pace, TIMES, BIAS[:, None], RHO_BIAS)
+    return own[..., 0].T, apart[:, 0]
 
 
 def test_under_steady_shaking_the_drift_grows_to_the_known_size_by_an_exponential():

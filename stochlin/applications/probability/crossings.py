@@ -10,12 +10,11 @@ from scipy.optimize import elementwise
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.linearization.systems.response import StationaryResponse
-from stochlin.kernels.linearization.transient import Difference
+from stochlin.kernels.linearization.systems.state_space import state_space
+from stochlin.kernels.linearization.transient import TransientMoments
 from stochlin.kernels.probability.crossings import accumulated, exceeding, hazards
-from stochlin.models.grounds import Ground
-from stochlin.models.systems import Arrangement
 from stochlin.solver.linearization.systems.state_space import Equations
-from stochlin.solver.linearization.transient_systems import TimeGrid, TransientMoments, ground_of
+from stochlin.solver.linearization.transient_systems import TimeGrid
 
 WIDEST, NARROWEST = 14.0, 1e-3  # bounds of a gap in a search, over the largest standard deviation
 CLOSE = 1e-5  # relative tolerance of the search
@@ -34,6 +33,15 @@ class Chances(NamedTuple):
     poisson: Array  # confidence of no pounding until the instant, for independent crossings
 
 
+class Difference(NamedTuple):
+    """Second moments of ``d = u_1 - u_2`` over time, each (times, k p)."""
+
+    d_d: Array  # [m^2]
+    d_v: Array  # [m^2/s], E[d d']
+    v_v: Array  # [m^2/s^2]
+    product: Array  # [m^2], E[u_1 u_2]
+
+
 class RelativeMotion(NamedTuple):
     """Motion ``u_1 - u_2`` of p pairs, in k strengths of the motion, strength by strength.
 
@@ -42,7 +50,7 @@ class RelativeMotion(NamedTuple):
     the gap, and the probabilities of no pounding are averaged over it.
     """
 
-    both: Difference  # second moments (times, k p)
+    both: Difference
     bandwidth: Array  # (times, k p) [-]
     drift: Array  # (times, k p) variance [m^2]
     course: TimeGrid
@@ -111,37 +119,28 @@ class RelativeMotion(NamedTuple):
 
 
 def bandwidths(
-    moments: TransientMoments, pairs: Array, ground: Ground, progress: Progress | None = None
+    moments: TransientMoments,
+    equations: Equations,
+    rows: Array,
+    times: Array,
+    progress: Progress | None = None,
 ) -> Array:
-    """Bandwidth [-] of ``u_1 - u_2`` over (times, pairs h), with h heights.
+    """Bandwidth [-] over (times, k h) of h sums of coordinates with these weights, in k cells.
 
     At each instant it is that of the stationary response of the equivalent linear systems at this
     instant, since their spectrum develops within a few periods.
     """
-    times, own = moments.course.times, moments.own
-    elastic = not own.relaxation.any() and not own.slip.any()
+    elastic = not moments.relaxation.any() and not moments.slip.any()
     chosen = np.unique(np.linspace(0, times.size - 1, 1 if elastic else INSTANTS).astype(int))
-    first, second = moments.sides
-    seen, count = np.hstack([first.seen, -second.seen]), pairs.shape[1]
-    spectral = np.full((3, chosen.size, count, len(seen)), np.nan)
-    for number in range(count):
-        stacks = first.stack_at(number), second.stack_at(number)
-        begins = number * first.elements, count * first.elements + number * second.elements
-        storeys = [b + np.arange(s.coordinates) for b, s in zip(begins, stacks, strict=True)]
-        at = np.concatenate(storeys)
-        equations = Equations(Arrangement(stacks, ()), ground_of(ground, first.ground, number))
-        for place, instant in enumerate(chosen):
-            slip, relaxation = own.slip[instant, at], own.relaxation[instant, at]
-            space = equations.state_space(slip - 1, relaxation, equations.yields)
-            of_space = StationaryResponse(space).spectral_moments(seen)
-            spectral[:, place, number] = np.stack(of_space)[:, 0]
+    mechanics, table = equations.mechanics(equations.yields), []
+    for number, instant in enumerate(chosen, start=1):
+        coefficients = moments.slip[instant] - 1, moments.relaxation[instant]
+        space = state_space(mechanics, *coefficients, equations.dashpots)
+        l0, l1, l2 = StationaryResponse(space).spectral_moments(rows)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            narrow = 1 - l1**2 / (l0 * l2)
+        # NaN, for structures that move together, becomes 1: crossings are then independent.
+        table.append(np.sqrt(np.clip(np.nan_to_num(narrow, nan=1.0), 0, 1)).ravel())
         if progress is not None:
-            progress((number + 1) / count)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        l0, l1, l2 = spectral.reshape(3, chosen.size, -1)
-        narrow = 1 - l1**2 / (l0 * l2)
-    # NaN, for structures that move together, becomes 1: crossings are then independent.
-    table = np.sqrt(np.clip(np.nan_to_num(narrow, nan=1.0), 0, 1))
-    if elastic:
-        return np.broadcast_to(table, (times.size, table.shape[1]))
-    return np.stack([np.interp(times, times[chosen], column) for column in table.T], axis=1)
+            progress(number / chosen.size)
+    return np.stack([np.interp(times, times[chosen], column) for column in np.transpose(table)], axis=1)

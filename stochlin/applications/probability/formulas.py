@@ -10,28 +10,22 @@ import numpy as np
 import xarray as xr
 
 from stochlin.applications.probability.axes import HEIGHT, ResultAxes, over_heights
-from stochlin.applications.probability.crossings import RelativeMotion, bandwidths
+from stochlin.applications.probability.crossings import Difference, RelativeMotion, bandwidths
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, part_of
-from stochlin.kernels.linearization.transient import Difference
 from stochlin.kernels.probability.drift_growth import drift_variances
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import Gap, Structure
-from stochlin.models.systems import AnyStructure
+from stochlin.models.systems import AnyStructure, first_period
 from stochlin.models.uncertain import median_of
 from stochlin.solver.correlation.correlation import correlate
 from stochlin.solver.linearization.strength import strength_in_metres
-from stochlin.solver.linearization.transient_systems import (
-    StructureCells,
-    TimeGrid,
-    TransientMoments,
-    oscillators_of,
-    side_of,
-    solve_course,
-)
-from stochlin.solver.simulation.views import displacement_at, meeting_heights
-from stochlin.solver.tables import labels
+from stochlin.solver.linearization.systems.state_space import Equations
+from stochlin.solver.linearization.systems.systems import equations_of
+from stochlin.solver.linearization.transient_systems import TimeGrid, solve_course
+from stochlin.solver.simulation.views import at_height, meeting_heights
 
+EQUAL = 1e-6  # relative variance of the difference below which it is an error of the integration
 OF_MOMENTS = 0.9  # share of the progress that the moments have beside the bandwidths
 MOTION = "motion"  # dimension of the motions, which the results do not have
 CHANCES = "instantaneous_probability", "confidence_of_no_pounding", "confidence_of_no_pounding_poisson"
@@ -57,48 +51,43 @@ def strengths(scatter: float) -> tuple[Array, Array]:
     return np.exp(scatter * normal), weights / weights.sum()
 
 
-class MovingPair(NamedTuple):
-    """Two structures in m motions of different strength, and the h heights at which they can meet."""
+class PairMoments(NamedTuple):
+    """Moments of a pair over time, in m motions of different strength, at h heights."""
 
-    sides: tuple[StructureCells, StructureCells]  # m cells each
-    heights: Array  # (h,) [m]
-    course: TimeGrid
+    own: Array  # (2, times, m h) variances of both displacements [m^2]
+    both: Difference
+    bandwidth: Array  # (times, m h) of the relative displacement
+    pace: Array  # (elements, times, m) alpha k_eq [1/s]
 
-    @classmethod
-    def of(
-        cls, first: AnyStructure, second: AnyStructure, ground: Ground, course: TimeGrid
-    ) -> MovingPair:
-        """The pair; the ground may be an array over the motions.
 
-        Raises an ArithmeticError if the elastic response of a structure cannot be computed.
-        """
-        sides: list[StructureCells] = []
-        for role, structure in (("first", first), ("second", second)):
-            begin = sum(side.period.size for side in sides)
-            side = side_of(structure, ground, course.duration, role, begin)
-            labels.raise_if_lone_failure(xr.Dataset({"status": side.status.max()}), role)
-            sides.append(side)
-        stacks = [side.stack for side in sides]
-        heights = meeting_heights(*stacks)
-        if not np.isnan(heights[0]):
-            for n, stack in enumerate(stacks):
-                at = np.zeros((heights.size, stack.levels.size))
-                for row, height in enumerate(heights):
-                    terms = displacement_at(stack, float(height))
-                    at[row, list(terms)] = list(terms.values())
-                sides[n] = sides[n]._replace(seen=at @ stack.system.shapes)
-        return cls((sides[0], sides[1]), heights, course)
-
-    @property
-    def numbers(self) -> Array:
-        """Numbers (2, m) of both structures in each motion."""
-        return np.arange(2 * self.sides[0].period.size).reshape(2, -1)
-
-    def solve(self, ground: Ground, progress: Progress | None) -> tuple[TransientMoments, Array]:
-        """Second moments, and bandwidths (times, m h), by transient linearization."""
-        first, rest = part_of(progress, 0.0, OF_MOMENTS), part_of(progress, OF_MOMENTS, 1.0)
-        moments = solve_course(self.sides, ground, self.numbers, self.course, first)
-        return moments, bandwidths(moments, self.numbers, ground, rest)
+def moments_of_pair(
+    equations: Equations,
+    heights: Array,
+    course: TimeGrid,
+    shortest: float,
+    progress: Progress | None = None,
+) -> PairMoments:
+    """Moments of two structures with this shortest period [s] by transient linearization."""
+    system = equations.arrangement
+    floors = np.zeros((2, heights.size, int(system.first[-1])))
+    for number, row in np.ndindex(floors.shape[:2]):
+        for floor, share in at_height(system, number, float(heights[row])).items():
+            floors[number, row, floor] = share
+    first, second = floors @ equations.system.shapes
+    begin, rest = part_of(progress, 0.0, OF_MOMENTS), part_of(progress, OF_MOMENTS, 1.0)
+    rows = np.concatenate([first, second, first - second])
+    moments = solve_course(equations, rows, course, shortest, begin)
+    bandwidth = bandwidths(moments, equations, first - second, course.times, rest)
+    (own_1, own_2, d_d), (*_, d_v), (*_, v_v) = (
+        [part.reshape(len(part), -1) for part in np.split(values, 3, axis=-1)]
+        for values in (moments.displacement, moments.mixed, moments.velocity)
+    )
+    d_d = np.where(d_d > EQUAL * (own_1 + own_2), d_d, 0.0)
+    springs, yields = equations.system, equations.yields
+    pace = np.zeros((len(own_1), *equations.strength.shape))
+    pace[..., yields] = moments.relaxation * (springs.post / springs.elastic)[:, yields]
+    both = Difference(d_d, d_v, v_v, 0.5 * (own_1 + own_2 - d_d))
+    return PairMoments(np.stack([own_1, own_2]), both, bandwidth, np.moveaxis(pace, -1, 0))
 
 
 def by_formula(
@@ -117,7 +106,7 @@ def by_formula(
     ground. The motions of all intensities and strengths are solved together.
     """
     ground = median_of(ground)
-    first, second = (strength_in_metres(median_of(structure), ground) for structure in structures)
+    pair = [strength_in_metres(median_of(structure), ground) for structure in structures]
     if intensities is None:
         intensities = np.array([float(ground.arrays()["intensity"])])
     factors, weights = strengths(scatter)
@@ -125,11 +114,13 @@ def by_formula(
         "intensity": xr.DataArray(np.outer(intensities, factors**2).ravel(), dims=MOTION)
     }
     ground = replace(ground, **changed)
-    pair = MovingPair.of(first, second, ground, course)
-    moments, bandwidth = pair.solve(ground, progress)
-    axes, columns = ResultAxes(pair.heights, distance), [bandwidth, *moments.difference]
-    drift, apart = _drift(pair, moments, ground)
-    own = [*np.split(moments.own.displacement, 2, axis=1), *np.split(drift, 2, axis=1), apart]
+    equations = equations_of(pair, ground)
+    heights = meeting_heights(*equations.arrangement.stacks)
+    shortest = min(float(first_period(structure)) for structure in pair)
+    moments = moments_of_pair(equations, heights, course, shortest, progress)
+    axes, columns = ResultAxes(heights, distance), [moments.bandwidth, *moments.both]
+    drift, apart = _drift(pair, moments, ground, course.times)
+    own = [*moments.own, *drift, apart]
     tables = []
     for intensity in range(intensities.size):
         band, *both, own_1, own_2, drift_1, drift_2, slow = (
@@ -185,16 +176,16 @@ def _is_in_map(structure: AnyStructure) -> TypeGuard[Structure]:
     return not structure.yields or (structure.linearizes and bool(structure.settles().any()))
 
 
-def _drift(pair: MovingPair, moments: TransientMoments, ground: Ground) -> tuple[Array, Array]:
+def _drift(
+    pair: Sequence[AnyStructure], moments: PairMoments, ground: Ground, times: Array
+) -> tuple[Array, Array]:
     """Variances [m^2] of the plastic drifts and of their difference; NaN where the bias is unknown."""
-    own, both, sides, course = moments
-    first, second = (side.structure for side in sides)
+    (first, second), own, product = pair, moments.own, moments.both.product
     if not (_is_in_map(first) and _is_in_map(second)):
         unknown = np.nan if first.yields or second.yields else 0.0
-        return np.full_like(own.displacement, unknown), np.full_like(both.d_d, unknown)
-    table, count = correlate(first, second, ground), pair.numbers.shape[1]
+        return np.full_like(own, unknown), np.full_like(product, unknown)
+    table, count = correlate(first, second, ground), moments.pace.shape[-1]
     *biases, shared = (
         np.broadcast_to(table[name].values, count) for name in ("bias_1", "bias_2", "bias")
     )
-    (_, _, hardening, _), bias = oscillators_of(sides), np.concatenate(biases)
-    return drift_variances(own, both, pair.numbers, course.times, hardening, bias, shared)
+    return drift_variances(own, product, moments.pace, times, np.stack(biases), shared)

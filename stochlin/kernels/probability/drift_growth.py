@@ -12,38 +12,30 @@ from __future__ import annotations
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.linearization.transient import Difference, Own
 
 SPEED = 3.0  # relaxation rate of the drift over alpha k_e of linearization, fitted to simulations
 
 
 def drift_variances(
-    own: Own,
-    both: Difference,
-    pairs: Array,
-    times: Array,
-    hardening: Array,
-    bias: Array,
-    rho_bias: Array,
+    variances: Array, product: Array, pace: Array, times: Array, bias: Array, rho_bias: Array
 ) -> tuple[Array, Array]:
-    """Variances of the drifts of displacements (times, n) and of their differences (times, p) [m^2].
+    """Variances of the drifts of displacements (2, times, p) and of their differences (times, p) [m^2].
 
-    ``pairs`` (2, p) are the numbers of the two structures of each pair. ``bias`` (n,) is the relative
-    error of the linearized standard deviation, and ``rho_bias`` (p,) is the linearized less the true
-    correlation; NaN if unknown.
+    ``variances`` (2, times, p) and ``product`` (times, p) are the linearized second moments of both
+    displacements of p pairs, and ``pace`` (2, times, p) is ``alpha k_e``. ``bias`` (2, p) is the
+    relative error of the linearized standard deviation, and ``rho_bias`` (p,) is the linearized less the
+    true correlation; NaN if unknown.
     """
-    i, j = pairs
-    pace = 2 * SPEED * hardening * own.relaxation
-    full = own.displacement / (1 + bias) ** 2
-    drift = _relaxing(full - own.displacement, pace, times)
+    pace = 2 * SPEED * pace
+    full = variances / (1 + bias[:, None]) ** 2
+    first, second = map(_relaxing, full - variances, pace, [times] * 2)
     # Near rest a variance may be negative by rounding.
-    root = np.sqrt(np.maximum(own.displacement[:, i] * own.displacement[:, j], 0))
-    rho = both.product / np.where(root > 0, root, 1.0) - rho_bias
-    shared = np.clip(rho, -1, 1) * np.sqrt(np.maximum(full[:, i] * full[:, j], 0)) - both.product
-    shared = _relaxing(shared, 0.5 * (pace[:, i] + pace[:, j]), times)
-    apart = drift[:, i] + drift[:, j] - 2 * shared
+    root = np.sqrt(np.maximum(variances.prod(axis=0), 0))
+    rho = product / np.where(root > 0, root, 1.0) - rho_bias
+    shared = np.clip(rho, -1, 1) * np.sqrt(np.maximum(full.prod(axis=0), 0)) - product
+    apart = first + second - 2 * _relaxing(shared, pace.mean(axis=0), times)
     # A negative variance, if the correction of rho outweighs that of the variances, is set to zero.
-    return drift, np.where(np.isnan(apart), np.nan, np.maximum(apart, 0))
+    return np.stack([first, second]), np.where(np.isnan(apart), np.nan, np.maximum(apart, 0))
 
 
 def _relaxing(target: Array, pace: Array, times: Array) -> Array:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -12,21 +13,20 @@ from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import Model
 from stochlin.models.structures import Structure
+from stochlin.solver.linearization.equivalent_systems import solve_elastic
+from stochlin.solver.linearization.systems.systems import equations_of
 from stochlin.solver.linearization.transient_systems import (
     POINTS,
     TIME,
     check_course,
     course_of,
-    oscillators_of,
     over_time,
-    shortest_period,
-    side_of,
     solve_course,
-    spread_over,
 )
 from stochlin.solver.linearization.variables import VARIABLES
 from stochlin.solver.tables import labels
-from stochlin.solver.tables.cells import together_or_alone
+from stochlin.solver.tables.cells import flat, together_or_alone
+from stochlin.solver.tables.checks import check_duration
 from stochlin.solver.tables.lazy import check_names
 
 
@@ -132,30 +132,43 @@ def _of_cells(
     structure: Structure, ground: Ground, *, seconds: float, envelope: Envelope | None, points: int
 ) -> xr.Dataset:
     """Variables of `transient_response` of all cells, in steps that they share."""
-    side = side_of(structure, ground, seconds, "structure", 0)
-    labels.raise_if_lone_failure(xr.Dataset({"status": side.status}), "transient_response")
-    if not side.period.size:
+    check_duration(seconds, {"structure": structure})
+    status = solve_elastic(structure, ground).status
+    status = status.where(status >= labels.NOT_CONVERGED, labels.CONVERGED)
+    labels.raise_if_lone_failure(xr.Dataset({"status": status}), "transient_response")
+    period = structure.arrays()["period"]
+    status = status.where((status >= labels.NOT_CONVERGED) | (period <= seconds), labels.INVALID_INPUT)
+    if status.ndim:  # other cells are left out like those with parameters out of range
+        structure = replace(structure, period=period.where(status < labels.NOT_CONVERGED))
+    cells = flat({"structure": structure, "ground": ground}, settled=False)
+    if not cells.where.size:
         raise ValueError("no structure has valid parameters; correct those that are out of range")
-    course = course_of(envelope, seconds, shortest_period([side]), points)
-    own = solve_course([side], ground, np.zeros((2, 0), int), course).own
-    shown = course.shown
-    _, _, _, uy = oscillators_of([side])
-    couple = side.stack.system.couple.ravel()
-    work, means = own.means[shown, :1].sum(axis=1), own.means[shown, 1:]
+    equations = equations_of([cells.models["structure"]], cells.models["ground"])
+    shortest = float(np.min(cells.models["structure"].arrays()["period"]))
+    course = course_of(envelope, seconds, shortest, points)
+    moments = solve_course(equations, np.eye(1), course, shortest)
+    uy, couple = equations.strength[:, 0], equations.system.couple[:, 0]
+    # Sums over the one element that yields, or over none.
+    parts = moments.z, moments.slip, moments.relaxation, moments.means
+    z, slip, relaxation, means = (part[course.shown].sum(axis=-1) for part in parts)
     values = {
-        "displacement_std": np.sqrt(np.maximum(own.displacement[shown], 0)),
-        "velocity_std": np.sqrt(np.maximum(own.velocity[shown], 0)),
-        "z_std": np.sqrt(np.maximum(own.z[shown], 0)) / uy,
-        "c_eq": own.slip[shown] - 1,
-        "k_eq": own.relaxation[shown],
-        "hysteretic_energy_per_mass": couple * np.where(np.isinf(uy), 0.0, uy) ** 2 * work,
-        "yield_displacement": uy,
+        "displacement_std": np.sqrt(np.maximum(moments.displacement[course.shown, :, 0], 0)),
+        "velocity_std": np.sqrt(np.maximum(moments.velocity[course.shown, :, 0], 0)),
+        "z_std": np.sqrt(np.maximum(z, 0)) / uy,
+        "c_eq": slip - 1,
+        "k_eq": relaxation,
+        "hysteretic_energy_per_mass": couple * np.where(np.isinf(uy), 0.0, uy) ** 2 * means[:, 0],
     }
-    own_names = *values, "envelope", "state", "state_mean", "permanent_set", "status", TIME
-    check_names((*side.position.dims, *side.position.coords), own_names)
-    table = xr.Dataset({name: spread_over(row, side.position) for name, row in values.items()})
-    if means.shape[1]:
-        states = [spread_over(means[:, n], side.position) for n in range(means.shape[1])]
-        table["state_mean"] = xr.concat(states, "state").transpose("time", "state", ...)
+    own_names = *values, "yield_displacement", "envelope", "state", "state_mean", "permanent_set"
+    shape = cells.shape
+    check_names((*shape.dims, *shape.coords), (*own_names, "status", TIME))
+    table = xr.Dataset(
+        {name: ((TIME, *shape.dims), cells.whole(rows)) for name, rows in values.items()},
+        coords=shape.coords,
+    )
+    table["yield_displacement"] = cells.table(uy)
+    if means.shape[1] > 1:
+        of_states = "time", "state", *shape.dims
+        table["state_mean"] = of_states, cells.whole(means[:, 1:])
         table["state"] = "state", [*structure.further_states()]
-    return table.assign(status=side.status.astype(np.int8))
+    return table.assign(status=status.astype(np.int8))

@@ -12,7 +12,7 @@ linearization).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -30,13 +30,28 @@ HARDLY = 2.0  # by which log sigma_z of a system that hardly yields is smaller
 SOLVED = 1e-7  # largest mismatch of a solution; rounding leaves this much in stiff equations
 IDLE = 1e-6  # ratio of the rate of a link to those of its ends below which it may be a rounding error
 
+Function = Callable[[Array, Array], Array]  # of moments (3, n) and parameters (p, n)
+
 
 class Law(NamedTuple):
     """Hysteresis law of some of the springs that yield."""
 
     springs: Array  # (i,) their numbers among the springs that yield
-    closure: Closure
     parameters: Array  # (p, c, i)
+    closure: Closure
+    states: int = 0  # number of further states, whose means are parameters after those of the law
+    mean_rates: Function | None = None  # the rates of these means
+
+    def at_means(self, means: Array) -> Law:
+        """The law in which its further states have these means (states or more, c, m)."""
+        own = means[: self.states, :, self.springs]
+        return self._replace(parameters=np.concatenate([self.parameters, own]))
+
+    def evaluated(self, function: Function, moments: Array) -> Array:
+        """Results (r, c, i) of a function of moments and parameters, for moments (3, c, m)."""
+        own = moments[..., self.springs]
+        flat = function(own.reshape(3, -1), self.parameters.reshape(len(self.parameters), own[0].size))
+        return flat.reshape(-1, *own.shape[1:])
 
 
 class Linear(NamedTuple):
@@ -94,7 +109,7 @@ def linear_for(problem: Springs, unknowns: Array) -> Linear:
     """Equivalent linear systems for the unknowns."""
     m = problem.springs
     sv, sz, r = unknowns[: 3 * m].reshape(3, m, unknowns.shape[1]).swapaxes(1, 2)
-    slip, relaxation = coefficients_of(problem, np.stack([np.exp(sv), np.exp(sz), np.tanh(r)]))
+    slip, relaxation = coefficients_of(problem.laws, np.stack([np.exp(sv), np.exp(sz), np.tanh(r)]))
     return Linear(slip, relaxation, _dashpots(problem, unknowns[3 * m :].T))
 
 
@@ -107,16 +122,15 @@ def _dashpots(problem: Springs, rates: Array) -> Array:
     return dashpots
 
 
-def coefficients_of(problem: Springs, moments: Array) -> Array:
+def coefficients_of(laws: Sequence[Law], moments: Array) -> Array:
     """``1 + c_eq`` and ``k_eq`` (2, c, m) by the closures, eqs. (9) and (10).
 
     ``moments`` (3, c, m) are ``sigma_v``, ``sigma_z`` and their correlation.
     """
     coefficients = np.empty((2, *moments.shape[1:]))
-    for springs, closure, parameters in problem.laws:
-        own = moments[..., springs]
-        flat = closure(own.reshape(3, -1), parameters.reshape(len(parameters), own[0].size))
-        coefficients[..., springs] = flat.coefficients.reshape(2, *own.shape[1:])
+    for law in laws:
+        own = law.evaluated(lambda *cells: law.closure(*cells).coefficients, moments)  # noqa: B023
+        coefficients[..., law.springs] = own
     return coefficients
 
 

@@ -8,9 +8,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -27,7 +26,7 @@ from stochlin.kernels.linearization.systems.state_space import (
 )
 from stochlin.messages import brief
 from stochlin.models.arguments import as_numbers, checked
-from stochlin.models.buildings import MultistoreyBuilding, ShearBuilding
+from stochlin.models.buildings import MultistoreyBuilding
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
 from stochlin.models.parameters import Model, expect
@@ -81,7 +80,8 @@ class Equations:
 
     def from_reported(self, values: Array, elastic: float) -> Array:
         """Values (e,) of the elements from those of results, ``elastic`` where there is none."""
-        number = self.reported(np.arange(len(self.elements)), -1).astype(int)
+        links = np.arange(self.first_link, len(self.elements))
+        number = np.concatenate([self.arrangement.of_watched, links])
         of_elements = np.full(len(self.elements), elastic)
         of_elements[number[number >= 0]] = values[number >= 0]
         return of_elements
@@ -223,7 +223,7 @@ def statespace(
     ``u'' + 2 xi w u' + alpha w^2 u + (1 - alpha) w^2 z = f``. A building has these states for each
     floor, with ``z`` for the storey below it: ``z' = -c_eq d' - k_eq z`` with the drifts ``d = T u``,
     and ``M u'' + C u' + T' diag(alpha k) d + T' diag((1 - alpha) k) z = M 1 f``. With ``c_eq = -1`` and
-    ``k_eq = 0`` an element is elastic (``z = d``); it has a state ``z`` only if it has a strength.
+    ``k_eq = 0`` an element is elastic (``z = d``). Elements without a strength have no state ``z``.
 
     Parameters
     ----------
@@ -254,7 +254,7 @@ def statespace(
     ------
     ValueError
         If there is no structure, a parameter is an array, the number of coefficients is not that of the
-        elements, or a link has an exponent.
+        elements, an element without a strength is to yield, or a link has an exponent.
     TypeError
         If an argument is of the wrong kind.
     ArithmeticError
@@ -293,24 +293,19 @@ def statespace(
                 f"links, number {number}: damping_exponent = {link.exponent:g}; allowed: 1, since this "
                 "is a linear system. Give the link the equivalent_damping_constant of linearize_system"
             )
-    strong = Equations(
+    equations = Equations(
         arrangement_of([strength_in_metres(s, ground) for s in structures], links), ground
     )
-    elements, strength = strong.reported_names, strong.strength[0]
-    equations = Equations(arrangement_of([_of_any_strength(s) for s in structures], links), ground)
+    elements, strength, own = equations.reported_names, equations.strength[0], equations.yields
     c, k = (
         equations.from_reported(_of_elements(name, values, elastic, elements), elastic)
         for name, values, elastic in (("c_eq", c_eq, -1.0), ("k_eq", k_eq, 0.0))
     )
-    own = (c != -1) | (k != 0) | np.isfinite(strength)
-    for element in np.flatnonzero(own[: equations.first_link]):
-        number = int(np.searchsorted(equations.arrangement.first_coordinate, element, side="right"))
-        structure = structures[number - 1]
-        if structure.hardening is None:
-            raise ValueError(
-                f"{type(structure).__name__}, number {number}: hardening is not given; with c_eq = "
-                f"{c[element]:g}, k_eq = {k[element]:g} it yields, and needs its hardening"
-            )
+    if (elastic := ~own & ((c != -1) | (k != 0))).any():
+        raise ValueError(
+            f"element {equations.springs[int(np.argmax(elastic))]} has no strength, so that it stays "
+            "elastic; allowed: c_eq = -1 and k_eq = 0, or a structure with a yield displacement"
+        )
     written = equations.state_space(c, k, own)
     names, order = equations.states(own)
     extension = np.zeros((len(equations.springs), len(names)))
@@ -322,7 +317,7 @@ def statespace(
             "noise_intensity": ((), written.intensity[0], {"units": "m^2/s^3"}),
             "extension": (("spring", "state"), extension[:, order]),
             "stiffness": ("spring", written.stiffness[0], {"units": "N/m"}),
-            "yield_displacement": ("element", strong.reported(strength, np.inf), {"units": "m"}),
+            "yield_displacement": ("element", equations.reported(strength, np.inf), {"units": "m"}),
         },
         coords={"state": names, "state_2": names, "spring": equations.springs, "element": elements},
     )
@@ -344,15 +339,6 @@ def _of_elements(
     if array.shape != (len(elements),) or not np.isfinite(array).all():
         raise ValueError(f"{name} = {brief(values)}; allowed: {allowed}")
     return array.astype(float)
-
-
-def _of_any_strength(structure: AnyStructure) -> Any:
-    """The structure with some strength if it can yield; the equations do not depend on its value."""
-    if isinstance(structure, ShearBuilding) and structure.hardening is not None:
-        return replace(structure, yield_drifts=1.0)
-    if structure.hardening is None or isinstance(structure, MultistoreyBuilding):
-        return structure  # the strengths of modes say which of them yield
-    return replace(structure, yield_displacement=1.0, reduction_factor=None)
 
 
 @checked

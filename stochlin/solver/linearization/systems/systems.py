@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import reduce
 from operator import and_
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -222,9 +222,10 @@ def solve_equations(
 ) -> SystemSolution:
     """The equivalent coefficients of all elements, by mixing, or by plain substitution if relaxed."""
     own = equations.yields
+    check_stationary(equations.arrangement)
     problem, elastic = elastic_start(springs_of(equations))
     m = problem.springs
-    weak = (s.law for s in equations.arrangement.stacks if not np.isposinf(s.system.strength).all())
+    weak = (stack.law for stack in equations.arrangement.stacks if stack.yields.any())
     unique = (law.has_one_solution().to_numpy() for law in weak)
     one_solution = np.broadcast_to(reduce(and_, unique, np.array(True)), equations.cells)
     rule = tolerance.max_iterations, tolerance.rtol
@@ -248,23 +249,24 @@ def springs_of(equations: Equations) -> Springs:
     dashpots, exponents = equations.dashpots, equations.exponents
     power = np.flatnonzero(((exponents != 1) & (dashpots > 0)).any(axis=0))
     mechanics, level = equations.mechanics(equations.yields), np.zeros(equations.cells)
-    return Springs(mechanics, list(_laws(equations)), dashpots, exponents, power, level)
+    return Springs(mechanics, laws_of(equations), dashpots, exponents, power, level)
 
 
-def _laws(equations: Equations) -> Iterator[Law]:
-    """Closures of the laws, each with the numbers of its yielding elements and their parameters."""
-    begin, cells = 0, equations.cells
+def laws_of(equations: Equations, *, in_time: bool = False) -> list[Law]:
+    """The laws of the yielding elements, which may have further states if they are followed in time."""
+    laws, begin, cells = list[Law](), 0, equations.cells
     for stack in equations.arrangement.stacks:
-        yields = ~np.isposinf(np.atleast_2d(stack.system.strength)).all(axis=0)
-        mine = begin + np.arange(yields.sum())
+        mine = begin + np.arange(stack.yields.sum())
         if mine.size:
-            values = stack.law_parameters[..., yields, :]
+            values = stack.law_parameters[..., stack.yields, :]
             wide = np.broadcast_to(values, (cells, mine.size, values.shape[-1]))
-            yield Law(mine, stack.law.closure(GAUSSIAN), np.moveaxis(wide, -1, 0))
+            closures = stack.law.closure_in_time() if in_time else (stack.law.closure(GAUSSIAN),)
+            laws.append(Law(mine, np.moveaxis(wide, -1, 0), *closures))
         begin += mine.size
     links = np.arange(begin, equations.yields.sum())
     if links.size:
-        yield Law(links, gaussian, np.empty((0, cells, links.size)))
+        laws.append(Law(links, np.empty((0, cells, links.size)), gaussian))
+    return laws
 
 
 def relaxation_of(iteration: str, relaxation: float) -> float | None:
@@ -317,18 +319,11 @@ def response_of(equations: Equations, solution: SystemSolution) -> StationaryRes
 
 
 def equations_of(
-    structures: Sequence[AnyStructure], ground: Ground, links: Sequence[Link | None]
+    structures: Sequence[AnyStructure], ground: Ground, links: Sequence[Link | None] = ()
 ) -> Equations:
-    """Equations with all strengths in metres; raises if a storey has no stationary response."""
-    solid: list[Any] = [
-        structure
-        if isinstance(structure, MultistoreyBuilding)
-        else strength_in_metres(structure, ground)
-        for structure in structures
-    ]
-    system = arrangement_of(solid, links)
-    check_stationary(system)
-    return Equations(system, ground)
+    """Equations with all strengths in metres."""
+    solid = [strength_in_metres(structure, ground) for structure in structures]
+    return Equations(arrangement_of(solid, links), ground)
 
 
 def equations_of_cells(cells: Flat, links: Sequence[Link | None]) -> Equations:
