@@ -150,15 +150,12 @@ def test_least_damping_put_back_gives_the_gap(kind):
             )
             again = sl.energy_gap(one, two, noise(), **options[kind])
             assert float(again[name]) == pytest.approx(gap, rel=2e-3)
-    difference = table.least_added_damping - table.least_added_damping_recorded
-    xr.testing.assert_equal(table.least_added_damping_difference, difference.rename(None))
 
 
 @pytest.mark.invariant
 def test_wide_gap_needs_nothing_and_damping_one_of_two_equal_buildings_parts_them():
     wide = sl.damping_for_gap(noise(), FIRST, SECOND, 3.0)
     assert wide.least_added_damping.values.tolist() == [0.0, 0.0, 0.0]
-    assert wide.least_added_damping_difference.values.tolist() == [0.0, 0.0, 0.0]
     equal = sl.damping_for_gap(noise(), FIRST, FIRST, 1e-3)
     assert (equal.critical_gap.sel(damped="structure 1").diff("added_damping")[:5] > 0).all()
     turned = sl.damping_for_gap(-noise(), SECOND, FIRST, 0.01)
@@ -169,17 +166,17 @@ def test_wide_gap_needs_nothing_and_damping_one_of_two_equal_buildings_parts_the
 
 @pytest.mark.invariant
 def test_cells_records_and_grounds_are_taken_one_by_one():
-    periods = xr.DataArray([0.8, -1.0, 1.2], dims="period")
+    periods = xr.DataArray([0.8, 1.2], dims="period")
     records = {"a": noise(), "b": noise(1)}
     grounds = sl.KanaiTajimi(xr.DataArray([0.5, 1.0], dims="soil"), 0.4)
     options = {"method": "linearization", "ground": grounds}
     first = sl.Bilinear(periods, 0.05)
     table = sl.damping_for_gap(records, first, SECOND, 0.02, **options)
-    assert dict(table.least_added_damping.sizes) == {"record": 2, "period": 3, "soil": 2, "damped": 3}
-    cell = table.isel(record=1, period=2, soil=1)
+    assert dict(table.least_added_damping.sizes) == {"record": 2, "period": 2, "soil": 2, "damped": 3}
+    cell = table.isel(record=1, period=1, soil=1)
     alone = sl.damping_for_gap(
         noise(1),
-        first.isel({"period": 2}),
+        first.isel({"period": 1}),
         SECOND,
         0.02,
         "linearization",
@@ -187,8 +184,6 @@ def test_cells_records_and_grounds_are_taken_one_by_one():
     )
     for name in ("least_added_damping", "least_added_damping_recorded", "critical_gap"):
         np.testing.assert_allclose(cell[name], alone[name], rtol=1e-12)
-    assert (table.status.isel(period=1) == 3).all()
-    assert table.least_added_damping.isel(period=1).isnull().all()
 
 
 BUILDING = sl.ShearBuilding([1e5], [1e8], [3.0], 0.05)

@@ -6,12 +6,11 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-import xarray as xr
 
 from stochlin.applications.mitigation.mitigated_pair import MitigatedPair
 from stochlin.applications.separation.added_damping import SIDES
 from stochlin.applications.separation.existing_gap import DAMPINGS
-from stochlin.applications.separation.searches import by_motions, least
+from stochlin.applications.separation.searches import Required, least
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.simulation.contacts import reduced_mass
 from stochlin.models.links import Link
@@ -43,10 +42,11 @@ class Search(NamedTuple):
     def result(self, pair: MitigatedPair) -> MeasureLine:
         """The row with the least measure, or the reason why none was found."""
 
-        def simulated(value: float, paths: int) -> xr.Dataset:
-            return pair.simulated(self.build(value), paths)
+        def gaps(value: float, paths: int) -> tuple[float, float, float]:
+            return required_gaps(pair.simulated(self.build(value), paths))
 
-        required = by_motions(simulated, pair.gap, 0.0, pair.built, interval=False)
+        known = {0.0: required_gaps(pair.built)}
+        required = Required(gaps, pair.gap, pair.built.sizes["path"], known, interval=False)
         value = least(required, self.values).value
         if np.isfinite(value):
             return MeasureLine(self.name, LEAST, self.build(value))

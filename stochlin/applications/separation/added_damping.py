@@ -3,27 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import partial
-from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from stochlin.applications.records.cells import RECORD, OscillatorOnRecord, Records, checked_motions
 from stochlin.applications.separation.energy_gap import WHITE_NOISE, Method, RhoEstimate, estimated_gap
-from stochlin.applications.separation.existing_gap import DAMPINGS, damped
-from stochlin.applications.separation.searches import Required, least
+from stochlin.applications.separation.existing_gap import damped
 from stochlin.applications.separation.variables import VARIABLES
 from stochlin.models.arguments import Metres, checked
 from stochlin.models.grounds import Ground
-from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import Model
 from stochlin.models.rules.effective_properties import EffectiveRule
 from stochlin.models.structures import Structure
 from stochlin.solver.tables import labels
-from stochlin.solver.tables.cells import over_cells
 
-CLOSELY = np.linspace(0, DAMPINGS[-1], 41)  # added damping ratios for bilinear structures
+TRIED = np.linspace(0, 0.4, 41)  # added damping ratios
+STEPS = np.linspace(0, 1, 11)  # between two of these
 SIDES: Mapping[str, tuple[float, float]] = {
     "both": (1.0, 1.0),
     "structure 1": (1.0, 0.0),
@@ -36,7 +32,6 @@ CURVES = ("critical_gap", "separation", "rho_estimate", *(f"pseudo_energy_radius
 OF_RECORD = {
     LEAST: ("1", "least damping ratio to be added, by the energy radii and eq. (3)"),
     f"{LEAST}_recorded": ("1", "least damping ratio to be added, by the motion itself"),
-    f"{LEAST}_difference": ("1", "least damping ratio by the energy radii less that by the motion"),
 }
 
 
@@ -71,9 +66,8 @@ def damping_for_gap(
     -------
     xarray.Dataset
         Over ``damped``, the structures with added damping (``"both"`` with the same ratio,
-        ``"structure 1"`` or ``"structure 2"``): ``least_added_damping`` [-] by the energy approach,
-        ``least_added_damping_recorded`` [-] by integration of the response, and
-        ``least_added_damping_difference`` [-], the first minus the second. They are 0 if the gap is
+        ``"structure 1"`` or ``"structure 2"``): ``least_added_damping`` [-] by the energy approach, and
+        ``least_added_damping_recorded`` [-] by integration of the response. They are 0 if the gap is
         sufficient without added damping, and NaN if it is not sufficient up to 0.4. Over ``damped`` and
         ``added_damping``, the curves from which they are found: ``critical_gap``, ``separation``,
         ``pseudo_energy_radius_1`` and ``_2`` [m] and ``rho_estimate`` [-]. Several records add the
@@ -88,9 +82,9 @@ def damping_for_gap(
     -----
     The required gap need not decrease with added damping: in a single record two structures may move out
     of phase, and damping added to one of two equal buildings causes a relative displacement. The least
-    damping is the first sufficient value in steps of 0.01 (0.05 for laws other than the bilinear one),
-    refined between two steps. A somewhat larger value may not be sufficient again; this is shown by the
-    curves over ``added_damping``.
+    damping is the first sufficient value in steps of 0.01, and between two of these in steps of 0.001. A
+    somewhat larger value may not be sufficient again; this is shown by the curves over
+    ``added_damping``.
 
     References
     ----------
@@ -109,75 +103,56 @@ def damping_for_gap(
     estimate = RhoEstimate(method, rule, ground, closure)
     estimate.check(first, second)
     motions = checked_motions(record)
-    models: dict[str, Model] = {"first": first, "second": second}
-    models |= {} if ground is None else {"ground": ground}
-    records = record.values() if isinstance(record, Mapping) else record
-    tables = [
-        over_cells(partial(_of_one, record=recorded, gap=gap, estimate=estimate), models)
-        for recorded in ([records] if isinstance(records, xr.DataArray) else records)
-    ]
+    tables = [_least_damping(first, second, each, gap, estimate) for each in motions.records]
     table = tables[0]
     if motions.names is not None:
-        names = xr.DataArray(motions.names, dims=RECORD, attrs={"long_name": "record"})
-        kept: dict[str, Any] = {"compat": "override", "combine_attrs": "override", "join": "outer"}
-        table = xr.concat(tables, names.rename(RECORD), data_vars="all", coords="minimal", **kept)
+        names = xr.DataArray(motions.names, dims=RECORD, name=RECORD, attrs={"long_name": "record"})
+        table = xr.concat(tables, names, coords="minimal", compat="override")
     table = table.assign_attrs(
         gap_m=float(gap),
-        searched=f"added damping to {DAMPINGS[-1]:g}, the first that is enough",
+        searched=f"added damping to {TRIED[-1]:g}, the first that is enough",
         records=motions.describe(),
     )
+    models: dict[str, Model] = {"first": first, "second": second}
     return labels.with_run_information(
         labels.label(table, {**VARIABLES, **OF_RECORD}),
         "Least added damping for a gap in recorded motions",
         f"damping_for_gap(gap={gap:g}, {estimate.told})",
-        models,
+        models | ({} if ground is None else {"ground": ground}),
     )
 
 
-def damped_gaps(
-    first: Structure, second: Structure, record: xr.DataArray, estimate: RhoEstimate
+def _least_damping(
+    first: Structure, second: Structure, record: xr.DataArray, gap: float, estimate: RhoEstimate
 ) -> xr.Dataset:
-    """`energy_gap` of two structures with scalar parameters, over ``damped`` and ``added_damping``."""
+    """The curves over the added damping in one record, and the least that is sufficient."""
     where = xr.DataArray(list(SIDES), dims=DAMPED, attrs={"long_name": "where damping is added"})
-    bilinear = isinstance(first, Bilinear) and isinstance(second, Bilinear)
-    added = labels.axis(BY_DAMPING, "added damping ratio", CLOSELY if bilinear else DAMPINGS)
-    shares = np.array(list(SIDES.values()))
-    damped_1, damped_2 = (
-        damped(structure, xr.DataArray(share, {DAMPED: where.values}, DAMPED) * added)
-        for structure, share in zip((first, second), shares.T, strict=True)
+    share_1, share_2 = (
+        xr.DataArray(np.array(each), {DAMPED: where}) for each in zip(*SIDES.values(), strict=True)
     )
-    table = estimated_gap(damped_1, damped_2, record, estimate).transpose(DAMPED, BY_DAMPING)
-    table[DAMPED].attrs.update(where.attrs)
+
+    def gaps(added: xr.DataArray) -> xr.Dataset:
+        return estimated_gap(
+            damped(first, share_1 * added), damped(second, share_2 * added), record, estimate
+        )
+
+    added = labels.axis(BY_DAMPING, "added damping ratio", TRIED)
+    table = gaps(added)[[*CURVES, "status"]]
+    for end, name in (("", "critical_gap"), ("_recorded", "separation")):
+        enough = table[name] <= gap
+        high = enough.argmax(BY_DAMPING)
+        low = added[np.maximum(high - 1, 0)].drop_vars(BY_DAMPING)
+        between = low + (added[high].drop_vars(BY_DAMPING) - low) * xr.DataArray(STEPS, dims=BY_DAMPING)
+        least = _crossing(gaps(between)[name], between, gap)
+        table[f"{LEAST}{end}"] = least.where(enough.any(BY_DAMPING))
     return table
 
 
-def _of_one(
-    first: Structure,
-    second: Structure,
-    ground: Ground | None = None,
-    *,
-    record: xr.DataArray,
-    gap: float,
-    estimate: RhoEstimate,
-) -> xr.Dataset:
-    """The result of `damping_for_gap` for one record and models with scalar parameters."""
-    estimate = estimate._replace(ground=ground)
-    scan = damped_gaps(first, second, record, estimate)
-
-    def least_of(n: int, shares: tuple[float, float], name: str) -> float:
-        tried = scan[BY_DAMPING].values.tolist()
-        known = dict(zip(tried, scan[name].values[n].tolist(), strict=True))
-
-        def needed(added: float) -> float:
-            left, right = (damped(s, x * added) for s, x in zip((first, second), shares, strict=True))
-            return float(estimated_gap(left, right, record, estimate)[name])
-
-        return least(Required(needed, gap, known=known), list(known)).value
-
-    added = [
-        xr.DataArray([least_of(n, shares, name) for n, shares in enumerate(SIDES.values())], dims=DAMPED)
-        for name in ("critical_gap", "separation")
-    ]
-    return scan[[*CURVES, "status"]].assign(
-        {LEAST: added[0], f"{LEAST}_recorded": added[1], f"{LEAST}_difference": added[0] - added[1]}
+def _crossing(required: xr.DataArray, added: xr.DataArray, gap: float) -> xr.DataArray:
+    """Added damping with which the required gap first falls to this one, linear between steps."""
+    after = (required <= gap).argmax(BY_DAMPING)
+    before = np.maximum(after - 1, 0)
+    (x, y), (x_after, y_after) = (
+        (added.isel({BY_DAMPING: n}), required.isel({BY_DAMPING: n})) for n in (before, after)
     )
+    return x_after.where(after == 0, x + (y - gap) / (y - y_after) * (x_after - x))

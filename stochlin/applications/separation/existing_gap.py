@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from stochlin.applications.separation.searches import around, by_motions, least, up_to
+from stochlin.applications.separation.searches import Required, around, least, up_to
 from stochlin.applications.separation.variables import VARIABLES
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.arguments import (
@@ -149,11 +149,14 @@ def existing_gap(
     def amplified(amplitude: float) -> Ground:
         return applied(lambda g: replace(g, intensity=g.intensity * amplitude**2), ground)
 
-    by_strength = by_motions(lambda s, n: simulated(changed(weaker, s), ground, n), gap, 1.0, built)
+    def required(change: Callable[[float], tuple[Any, Ground]], as_built: float) -> Required:
+        known = {as_built: required_gaps(built)}
+        return Required(lambda x, n: required_gaps(simulated(*change(x), n)), gap, begin, known)
+
+    by_strength = required(lambda factor: (changed(weaker, factor), ground), 1.0)
     least_factor, largest_factor = around(by_strength, STRENGTHS, AS_BUILT)
-    by_amplitude = by_motions(lambda a, n: simulated(pair, amplified(a), n), gap, 1.0, built)
-    by_damping = by_motions(lambda x, n: simulated(changed(damped, x), ground, n), gap, 0.0, built)
-    amplitude, added = up_to(by_amplitude, AMPLITUDES), least(by_damping, DAMPINGS)
+    amplitude = up_to(required(lambda factor: (pair, amplified(factor)), 1.0), AMPLITUDES)
+    added = least(required(lambda more: (changed(damped, more), ground), 0.0), DAMPINGS)
     modes = map(first_mode, both.values())
     factors = [solved_reduction_factor(mode, solve_elastic(mode, usual)) for mode in modes]
     limits = {

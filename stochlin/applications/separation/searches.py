@@ -9,15 +9,12 @@ values at which the existing gap is within the interval of the required gap.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
 import scipy.optimize
-import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.solver.simulation.finite_motions import required_gaps
 
 FAR = 1e6  # [m], in place of a required gap that is infinite, since a structure falls
 CLOSE = 1e-3  # relative tolerance of a found value, and of an estimated gap there
@@ -26,7 +23,6 @@ CLEAR = 2.0  # half 95 % intervals between a gap from a few motions and the limi
 
 
 Ends = tuple[float, float, float]  # required gap, and the ends of its interval [m]
-GapOf = Callable[[float], float | Sequence[float]]
 
 
 class Edge(NamedTuple):
@@ -41,34 +37,39 @@ NONE, NO_LIMIT = Edge(np.nan), Edge(np.inf)
 
 
 class Required:
-    """The required gap as a function of a value, with or without its interval; ``most`` is the limit.
+    """The required gap by simulation as a function of a value; ``most`` is the existing gap.
 
-    ``by_few`` is the same function by a few motions. What is ``known`` before is not computed again.
+    ``gaps`` gives it for a value and a number of motions, and ``known`` those of all ``paths`` by value.
+    Whether a gap is sufficient is decided by a few motions, where these are clear. ``interval`` says
+    whether the intervals of edges are wanted, which take two more simulations each.
     """
 
     def __init__(
         self,
-        function: GapOf,
+        gaps: Callable[[float, int], Ends],
         most: float,
-        by_few: GapOf | None = None,
-        known: Mapping[float, float | Sequence[float]] = MappingProxyType({}),
+        paths: int,
+        known: Mapping[float, Ends],
+        interval: bool = True,
     ) -> None:
-        self.most, self._by_few = most, by_few
-        self._function, self._known = function, {value: _ends(gap) for value, gap in known.items()}
-        self._of_few: dict[float, Ends] = {}
+        self.most, self._gaps, self._interval = most, gaps, interval
+        self._paths, self._few = paths, max(paths // FEW, LEAST_FEW)
+        self._known = {(value, paths): _finite(ends) for value, ends in known.items()}
 
     def __call__(self, value: float) -> float:
         """Required gap at a value [m]."""
-        return self._at(float(value))[0]
+        return self._at(value, self._paths)[0]
 
-    def _at(self, value: float) -> Ends:
-        return _once(self._known, self._function, value)
+    def _at(self, value: float, paths: int) -> Ends:
+        key = float(value), paths
+        if key not in self._known:
+            self._known[key] = _finite(self._gaps(*key))
+        return self._known[key]
 
     def enough(self, value: float) -> bool:
-        """Whether the limit is sufficient at a value; a few motions decide where they are clear."""
-        value = float(value)
-        if self._by_few is not None and value not in self._known:
-            gap, least, most = _once(self._of_few, self._by_few, value)
+        """Whether the existing gap is sufficient at a value."""
+        if self._few < self._paths and (float(value), self._paths) not in self._known:
+            gap, least, most = self._at(value, self._few)
             if gap + CLEAR * (most - gap) < self.most or gap - CLEAR * (gap - least) > self.most:
                 return gap < self.most
         return self(value) <= self.most
@@ -80,57 +81,33 @@ class Required:
             root = first if self(first) > self.most else second
         else:
             root = scipy.optimize.brentq(self._excess, low, high, rtol=CLOSE, xtol=1e-6)
-        required, least, most = self._at(float(root))
+        if not self._interval:
+            return Edge(float(root))
+        required, *ends = self._at(root, self._paths)
         slope = (self(high) - self(low)) / (high - low)
-        for end in (least, most):  # near these values, the ends of the interval equal the limit
+        for end in ends:  # near these values, the ends of the interval equal the limit
             moved = root - (end - required) / slope
             if end != required and moved > 0:
                 self(moved)
-        return Edge(float(root), *self._interval(float(root)))
+        return Edge(float(root), *self._around(float(root)))
 
     def _excess(self, value: float) -> float:
-        """Required gap less the limit [m]; 0 if it is close, for a gap that is an estimate."""
-        required, least, most = self._at(value)
-        close = CLOSE * self.most if least < most else 0.0
-        return 0.0 if abs(required - self.most) <= close else required - self.most
+        """Required gap less the existing one [m]; 0 if it is close."""
+        excess = self(value) - self.most
+        return 0.0 if abs(excess) <= CLOSE * self.most else excess
 
-    def _interval(self, value: float) -> tuple[float, float]:
+    def _around(self, value: float) -> tuple[float, float]:
         """Values next to ``value`` at which the ends of the required gap's interval equal the limit."""
-        at = np.array(sorted(self._known))
-        ends = np.array([self._known[x][1:] for x in at]).T
+        known = {x: ends for (x, paths), ends in self._known.items() if paths == self._paths}
+        at = np.array(sorted(known))
+        ends = np.array([known[x][1:] for x in at]).T
         passed = np.concatenate([_crossings(at, end - self.most) for end in ends])
         below, above = passed[passed <= value], passed[passed >= value]
         return float(below.max(initial=at[0])), float(above.min(initial=at[-1]))
 
 
-def by_motions(
-    simulated: Callable[[float, int], xr.Dataset],
-    most: float,
-    as_built: float,
-    built: xr.Dataset,
-    interval: bool = True,
-) -> Required:
-    """The required gap by simulation, with as many motions as ``built``, or a few where these are clear.
-
-    ``simulated`` are the motions for a value and a number of them, ``built`` those for ``as_built``.
-    Without ``interval`` only the value itself is found.
-    """
-    paths, ends = built.sizes["path"], 3 if interval else 1
-    few = max(paths // FEW, LEAST_FEW)
-    by_few = None if few >= paths else lambda value: required_gaps(simulated(value, few))
-    known = {as_built: required_gaps(built)}
-    return Required(lambda value: required_gaps(simulated(value, paths))[:ends], most, by_few, known)
-
-
-def _once(known: dict[float, Ends], function: GapOf, value: float) -> Ends:
-    """The gap that a function gives for a value, which is computed if it is not known."""
-    if value not in known:
-        known[value] = _ends(function(value))
-    return known[value]
-
-
-def _ends(gap: float | Sequence[float]) -> Ends:
-    required, least, most = np.broadcast_to(np.minimum(gap, FAR), 3)
+def _finite(ends: Ends) -> Ends:
+    required, least, most = np.minimum(ends, FAR)
     return float(required), float(least), float(most)
 
 
