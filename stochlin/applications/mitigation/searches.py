@@ -45,9 +45,8 @@ class Search(NamedTuple):
         def gaps(value: float, paths: int) -> tuple[float, float, float]:
             return required_gaps(pair.simulated(self.build(value), paths))
 
-        known = {0.0: required_gaps(pair.built)}
-        required = Required(gaps, pair.gap, pair.built.sizes["path"], known, interval=False)
-        value = least(required, self.values).value
+        paths, known = pair.built.sizes["path"], {0.0: required_gaps(pair.built)}
+        value = least(Required(gaps, pair.gap, paths, known, interval=False), self.values).value
         if np.isfinite(value):
             return MeasureLine(self.name, LEAST, self.build(value))
         return MeasureLine(self.name, LEAST, None, f"{self.searched} was searched, and none is enough")
