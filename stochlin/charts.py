@@ -9,9 +9,8 @@ from stochlin.applications.records.spectra import fit_spectra as fit_spectra
 from stochlin.applications.sites.simulated_spectra import simulated_spectrum as simulated_spectrum
 from stochlin.removed import missing
 from stochlin.views.figures.charts import CHARTS as CHARTS
-from stochlin.views.figures.charts import PICTURES as PICTURES
+from stochlin.views.figures.charts import ChartSettings as ChartSettings
 from stochlin.views.figures.charts import chart_functions as chart_functions
-from stochlin.views.figures.charts import draw as draw
 from stochlin.views.figures.charts import register_chart as register_chart
 from stochlin.views.figures.contacts import contact_history_chart as contact_history_chart
 from stochlin.views.figures.contacts import contact_loop_chart as contact_loop_chart
@@ -24,7 +23,8 @@ from stochlin.views.figures.fig3 import white_noise_chart as white_noise_chart
 from stochlin.views.figures.fig4 import period_ratio_chart as period_ratio_chart
 from stochlin.views.figures.fig5 import amplification_chart as amplification_chart
 from stochlin.views.figures.fig5 import period_plane_chart as period_plane_chart
-from stochlin.views.figures.settings import ChartSettings as ChartSettings
+from stochlin.views.figures.pictures import PICTURES as PICTURES
+from stochlin.views.figures.pictures import draw as draw
 from stochlin.views.pounding.pictures import draw_ensemble as draw_ensemble
 from stochlin.views.pounding.pictures import draw_pound as draw_pound
 from stochlin.views.sensitivity.pictures import draw_sensitivity as draw_sensitivity

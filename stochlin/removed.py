@@ -51,6 +51,11 @@ REMOVED: dict[str, str] = {
     "parallel": "ParallelGround in Python, or a site by its spectrum, has several grounds",
     "--law": "stochlin.correlate of the library takes structures of any law",
     "--solver": "solver= of stochlin.correlate",
+    "--record": "fit_ground, correlate and the charts of a record are functions of the library",
+    "--yield-displacement": "yield_displacement= of the structures of stochlin.correlate",
+    "--intensity": "intensity= of the ground of stochlin.correlate",
+    "--structure-period": "period= of stochlin.charts.portrait_chart and energy_chart",
+    "--jobs": "stochlin warmup takes all cores",
 }
 
 

@@ -30,7 +30,7 @@ import stochlin as sl
 from stochlin.views.command import main
 
 LONG = {
-    *("charts_from_python", "charts_of_every_figure", "charts_of_a_record", "gap_at_a_recorded_site"),
+    *("charts_from_python", "charts_of_every_figure", "gap_at_a_recorded_site"),
     *("first_passage_of_a_frame", "frame_of_six_storeys", "gap_of_bouc_wen_buildings"),
     *("gap_of_storeys", "measures_from_python"),
     *("mitigate_with_a_record", "records_read_and_fitted", "risk_of_a_gap", "site_by_spectrum"),

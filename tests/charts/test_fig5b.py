@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import stochlin as sl
-from stochlin.charts import ChartSettings, amplification_chart, draw
+from stochlin.charts import ChartSettings, amplification_chart
 
 FEW = ChartSettings(points=5, reduction_factors=(1.0, 4.0), paths=64)
 GROUND = sl.KanaiTajimi(2.0, 0.05)
@@ -46,26 +46,3 @@ def test_the_period_of_the_ground_only_sets_the_units(chart):
 def test_maxima_of_stiff_structures_on_a_lake_bed_are_far_above_the_linearized_ratio(chart):
     stiff = chart.sel(reduction_factor=4.0, period_ratio=0.1)
     assert float(stiff.amplification_of_peaks) > 5 * float(stiff.amplification)
-
-
-@pytest.mark.cli
-def test_pictures_show_maxima_at_every_strength_and_deviations_where_they_are_simulated(chart):
-    plain, beside = draw(chart), draw(chart, comparison=True)
-    assert len(plain.axes) == 1
-    assert [axes.get_title("left") for axes in beside.axes] == ["R = 1", "R = 4"]
-    [legend], [told] = plain.legends, beside.legends
-    assert [" ".join(text.get_text().split()) for text in legend.get_texts()] == [
-        "R = 1",
-        "R = 4",
-        "D of standard deviations, linearized",
-        "D of mean maxima, simulated",
-    ]
-    assert [text.get_text() for text in told.get_texts()][:2] == ["linearized", "drift closure"]
-
-
-@pytest.mark.invariant
-def test_the_drift_closure_brings_no_second_set_of_curves():
-    own = amplification_chart(
-        ChartSettings(points=2, reduction_factors=(6.0,), closure="drift", paths=32), GROUND
-    )
-    assert "amplification_drift" not in own

@@ -9,8 +9,6 @@ import xarray as xr
 
 import stochlin as sl
 from stochlin.charts import ChartSettings, chart_functions, draw
-from stochlin.views.shared.style import CURVES
-from stochlin.views.shared.symbols import typeset
 
 pytestmark = pytest.mark.paper
 
@@ -43,58 +41,20 @@ def test_files_are_what_the_program_makes(name):
     assert picture.std() > 0.05
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_every_element_has_its_curve_with_a_name_and_a_look_of_its_own(name):
-    chart = saved(name)
-    figure = draw(chart)
-    elements = 2 if name == "fig8" else chart.sizes["element"]
-    own = [axes.get_legend() for axes in figure.axes if axes.get_legend() is not None]
-    legends = [*figure.legends, *own]
-    entries = [
-        (text.get_text(), handle)
-        for leg in legends
-        for text, handle in zip(leg.get_texts(), leg.legend_handles, strict=True)
-        if handle.get_linestyle() != "None"
-    ]
-    assert len({text for text, _ in entries}) == len(entries) == elements
-    for axes in figure.axes:
-        shown = [line.get_color() for line in axes.get_lines() if len(line.get_xdata()) > 100]
-        assert len(set(shown)) == len(shown)
-        assert set(shown) <= {color for color, _ in CURVES}  # each has a dash of its own
-    assert figure.legends[0].get_title().get_text() == typeset(chart.attrs["title"])
-    assert "paper" in " ".join(text.get_text() for text in figure.texts)
-
-
-@pytest.mark.parametrize("name", ["fig6", "fig7"])
-def test_an_element_from_outside_is_drawn_too(name):
-    chart = saved(name)
-    other = chart.isel(element=[0]).assign_coords(element=["Cork"])
-    joined = xr.concat([chart, other], "element", data_vars="minimal")
-    lines = [line for axes in draw(joined).axes for line in axes.get_lines()]
-    looks = {str(line.get_label()): (line.get_color(), str(line._dash_pattern)) for line in lines}
-    assert list(looks.values()).count(looks["Cork"]) == 1
-
-
 def test_fig6_draws_both_elements_of_the_paper_and_their_laws():
-    figure = draw(sl.charts.contact_loop_chart(points=321))
-    kelvin, impact, linear, hertzian = figure.axes
-    assert (kelvin.get_title("left"), impact.get_title("left")) == (
-        "(a) Kelvin element",
-        "(b) Impact Kelvin element",
-    )
+    kelvin, impact, loops = draw(sl.charts.contact_loop_chart(points=321)).axes
     assert any("max(v, 0)" in text.get_text().replace("\\", "") for text in impact.texts)
     assert not any("max" in text.get_text() for text in kelvin.texts)
     # With e = 0.65 the dashpot of the Kelvin element pulls at the end, that of the other has let go.
-    d, force = curve(linear, "Kelvin")
+    d, force = curve(loops, "Kelvin")
     xi = sl.Kelvin.damping_ratio(0.65)
     assert force[0] == pytest.approx(2 * xi)
     assert force[-1] == pytest.approx(-2 * xi * 0.65)
     assert d[-1] == pytest.approx(0, abs=1e-12)
-    assert curve(linear, "Impact Kelvin")[1][-1] == pytest.approx(0, abs=1e-12)
-    # Back from its deepest point the force is that of the bare spring.
-    d, force = curve(hertzian, "Jankowski")
+    # Back from its deepest point the force of the Impact Kelvin element is that of the bare spring.
+    d, force = curve(loops, "Impact Kelvin")
     back = slice(int(d.argmax()) + 1, None)
-    np.testing.assert_allclose(force[back], np.maximum(d[back], 0) ** 1.5, atol=1e-12)
+    np.testing.assert_allclose(force[back], d[back], atol=1e-12)
 
 
 def test_fig7_shows_that_kelvin_opposes_the_parting_and_takes_longer():

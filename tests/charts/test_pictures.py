@@ -1,7 +1,5 @@
 """Which picture a chart dataset becomes: the one its attribute names."""
 
-from dataclasses import replace
-
 import matplotlib as mpl
 import numpy as np
 import pytest
@@ -11,34 +9,20 @@ from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
 
 import stochlin as sl
-from stochlin.views.figures.kinds import contour_levels, number_contours, planes
+from stochlin.views.figures.pictures import contour_levels, planes
 
 pytestmark = pytest.mark.invariant
 
-TIME = 0.02 * np.arange(500)
-RECORD = xr.DataArray(np.sin(9 * TIME) * np.exp(-0.3 * TIME), dims="time", coords={"time": TIME})
 SETTINGS = sl.charts.ChartSettings(points=5, paths=4, simulated_points=3, reduction_factors=(6.0,))
-SAME = ("_site",)  # charts by the functions of others, on another ground
-
-
-def computed():
-    site = sl.fit_ground(RECORD)
-    for given in ((), (RECORD, site)):
-        functions = sl.charts.chart_functions(SETTINGS, *given)
-        yield from ((name, functions[name]) for name in functions if not name.endswith(SAME))
-    yield "fig5a_alone", sl.charts.chart_functions(replace(SETTINGS, simulated_points=0))["fig5a"]
-
-
-@pytest.fixture(scope="module")
-def charts_by_name():
-    return {name: compute() for name, compute in computed()}
 
 
 @pytest.mark.slow
-def test_every_chart_says_its_kind(charts_by_name):
-    kinds = {name: chart.attrs["chart"] for name, chart in charts_by_name.items()}
-    second = {chart.attrs.get("comparison", "curves") for chart in charts_by_name.values()}
-    assert set(kinds.values()) | second == set(sl.charts.PICTURES)
+def test_every_kind_of_picture_belongs_to_a_chart():
+    charts = [compute() for compute in sl.charts.chart_functions(SETTINGS).values()]
+    kinds = {
+        chart.attrs[key] for chart in charts for key in ("chart", "comparison") if key in chart.attrs
+    }
+    assert kinds == set(sl.charts.PICTURES)
 
 
 def test_what_is_no_chart_is_refused_with_the_kinds_there_are():
@@ -59,7 +43,6 @@ def test_what_is_no_chart_is_refused_with_the_kinds_there_are():
         ("damping", 5),
         ("hardening", "stiff"),
         ("ground_period", None),
-        ("ductility", True),
     ],
 )
 def test_settings_out_of_range_are_refused_before_any_work(name, value):
@@ -92,7 +75,6 @@ def test_every_tenth_has_a_number_on_its_contour_that_is_not_cut():
     figure = FigureCanvasAgg(Figure()).figure
     axes = figure.add_subplot()
     planes(figure, [axes], [("", rho)], contour_levels(rho))
-    number_contours(figure)
     labels = [text for text in axes.texts if text.get_text()]
     assert sorted({text.get_text() for text in labels}) == [f"0.{n}" for n in range(1, 10)]
     frame = axes.get_window_extent()

@@ -13,7 +13,7 @@ import stochlin as sl
 pytestmark = pytest.mark.cli
 
 FIGURES = sorted((Path(__file__).parents[2] / "figures").glob("*.nc"))
-NAMES = ("fig2", "fig3b", "fig4b", "fig5a", "fig5b", "fig6")
+NAMES = ("fig4b", "fig5a", "fig5b", "fig6")
 COLUMNS = (0.084, 0.174)  # m
 
 

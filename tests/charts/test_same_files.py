@@ -5,15 +5,12 @@ import subprocess
 import sys
 from pathlib import Path
 
-import matplotlib.image
 import numpy as np
 import pytest
 import xarray as xr
-from commands import answered
 
 import stochlin as sl
-from stochlin.views.figures.charts import for_file, rounded
-from stochlin.views.shared.style import SCREEN, save
+from stochlin.views.figures.charts import rounded
 
 pytestmark = pytest.mark.invariant
 
@@ -76,17 +73,3 @@ def test_noise_is_rounded_away_and_six_digits_stay():
     assert not np.signbit(told[4])
     np.testing.assert_array_equal(rounded(np.array([2.34567891e7, 3.0])), [2.34568e7, 3.0])
     np.testing.assert_array_equal(rounded(np.zeros(2)), [0, 0])
-
-
-@pytest.mark.slow
-def test_pictures_are_drawn_from_the_rounded_data(tmp_path):
-    """A picture of the file is the picture beside the file."""
-    command = ["charts", "fig3a", "--points", "9", "--out", str(tmp_path)]
-    answered(*command)
-    with xr.open_dataset(tmp_path / "fig3a.nc") as chart:
-        save(sl.charts.draw(chart.load()), tmp_path / "again.png", SCREEN)
-    told, again = (matplotlib.image.imread(tmp_path / f"{name}.png") for name in ("fig3a", "again"))
-    np.testing.assert_array_equal(told, again)
-    exact = sl.charts.white_noise_chart(sl.charts.ChartSettings(points=9))
-    np.testing.assert_array_equal(for_file(exact).rho, chart.rho)
-    assert bool((exact.rho != chart.rho).any())

@@ -12,26 +12,21 @@ import xarray as xr
 from stochlin.charts import register_chart
 import stochlin as sl
 
-@register_chart("levels", "ground")
-def levels_chart(inputs):
-    settings, ground = inputs.settings, inputs.site
+@register_chart("levels")
+def levels_chart(settings):
     values = np.linspace(.5, 2, settings.points)
     period = xr.DataArray(values, coords={"period": ("period", values, {"units": "s"})})
     first = sl.Bilinear(period, settings.damping, settings.hardening, reduction_factor=4)
-    return sl.amplification(first, ground).assign_attrs(chart="curves")
+    return sl.amplification(first, settings.ground).assign_attrs(chart="curves")
 
 @register_chart("area")
-def area_chart(inputs):
+def area_chart(_):
     x, y = np.arange(1.0, 5), np.arange(1.0, 4)
     table = xr.DataArray(np.outer(x, y), dims=("length", "width"), coords={"length": x, "width": y})
     return table.to_dataset(name="area").assign_attrs(chart="plane", title="Areas")
 
-@register_chart("of_record", "record")
-def record_chart(inputs):
-    return xr.Dataset({"motion": inputs.record}, attrs={"chart": "curves"})
-
 @register_chart("nothing")
-def nothing_chart(inputs):
+def nothing_chart(_):
     rho = xr.DataArray([float("nan")] * 4, coords={"period": [1.0, 2, 3, 4]}, dims="period")
     return xr.Dataset({"rho": rho}, attrs={"chart": "curves"})
 """
@@ -47,20 +42,12 @@ def test_the_example_of_the_page_is_computed_and_drawn(toy, tmp_path):
 
 
 @pytest.mark.slow
-def test_curves_and_planes_need_no_drawing_code_and_are_drawn_for_what_they_are_of(install, tmp_path):
+def test_curves_and_planes_need_no_drawing_code(install, tmp_path):
     stochlin = install(SEVERAL)
     for name in ("levels", "area"):
         done = stochlin("charts", name, "--points", 5, "--out", ".")
         assert done.returncode == 0, done.stderr
         assert matplotlib.image.imread(tmp_path / f"{name}.png").std() > 0.05
-    done = stochlin("charts", "of_record", "--out", ".")
-    assert done.returncode == 2
-    assert "levels" in done.stderr
-    (tmp_path / "motion.txt").write_text("\n".join(str((7 * n) % 11 - 5) for n in range(400)))
-    options = ("--record", "motion.txt", "--dt", "0.02s", "--units", "cm/s^2")
-    done = stochlin("charts", "of_record", *options, "--out", ".")
-    assert done.returncode == 0, done.stderr
-    assert (tmp_path / "of_record.png").exists()
 
 
 @pytest.mark.slow
@@ -69,13 +56,3 @@ def test_a_chart_without_a_number_is_not_drawn(install, tmp_path):
     assert done.returncode == 2
     assert "the chart has no finite number" in done.stderr
     assert not list(tmp_path.glob("nothing.*"))
-
-
-@pytest.mark.slow
-def test_a_chart_of_what_there_is_not_is_refused(install):
-    source = (
-        "from stochlin.charts import register_chart\n@register_chart('odd', 'moon')\ndef odd(_): ...\n"
-    )
-    done = install(source)("charts", "odd", "--out", ".")
-    assert done.returncode == 1
-    assert "of = 'moon' is not known" in done.stderr

@@ -14,7 +14,6 @@ from cases import example_case, recorded_example, with_slow
 from commands import answered, invoke, refused
 
 import stochlin as sl
-from stochlin.applications.cases.examples import example_record
 from stochlin.views.command import main
 
 pytestmark = pytest.mark.cli
@@ -29,7 +28,6 @@ FIGURES = (*FORMULAS, "fig4a", "fig4b", "fig4c", "fig5a", "fig5b")
 QUICK_CHARTS = {
     "charts": {"points": 9, "simulated_points": 2, "paths": 4, "reduction_factors": "4,6"},
 }
-RECORDED = ("site_spectrum", "fig1", "fig1b", "fig2")
 
 
 def test_rho_of_a_pair_is_the_librarys() -> None:
@@ -110,14 +108,9 @@ def test_the_package_runs_without_its_script() -> None:
         ("rho --period-1 1s --period-2 1s --reduction-factor 4", "Bilinear: hardening is not given"),
         ("rho --period-1 1s --period-2 1s --ground moon", "firm"),
         ("rho --period-1 1s --period-2 1s --ground kanai-tajimi", "needs --ground-period"),
-        ("rho --period-1 1s --period-2 1s --ground-period 2s", "does not apply"),
-        ("rho --period-1 1s --period-2 1s --record nowhere.txt", "nowhere.txt: there is no such file"),
+        ("rho --period-1 1s --period-2 1s --ground-period 2s", "period is no argument"),
         ("rho --period-1 1s --period-2 1s --method effective --rule mine", "iwan_1980"),
         ("rho --period-1 0.7 --period-2 1s", "'0.7' has no unit"),
-        (
-            "rho --period-1 1s --period-2 1s --hardening 0.05 --yield-displacement 2cm",
-            "the strength of the shaking",
-        ),
         ("probability case.toml --gap 5", "'5' has no unit"),
         ("charts fig9", "fig4b"),
         ("gaps", "No such command 'gaps'."),
@@ -152,19 +145,6 @@ def test_one_chart_with_its_own_parameters(tmp_path: Path) -> None:
     with xr.open_dataset(tmp_path / "a" / "fig4b.nc") as chart:
         assert chart.reduction_factor.values.tolist() == [1, 3]
         assert "ξ = 0.02" in chart.attrs["caption"]
-
-
-@pytest.mark.slow
-def test_charts_of_a_site(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """As on the page that one starts with, with fewer points and motions."""
-    monkeypatch.chdir(tmp_path)
-    Path("record.at2").write_text(example_record(), encoding="utf-8")
-    line = "charts --record record.at2 --out site"
-    answered(*line.split(), default_map=QUICK_CHARTS)
-    names = {f"{name}_site" for name in FIGURES if name not in FORMULAS}
-    assert {path.stem for path in Path("site").glob("*.png")} == names | set(RECORDED)
-    np.savetxt("column.txt", sl.read_record("record.at2"))
-    assert "dt" in refused("charts", "--record", "column.txt", "--units", "m/s^2", "--out", "site")
 
 
 def test_help_has_examples_on_lines_of_their_own() -> None:
@@ -234,23 +214,6 @@ def test_an_interrupted_command_ends_at_once(number: int, seconds: float, tmp_pa
     assert time.perf_counter() - begin < 1
     assert b"Traceback" not in errors
     assert not list(tmp_path.iterdir())
-
-
-def test_units_are_those_of_case_files() -> None:
-    plain = invoke("rho", "--period-1", "0.7s", "--period-2", "1 s", *YIELDING, "--damping", 0.02).output
-    other = invoke("rho", "--period-1", "700ms", "--period-2", "1000 ms", *YIELDING, "--damping", "2%")
-    assert other.output == plain
-    strong = ("rho", "--period-1", "1s,1200ms", "--period-2", "1s", "--hardening", "0.05")
-    metres = answered(*strong, "--yield-displacement", "0.02m", "--intensity", "0.01 m²/s³")
-    centimetres = invoke(*strong, "--yield-displacement", "2cm", "--intensity", "100cm^2/s^3")
-    assert centimetres.output == metres.output
-
-
-def test_a_warning_of_both_structures_is_shown_once() -> None:
-    of_rho = ("rho", "--period-1", "0.7s", "--period-2", "1s", "--hardening", "0.05")
-    of_rho += ("--yield-displacement", "5m", "--intensity", "0.01 m^2/s^3")
-    output = answered(*of_rho).output
-    assert output.count("Warning: ") == output.count("usual are 0.005 to 1 m") == 1
 
 
 def test_what_is_doubtful_is_shown_on_a_line(tmp_path: Path) -> None:

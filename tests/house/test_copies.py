@@ -11,10 +11,10 @@ from house.test_wrong_values import NAMES, arguments
 from uploads import open_case
 
 import stochlin as sl
+from stochlin.charts import ChartSettings
 from stochlin.models.rules.codes import CODE_RULES
 from stochlin.models.rules.effective_properties import EFFECTIVE_RULES
 from stochlin.models.rules.peak_factors import PEAK_FACTORS
-from stochlin.views.figures.settings import ChartSettings
 
 pytestmark = pytest.mark.invariant
 

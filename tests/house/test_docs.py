@@ -34,7 +34,6 @@ RUN_HERE = [path for path in PAGES if path.stem not in ("worked_case", "from_tab
 ELSEWHERE = {
     "stochlin warmup",  # it would compile everything
     "stochlin charts",  # tests/house/test_command.py
-    "stochlin charts --record record.at2 --out site",
 }
 
 
@@ -56,7 +55,7 @@ LONG = {
     "stochlin charts fig3b --curves jeng_kasai_maison_1992_unverified,iwan_1980",
     "stochlin charts fig5a --damping 0.02 --hardening 0.1 --format pdf --out out",  # others are drawn
     "stochlin charts fig4b --print-width 84mm --format pdf --out out",  # tests/charts/test_print.py
-    "stochlin charts fig4b --ground-damping 0.05,0.2,0.6 --comparison",
+    "stochlin charts fig4b --ground-dampings 0.05,0.2,0.6 --comparison",
     "stochlin gap case.toml --all-rules",
     "stochlin gap case.toml --report gap.html",  # there is one with another name
     "stochlin gap case.toml --report gap.html --out gap.nc",

@@ -41,8 +41,6 @@ def test_the_record_of_a_case_or_table_is_not_written_over(case: Path) -> None:
         assert "give another name" in result
     for command in ("mitigate", "probability"):
         assert SAYS in refused(command, case, "--out", record)
-    of_record = ("--record", record, "--dt", "0.01s", "--units", "g")
-    assert SAYS in refused("rho", *PAIR, *of_record, "--out", record)
     assert record.read_bytes() == before
     histories = record.rename(record.with_suffix(".nc"))  # the dataset that goes beside a picture
     case.write_text(case.read_text().replace("taft.csv", "taft.nc"), encoding="utf-8")

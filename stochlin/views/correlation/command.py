@@ -7,16 +7,7 @@ from typing import Any
 
 import click
 
-from stochlin.views.shared.options import (
-    Extended,
-    closure_option,
-    ground_of,
-    numbers_option,
-    options_of_grounds,
-    record_options,
-    site,
-    structures,
-)
+from stochlin.views.shared.options import ground_of, numbers_option, structures
 from stochlin.views.shared.screen import (
     COMMANDS,
     FILE,
@@ -27,61 +18,50 @@ from stochlin.views.shared.screen import (
     show,
 )
 
+GROUNDS = "white-noise, kanai-tajimi, or a named ground such as firm or sct_1985_ns."
+METHODS = "linearization, white_noise, effective or simulation."
+RULES = "Rule for the effective properties, with --method effective."
+PATHS = "Number of simulated motions, with --method simulation."
+
 
 @COMMANDS.register("rho")
-@click.command(cls=Extended, after="yield_displacement", by=options_of_grounds)
+@click.command()
 @numbers_option("--period-1", "Period of structure 1 [s].", "s", required=True)
 @numbers_option("--period-2", "Period of structure 2 [s].", "s", required=True)
 @numbers_option("--damping", "Damping ratio.", default="0.05")
 @numbers_option("--hardening", "Hardening ratio.")
-@numbers_option("--reduction-factor", "R = 3 sigma_el/uy; elastic if no strength is given.")
-@numbers_option("--yield-displacement", "uy [m], instead of R.", "m")
-@click.option(
-    "--method",
-    default="linearization",
-    show_default=True,
-    help="linearization, white_noise, effective or simulation.",
-)
-@click.option(
-    "--rule",
-    default="iwan_1980",
-    show_default=True,
-    help="Rule for the effective properties, with --method effective.",
-)
-@click.option(
-    "--paths",
-    type=click.IntRange(min=2),
-    default=256,
-    show_default=True,
-    help="Number of simulated motions, with --method simulation.",
-)
+@numbers_option("--reduction-factor", "R = 3 sigma_el/uy; elastic if it is not given.")
+@click.option("--ground", default="white-noise", show_default=True, help=GROUNDS)
+@numbers_option("--ground-period", "Period of the ground [s].", "s")
+@numbers_option("--ground-damping", "Damping ratio of the ground.")
+@click.option("--method", default="linearization", show_default=True, help=METHODS)
+@click.option("--closure", default="gaussian", show_default=True, help="gaussian, clipped or drift.")
+@click.option("--rule", default="iwan_1980", show_default=True, help=RULES)
+@click.option("--paths", type=click.IntRange(min=2), default=256, show_default=True, help=PATHS)
 @click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True)
-@closure_option
 @click.option("--out", type=FILE, help="Save the table as .nc or .csv.")
-@record_options
-def rho(record: Path | None, out: Path | None, method: str, **options: Any) -> None:
+def rho(out: Path | None, method: str, **options: Any) -> None:
     """Compute the correlation coefficient of a pair of bilinear structures, or a table over parameters.
 
     A number is a value (0.5s), a list (0.5s,1s,2s) or a sweep start:stop:count, with :log for a
-    geometric one (0.2s:4s:81:log). Each has its unit, as in case files: 3cm, 700ms, 0.01m^2/s^3; ratios
-    have none. Both structures have the same damping, hardening and strength; stochlin.correlate of the
-    library takes any two, of any hysteresis law.
+    geometric one (0.2s:4s:81:log). Periods have their unit, as in case files: 0.7s, 700ms. Both
+    structures have the same damping, hardening and strength; stochlin.correlate of the library takes
+    any two, of any hysteresis law, on any ground, also one that fit_ground fits to a record.
 
     \b
     Examples:
       stochlin rho --period-1 0.7s --period-2 1s
       stochlin rho --period-1 0.2s:2s:19 --period-2 1s --hardening 0.05 --reduction-factor 2,4,6 \\
           --ground kanai-tajimi --ground-period 2s --ground-damping 0.05 --out table.nc
-      stochlin rho --period-1 1s --period-2 1.2s --record record.at2
     """
     from stochlin.solver.correlation.correlation import correlate
     from stochlin.solver.tables.storage import FORMATS, save_table
     from stochlin.views.shared.words import roles_in_words
 
     with bad_input():
-        check_target("--out", out, FORMATS, [record] if record else [])
+        check_target("--out", out, FORMATS)
         first, second = structures(options)
-        ground = site(record, options)[1] if record else ground_of(options)
+        ground = ground_of(options)
         chosen = {key: options[key] for key in ("closure", "rule", "paths", "seed")}
         with progress_bar("simulating") as progress:
             table = correlate(first, second, ground, method, **chosen, progress=progress)

@@ -1,143 +1,172 @@
-"""Charts by name: what each computes, its dataset as a file has it, and its picture."""
+"""Charts by name: their settings, what each computes, and its dataset as a file has it."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
-from typing import TYPE_CHECKING, Annotated, NamedTuple, TypeVar
+from functools import partial
+from typing import Annotated, Any
 
 import numpy as np
 import xarray as xr
 
-from stochlin.models.arguments import OneOf, checked
+from stochlin.messages import Named
+from stochlin.models.arguments import (
+    DampingRatio,
+    Number,
+    Paths,
+    Points,
+    Seconds,
+    Seed,
+    Whole,
+    check_fields,
+    checked,
+)
 from stochlin.models.envelopes import AminAng
 from stochlin.models.grounds import Ground, KanaiTajimi
-from stochlin.registry import LAST, Registry
+from stochlin.models.laws.bilinear import Bilinear
+from stochlin.models.rules.effective_properties import effective_rule
+from stochlin.models.structures import STATIONARY_HARDENING
+from stochlin.registry import Registry
 from stochlin.solver.simulation.ground_motions import simulated_motions
-from stochlin.views.figures.panels import PRINT_STYLE, SCREEN_STYLE, arrange, width_in_print
-from stochlin.views.figures.settings import (
-    BROAD_BAND_DAMPING,
-    NARROW_BAND_DAMPING,
-    ChartSettings,
-)
-from stochlin.views.shared.style import styled
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-FORMULA, GROUND, MOTION, RECORD = SUBJECTS = ("formula", "ground", "motion", "record")
-Subject = Annotated[str, OneOf(SUBJECTS)]
+NARROW_BAND_DAMPING = 0.05  # that of the paper for Figs. 4 and 5
+BROAD_BAND_DAMPING = 0.6  # firm ground, Der Kiureghian & Neuenhofer 1992
+FACTOR = Number(Bilinear.allowed("reduction_factor"))
+GROUND_DAMPING = Number(KanaiTajimi.allowed("damping"))
 # Motions of Figs. 1, 2 and 5b, in periods of the ground, so that an amplification does not depend on it:
 # the duration, the ends of the rise and of the strong part, and the decay. For 2 s it lasts 30 s.
 DURATION, RISE_END, STRONG_END, DECAY = 15.0, 2.0, 7.5, 0.7
 LONGEST_MEMORY = 2 * DURATION
 SIMULATED_INTENSITY, SIMULATED_STEP = 0.004, 0.02  # m^2/s^3, s
 BANDS = {NARROW_BAND_DAMPING: "narrow band, ", BROAD_BAND_DAMPING: "broad band, "}
-HEIGHT = 4.6  # inches
-MEMORY = "drift_memory"  # variable with the memory of plastic drifts [s]
+
+
+def each(check: Number) -> Callable[[str, Sequence[float]], None]:
+    """A check of all values of a list, which must not be empty."""
+
+    def check_all(name: str, values: Sequence[float]) -> None:
+        if not values:
+            raise ValueError(f"{name} is empty; allowed: at least one value")
+        for value in values:
+            check(name, value)
+
+    return check_all
 
 
 @dataclass(frozen=True)
-class ChartInputs:
-    """What charts are made of: the settings, and the record with its ground or what stands for them."""
-
-    settings: ChartSettings
-    record: xr.DataArray | None = None
-    fitted: Ground | None = None
-
-    @property
-    def ground(self) -> Ground:
-        """The fitted ground, or the model grounds over ``ground``, the titles of their panels."""
-        dampings = self.settings.ground_dampings
-        if self.fitted is not None or len(dampings) == 1:
-            return self.site
-        titles = [f"{BANDS.get(damping, '')}ξg = {damping:g}" for damping in dampings]
-        axis = xr.DataArray(titles, dims="ground", attrs={"long_name": "ground"})
-        damping = xr.DataArray(list(dampings), dims="ground", coords={"ground": axis})
-        return KanaiTajimi(self.settings.ground_period, damping)
-
-    @property
-    def site(self) -> Ground:
-        """The ground fitted to the record, or the first model ground."""
-        settings = self.settings
-        return self.fitted or KanaiTajimi(settings.ground_period, settings.ground_dampings[0])
-
-    @cached_property
-    def motion(self) -> xr.DataArray:
-        """The record, or a simulated motion as strong as one on the lake bed of Mexico City in 1985."""
-        if self.record is not None:
-            return self.record
-        period, seed = float(self.site.arrays()["period"]), self.settings.seed
-        duration, envelope = design_motion(period)
-        ground = KanaiTajimi(period, float(self.site.arrays()["damping"]), intensity=SIMULATED_INTENSITY)
-        motion = simulated_motions(ground, duration, envelope, paths=2, seed=seed, step=SIMULATED_STEP)
-        about = (
-            f"Motion simulated with seed {seed}: {ground_caption(ground)}, S0 = "
-            f"{SIMULATED_INTENSITY:g} m²/s³; {envelope_caption(duration, envelope)}"
-        )
-        return motion[0].assign_attrs(source="a simulated motion", about=about)
-
-
-Compute = TypeVar("Compute", bound=Callable[[ChartInputs], xr.Dataset])
-
-
-class Chart(NamedTuple):
-    """A chart by the function that computes its dataset, and what it is of."""
-
-    compute: Callable[[ChartInputs], xr.Dataset]
-    of: str
-
-
-CHARTS: Registry[Chart] = Registry("chart", "stochlin.views.figures")
-# Functions that draw the axes of a dataset into a figure, by its attribute ``chart`` or ``comparison``.
-PICTURES: Registry[Callable[[Figure, xr.Dataset], None]] = Registry("chart", "stochlin.views.figures")
-
-
-@checked
-def register_chart(name: str, of: Subject = FORMULA, place: int = LAST) -> Callable[[Compute], Compute]:
-    """A decorator that makes a chart of the function that computes its dataset.
+class ChartSettings(metaclass=Named):
+    """Parameters of the charts, most of which the text of the paper does not state.
 
     Parameters
     ----------
-    name : str
-        Name of the chart and of its files.
-    of : {"formula", "ground", "motion", "record"}
-        What it is of. Charts of a formula are not drawn for a record. Those of a ground are drawn for
-        the model grounds or for the ground fitted to a record, those of a motion for a simulated one or
-        for the record, and those of a record only if there is one.
-    place : int
-        Charts with a lower number are drawn first.
+    damping, hardening : float
+        Damping ratio and hardening ratio [-] of all structures.
+    reduction_factors : tuple of float
+        Reduction factors [-] of the curves in Figs. 4 and 5b.
+    plane_reduction_factor : float
+        Reduction factor [-] in Fig. 5a; that of the paper is 4.
+    ductility : float
+        Peak ductility [-] of both structures in Fig. 3b.
+    ground_period : float
+        Period ``Tg`` [s] of the model grounds.
+    ground_dampings : tuple of float
+        Damping ratios [-] of the model grounds; Figs. 4 and 5 have a panel for each.
+    points : int
+        Number of periods along an axis.
+    paths, seed : int
+        Number and seed of simulated motions, as in `stochlin.simulate`.
+    simulated_points : int, optional
+        Number of periods at which each curve of Fig. 4, and Fig. 5a along each axis, are also simulated;
+        0 for none. The default is 21 for a curve and 41 for an axis.
+    curves : tuple of str, optional
+        Effective rules in Fig. 3b: names of `stochlin.rules.effective_rule_names` or of unverified
+        rules. The default is all verified rules and that of the paper.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If a value is out of range or of the wrong kind, or a rule is unknown.
+
+    Examples
+    --------
+    >>> from stochlin.charts import ChartSettings
+    >>> ChartSettings(points=5).fine_points
+    9
     """
 
-    def register(compute: Compute) -> Compute:
-        CHARTS.register(name, place)(Chart(compute, of))
-        return compute
+    damping: DampingRatio = 0.05
+    hardening: Annotated[float, Number(STATIONARY_HARDENING)] = 0.05
+    reduction_factors: Annotated[tuple[float, ...], each(FACTOR)] = (1.0, 2.0, 4.0, 6.0)
+    plane_reduction_factor: Annotated[float, FACTOR] = 4.0
+    ductility: Annotated[float, FACTOR] = 4.0
+    ground_period: Seconds = 2.0
+    ground_dampings: Annotated[tuple[float, ...], each(GROUND_DAMPING)] = (
+        NARROW_BAND_DAMPING,
+        BROAD_BAND_DAMPING,
+    )
+    points: Points = 161
+    paths: Paths = 256
+    seed: Seed = 0
+    simulated_points: Annotated[int, Whole(0)] | None = None
+    curves: tuple[str, ...] | None = None
 
-    return register
+    def __post_init__(self) -> None:
+        check_fields(self)
+        if self.simulated_points == 1:
+            raise ValueError("simulated_points = 1; allowed: at least 2, or 0 for none")
+        for rule in self.curves or ():
+            effective_rule(rule)
+
+    @property
+    def ground(self) -> Ground:
+        """The model grounds over ``ground``, the titles of their panels; a ground alone has none."""
+        dampings = self.ground_dampings
+        if len(dampings) == 1:
+            return KanaiTajimi(self.ground_period, dampings[0])
+        titles = [f"{BANDS.get(damping, '')}ξg = {damping:g}" for damping in dampings]
+        axis = xr.DataArray(titles, dims="ground", attrs={"long_name": "ground"})
+        damping = xr.DataArray(list(dampings), dims="ground", coords={"ground": axis})
+        return KanaiTajimi(self.ground_period, damping)
+
+    @property
+    def motion(self) -> xr.DataArray:
+        """A simulated motion of the first ground, as strong as that of Mexico City in 1985."""
+        duration, envelope = design_motion(self.ground_period)
+        ground = KanaiTajimi(self.ground_period, self.ground_dampings[0], SIMULATED_INTENSITY)
+        chosen: Any = {"paths": 2, "seed": self.seed, "step": SIMULATED_STEP}
+        motion = simulated_motions(ground, duration, envelope, **chosen)[0]
+        about = (
+            f"Motion simulated with seed {self.seed}: {ground_caption(ground)}, S0 = "
+            f"{SIMULATED_INTENSITY:g} m²/s³; {envelope_caption(duration, envelope)}"
+        )
+        return motion.assign_attrs(source="a simulated motion", about=about)
+
+    @property
+    def fine_points(self) -> int:
+        """Number of points of a curve that is quickly computed, about twice ``points``."""
+        return 2 * self.points - 1
+
+
+CHARTS: Registry[Callable[[ChartSettings], xr.Dataset]] = Registry("chart", "stochlin.views.figures")
+# A decorator, ``register_chart(name, place)``, of the function that computes a chart from the settings.
+register_chart = CHARTS.register
 
 
 @checked
-def chart_functions(
-    settings: ChartSettings, record: xr.DataArray | None = None, site: Ground | None = None
-) -> Mapping[str, Callable[[], xr.Dataset]]:
+def chart_functions(settings: ChartSettings) -> Mapping[str, Callable[[], xr.Dataset]]:
     """Charts by name, each as a function without arguments that computes its dataset.
 
     Parameters
     ----------
     settings : ChartSettings
         Parameters of the charts.
-    record : xarray.DataArray, optional
-        Record [m/s^2] for the charts of a site. The default is a simulated motion on the first of the
-        model grounds.
-    site : Ground, optional
-        Ground fitted to the record. With both, the charts are those of the site.
 
     Returns
     -------
     mapping
         Functions by the name of the chart, which is the name of its file without suffix. The datasets
-        have six significant digits, so that the same inputs give the same file.
+        have six significant digits, so that the same settings give the same file.
 
     Examples
     --------
@@ -146,19 +175,11 @@ def chart_functions(
     >>> functions["fig3a"]().rho.dims
     ('damping', 'period_ratio')
     """
-    of_site = record is not None and site is not None
-    inputs = ChartInputs(settings, record, site) if of_site else ChartInputs(settings)
-    drawn = (GROUND, MOTION, RECORD if of_site else FORMULA)
-    ending = "_site" if of_site else ""
-    return {
-        f"{name}{ending if chart.of == GROUND else ''}": partial(_for_file, chart, inputs)
-        for name, chart in CHARTS.items()
-        if chart.of in drawn
-    }
 
+    def computed(chart: Callable[[ChartSettings], xr.Dataset]) -> xr.Dataset:
+        return for_file(chart(settings))
 
-def _for_file(chart: Chart, inputs: ChartInputs) -> xr.Dataset:
-    return for_file(chart.compute(inputs))
+    return {name: partial(computed, chart) for name, chart in CHARTS.items()}
 
 
 def for_file(chart: xr.Dataset) -> xr.Dataset:
@@ -216,58 +237,3 @@ def ground_caption(ground: Ground) -> str:
 def longest_memory(ground: Ground) -> float:
     """Memory of a plastic drift [s] above which a stationary response is hardly ever reached."""
     return LONGEST_MEMORY * float(ground.arrays()["period"])
-
-
-def is_slow(chart: xr.Dataset) -> xr.DataArray:
-    """Where the plastic drift has a longer memory than any real motion: these points are open."""
-    return chart[MEMORY] > chart.attrs["longest_memory_s"]
-
-
-@styled(SCREEN_STYLE)
-def draw(dataset: xr.Dataset, *, comparison: bool = False, print_width: float | None = None) -> Figure:
-    """Draw one chart dataset.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        A result of the functions of ``stochlin.charts``, from memory or from file. Its attribute
-        ``chart`` gives the kind of picture, and ``comparison`` that of its second picture.
-    comparison : bool
-        Whether to draw the second picture of the chart, with all methods beside one another.
-    print_width : float, optional
-        Width [m] of the picture in print, such as 0.084 for one column and 0.174 for two. It then has no
-        title and no notes, and no text below 7 points. The default is a picture for the screen.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Figure with title and legend above the panels and the parameters below them.
-
-    Raises
-    ------
-    ValueError
-        If the dataset is no chart, has no finite numbers or no comparison, or the width is out of range.
-    """
-    import matplotlib as mpl
-    from matplotlib.figure import Figure
-
-    if "chart" not in dataset.attrs:
-        dimensions, allowed = tuple(dataset.dims), ", ".join(PICTURES)
-        raise ValueError(f"dataset over {dimensions} has no attribute chart; allowed: {allowed}")
-    if comparison and "comparison" not in dataset.attrs:
-        raise ValueError("comparison = True; allowed: False, since this chart has no second picture")
-    kind = dataset.attrs["comparison" if comparison else "chart"]
-    draw_axes = PICTURES.named(kind, "attribute chart")
-    numbers = [array for array in dataset.data_vars.values() if array.dtype.kind == "f"]
-    if numbers and not any(bool(np.isfinite(array).any()) for array in numbers):
-        raise ValueError(
-            "the chart has no finite number to draw; allowed: parameters in their ranges; its status "
-            "names the cause"
-        )
-    notes = ["caption", *["comparison_caption"][: int(comparison)], "comment"]
-    words = [dataset.attrs.get(key, "") for key in ("title", *notes)]
-    with mpl.rc_context({} if print_width is None else PRINT_STYLE):
-        figure = Figure(figsize=(width_in_print(print_width), HEIGHT), layout="constrained")
-        draw_axes(figure, dataset)
-        arrange(figure, *(words if print_width is None else [""]))
-    return figure

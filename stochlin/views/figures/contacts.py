@@ -9,7 +9,6 @@ motion is integrated by a Runge-Kutta method of order 8.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import cycle
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
@@ -24,8 +23,8 @@ from stochlin.models.contacts.base import CONTACTS, RESTITUTION
 from stochlin.models.contacts.damped import Damped, WithRatio
 from stochlin.models.parameters import POSITIVE, Range
 from stochlin.solver.tables import labels
-from stochlin.views.figures.charts import PICTURES, ChartInputs, register_chart
-from stochlin.views.figures.panels import in_a_row, is_narrow, panels
+from stochlin.views.figures.charts import ChartSettings, register_chart
+from stochlin.views.figures.pictures import PICTURES, in_a_row, is_narrow, panels
 from stochlin.views.shared.style import CURVES, quantity
 
 if TYPE_CHECKING:
@@ -54,19 +53,7 @@ VARIABLES = {
     "scaled_velocity": ("1", "rate of deformation over the approach velocity v0"),
     "scaled_force": ("1", "contact force f/(k (v0 τ)^n)"),
 }
-LINEAR = ("LinearSpring", "Kelvin", "NoTensionKelvin", "ImpactKelvin")
-OF_PAPER = ("Kelvin", "ImpactKelvin")
-# Label, colour and dash of each element in all three figures.
-LOOKS: dict[str, tuple[str, str, Any]] = {
-    "Kelvin": ("Kelvin", *CURVES[0]),
-    "ImpactKelvin": ("Impact Kelvin", *CURVES[1]),
-    "NoTensionKelvin": ("Kelvin, no tension", *CURVES[2]),
-    "LinearSpring": ("linear spring", *CURVES[5]),
-    "Hertz": ("Hertz", *CURVES[5]),
-    "HertzDamp": ("Hertz-damp", *CURVES[3]),
-    "Jankowski": ("Jankowski", *CURVES[4]),
-}
-OTHER_DASH = (0, (8, 1, 1, 1, 1, 1))  # for elements of extensions, in the same colours
+OF_PAPER = {"Kelvin": "Kelvin", "ImpactKelvin": "Impact Kelvin"}
 SKETCHES = (
     ("(a) Kelvin element", r"$f = k\,d + c\,v$", ""),
     ("(b) Impact Kelvin element", r"$f = k\,d + c\,\max(v, 0)$", "in approach only"),
@@ -76,18 +63,18 @@ INK: Any = {"color": "0.1", "lw": 1.1, "solid_capstyle": "butt", "clip_on": Fals
 
 
 @register_chart("fig6", place=60)
-def _fig6(inputs: ChartInputs) -> xr.Dataset:
-    return contact_loop_chart(points=inputs.settings.fine_points)
+def _fig6(settings: ChartSettings) -> xr.Dataset:
+    return contact_loop_chart(points=settings.fine_points)
 
 
 @register_chart("fig7", place=60)
-def _fig7(inputs: ChartInputs) -> xr.Dataset:
-    return contact_history_chart(points=inputs.settings.fine_points)
+def _fig7(settings: ChartSettings) -> xr.Dataset:
+    return contact_history_chart(points=settings.fine_points)
 
 
 @register_chart("fig8", place=60)
-def _fig8(inputs: ChartInputs) -> xr.Dataset:
-    return restitution_chart(points=inputs.settings.fine_points)
+def _fig8(settings: ChartSettings) -> xr.Dataset:
+    return restitution_chart(points=settings.fine_points)
 
 
 @checked
@@ -271,24 +258,16 @@ def _elements(names: list[str]) -> xr.DataArray:
 
 @PICTURES.register("contact_loops")
 def draw_loops(figure: Figure, dataset: xr.Dataset) -> None:
-    """Sketches of the two elements of the paper, and the force of all over the deformation."""
-    across = 1 if is_narrow(figure) else 2
-    every = panels(figure, 4 // across, across, 2.3)
-    for axes, sketch in zip(every, SKETCHES, strict=False):
+    """Sketches of the two elements of the paper, and their forces over the deformation."""
+    rows = ["a", "b", "c"] if is_narrow(figure) else ["ab", "cc"]
+    figure.set_figheight(2.3 * len(rows) + 0.4)
+    first, second, loops = figure.subplot_mosaic("\n".join(rows)).values()
+    for axes, sketch in zip((first, second), SKETCHES, strict=True):
         _sketch(axes, *sketch)
-    linear = dataset.element.isin(LINEAR)
-    every[3].sharey(every[2])
-    for axes, shown, heading in (
-        (every[2], linear, "(c) elements with a linear spring"),
-        (every[3], ~linear, "(d) Hertz and other elements"),
-    ):
-        _curves(axes, dataset.sel(element=shown), "scaled_deformation", "scaled_force")
-        axes.axhline(0, color="0.4", lw=0.6)
-        axes.set(xlim=(0, None), xlabel=quantity(dataset.scaled_deformation))
-        axes.set_title(heading, loc="left")
-        axes.legend(loc="upper left", bbox_to_anchor=(-0.02, -0.22), ncols=2, columnspacing=1)
-    for axes in every[2::across]:
-        axes.set_ylabel(quantity(dataset.scaled_force))
+    _curves(loops, dataset, "scaled_deformation", "scaled_force")
+    loops.axhline(0, color="0.4", lw=0.6)
+    loops.set(xlim=(0, None), xlabel=quantity(dataset.scaled_deformation))
+    loops.set_ylabel(quantity(dataset.scaled_force))
 
 
 @PICTURES.register("contact_histories")
@@ -298,7 +277,7 @@ def draw_histories(figure: Figure, dataset: xr.Dataset) -> None:
     for axes, variable in ((upper, "scaled_deformation"), (lower, "scaled_force")):
         _curves(axes, dataset, "scaled_time", variable, marker="o", ms=3.5, markevery=[-1])
         axes.axhline(0, color="0.4", lw=0.6)
-        axes.set(xlim=(0, 1.02 * float(dataset.scaled_time.max())), ylabel=quantity(dataset[variable]))
+        axes.set(xlim=(0, None), ylabel=quantity(dataset[variable]))
         axes.set_xlabel(quantity(dataset.scaled_time))
         axes.label_outer()
     lower.plot([], [], color="0.3", marker="o", ms=3.5, ls="", label="end of the contact")
@@ -306,19 +285,17 @@ def draw_histories(figure: Figure, dataset: xr.Dataset) -> None:
 
 @PICTURES.register("restitution")
 def draw_restitution(figure: Figure, dataset: xr.Dataset) -> None:
-    """Coefficient of restitution over the damping ratio, of the elements of the paper."""
+    """Coefficient of restitution over the damping ratio."""
     [axes] = in_a_row(figure, 1, 3.4)
-    _curves(axes, dataset.sel(element=list(OF_PAPER)), "damping_ratio", "restitution")
+    _curves(axes, dataset, "damping_ratio", "restitution")
     axes.set(xlim=(float(dataset.damping_ratio[0]), float(dataset.damping_ratio[-1])), ylim=(0, 1))
     axes.set(xlabel=quantity(dataset.damping_ratio), ylabel=quantity(dataset.restitution))
 
 
 def _curves(axes: Axes, dataset: xr.Dataset, x: str, y: str, **style: Any) -> None:
-    """A curve for each element, those of extensions in the same colours with a dash of their own."""
-    colors = cycle(color for color, _ in CURVES)
-    for name in dataset.element.values.tolist():
+    """A curve for each element of the paper; the data have the others, too."""
+    for (name, label), (color, dash) in zip(OF_PAPER.items(), CURVES, strict=False):
         element = dataset.sel(element=name)
-        label, color, dash = LOOKS.get(name) or (name, next(colors), OTHER_DASH)
         axes.plot(element[x], element[y], color=color, linestyle=dash, label=label, **style)
 
 

@@ -13,9 +13,8 @@ from stochlin.applications.records.variables import VARIABLES as RECORDS
 from stochlin.models.arguments import checked
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.solver.tables import labels
-from stochlin.views.figures.charts import MOTION, PICTURES, ChartInputs, register_chart
-from stochlin.views.figures.kinds import PANEL, SQUARE
-from stochlin.views.figures.panels import in_a_row, in_cm
+from stochlin.views.figures.charts import ChartSettings, register_chart
+from stochlin.views.figures.pictures import PANEL, PICTURES, SQUARE, in_a_row, in_cm
 from stochlin.views.shared.style import CURVES, quantity
 
 if TYPE_CHECKING:
@@ -38,16 +37,15 @@ VARIABLES = {
 }
 
 
-@register_chart("fig1", MOTION, place=11)
-def _fig1(inputs: ChartInputs) -> xr.Dataset:
-    return portrait_chart(inputs.motion, structure_period(inputs), inputs.settings.damping)
+@register_chart("fig1", place=11)
+def _fig1(settings: ChartSettings) -> xr.Dataset:
+    return portrait_chart(settings.motion, settings.ground_period, settings.damping)
 
 
-@register_chart("fig1b", MOTION, place=12)
-def _fig1b(inputs: ChartInputs) -> xr.Dataset:
-    settings = inputs.settings
+@register_chart("fig1b", place=12)
+def _fig1b(settings: ChartSettings) -> xr.Dataset:
     strength = settings.hardening, settings.plane_reduction_factor
-    return energy_chart(inputs.motion, structure_period(inputs), settings.damping, *strength)
+    return energy_chart(settings.motion, settings.ground_period, settings.damping, *strength)
 
 
 @checked
@@ -216,11 +214,6 @@ def _refine(record: xr.DataArray, period: float, points: float) -> int:
 def period_axis(name: str, long_name: str, points: int) -> xr.DataArray:
     """Periods of an axis [s]."""
     return labels.axis(name, long_name, np.geomspace(*PERIODS, points), "s")
-
-
-def structure_period(inputs: ChartInputs) -> float:
-    """Period [s] of the structure of Fig. 1: that of the ground, if none is set."""
-    return inputs.settings.structure_period or float(inputs.site.arrays()["period"])
 
 
 def source_of(record: xr.DataArray) -> str:

@@ -10,10 +10,9 @@ import xarray as xr
 from stochlin.applications.separation.energy_gap import energy_gap
 from stochlin.models.arguments import Points, checked
 from stochlin.models.laws.bilinear import Bilinear
-from stochlin.views.figures.charts import MOTION, PICTURES, ChartInputs, register_chart
+from stochlin.views.figures.charts import ChartSettings, register_chart
 from stochlin.views.figures.fig1 import about, period_axis, source_of
-from stochlin.views.figures.kinds import SQUARE, number_contours, planes
-from stochlin.views.figures.panels import in_a_row, in_cm
+from stochlin.views.figures.pictures import PICTURES, SQUARE, in_a_row, in_cm, planes
 from stochlin.views.shared.symbols import typeset
 
 if TYPE_CHECKING:
@@ -22,10 +21,9 @@ if TYPE_CHECKING:
 MOST_POINTS = 61  # along an axis, which needs the response to the record for each
 
 
-@register_chart("fig2", MOTION, place=14)
-def _fig2(inputs: ChartInputs) -> xr.Dataset:
-    points = min(inputs.settings.points, MOST_POINTS)
-    return recorded_gap_chart(inputs.motion, inputs.settings.damping, points)
+@register_chart("fig2", place=14)
+def _fig2(settings: ChartSettings) -> xr.Dataset:
+    return recorded_gap_chart(settings.motion, settings.damping, min(settings.points, MOST_POINTS))
 
 
 @checked
@@ -94,7 +92,6 @@ def draw_critical_gap(figure: Figure, dataset: xr.Dataset) -> None:
     ]
     highest = max(float(table.max()) for _, table in tables)
     planes(figure, in_a_row(figure, 2, SQUARE, shared=True), tables, _levels(highest))
-    number_contours(figure)
 
 
 def _levels(highest: float) -> np.ndarray:

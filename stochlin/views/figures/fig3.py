@@ -9,12 +9,15 @@ import xarray as xr
 
 from stochlin._version import __version__
 from stochlin.models.arguments import Points, checked
-from stochlin.models.rules.effective_properties import EffectiveRule, effective_rule_names
+from stochlin.models.rules.effective_properties import (
+    EffectiveRule,
+    effective_rule,
+    effective_rule_names,
+)
 from stochlin.solver.correlation.correlation import rho_white_noise
 from stochlin.solver.correlation.effective import rho_effective
 from stochlin.solver.tables import labels
-from stochlin.views.figures.charts import ChartInputs, register_chart
-from stochlin.views.figures.settings import ChartSettings, chosen_rules
+from stochlin.views.figures.charts import ChartSettings, register_chart
 
 OF_PAPER = "jeng_kasai_maison_1992_unverified"
 DAMPING = (0.01, 0.02, 0.05, 0.1, 0.2)  # of the curves of Fig. 3a
@@ -23,10 +26,6 @@ VARIABLES = {"rho": ("1", "correlation coefficient ρ")}
 
 
 @register_chart("fig3a", place=30)
-def _fig3a(inputs: ChartInputs) -> xr.Dataset:
-    return white_noise_chart(inputs.settings)
-
-
 @checked
 def white_noise_chart(settings: ChartSettings) -> xr.Dataset:
     """Fig. 3a: eq. (4) over the period ratio, for several damping ratios.
@@ -60,8 +59,7 @@ def white_noise_chart(settings: ChartSettings) -> xr.Dataset:
 
 
 @register_chart("fig3b", place=30)
-def _fig3b(inputs: ChartInputs) -> xr.Dataset:
-    settings = inputs.settings
+def _fig3b(settings: ChartSettings) -> xr.Dataset:
     structures = settings.damping, settings.hardening, settings.ductility
     return effective_rules_chart(*structures, settings.fine_points, settings.curves)
 
@@ -101,7 +99,7 @@ def effective_rules_chart(
     Raises
     ------
     ValueError, TypeError
-        If a rule is unknown, or ``rules`` is no list.
+        If a rule is unknown.
 
     References
     ----------
@@ -114,7 +112,7 @@ def effective_rules_chart(
     >>> chart.rule.values.tolist()
     ['iwan_1980', 'secant']
     """
-    chosen = chosen_rules("rules", rules or (OF_PAPER, *effective_rule_names()))
+    chosen = [effective_rule(rule) for rule in rules or (OF_PAPER, *effective_rule_names())]
     ratio = ratio_axis(points, "elastic period ratio T1/T2")
     both = {"damping": damping, "hardening": hardening, "ductility": ductility}
     pair = {f"{name}_{n}": value for name, value in both.items() for n in (1, 2)}

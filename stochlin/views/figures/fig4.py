@@ -7,7 +7,7 @@ of the ground is arbitrary.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 
@@ -24,30 +24,24 @@ from stochlin.solver.linearization.linearization import linearize
 from stochlin.solver.simulation.ground_motions import simulated_motions
 from stochlin.solver.tables import labels
 from stochlin.views.figures.charts import (
-    GROUND,
-    MEMORY,
     SIMULATED_INTENSITY,
-    ChartInputs,
+    ChartSettings,
     design_motion,
     ground_caption,
-    is_slow,
     longest_memory,
     register_chart,
 )
-from stochlin.views.figures.fig3 import along_rules, ratio_axis
-from stochlin.views.figures.settings import ChartSettings, chosen_rules
+from stochlin.views.figures.fig3 import ratio_axis
+from stochlin.views.figures.pictures import MEMORY, is_slow
 
-USUAL_RULES = ("penzien_1997", "iwan_1980")  # derived, and fitted to records
 SIMULATED_POINTS = 21  # along a curve
 STEPS = 100  # in a period of the ground, of the finite motions
 SIMULATED, IN_MOTIONS, ERROR = "rho_simulated", "rho_in_motions", "rho_standard_error"
-OPEN_POINTS = "Simulated values whose plastic drift relaxes in more than {:.3g} s are not in the errors."
 VARIABLES = {
     "rho": ("1", "correlation coefficient ρ"),
-    "rho_drift": ("1", "correlation coefficient of the displacements by the drift closure"),
-    "rho_elastic": ("1", "correlation coefficient of elastic structures on this ground"),
-    "rho_white_noise": ("1", "correlation coefficient of elastic structures by eq. (4)"),
-    "rho_effective": ("1", "correlation coefficient by eq. (4) with effective properties"),
+    "rho_drift": ("1", "ρ by the drift closure"),
+    "rho_elastic": ("1", "ρ of elastic structures, this ground"),
+    "rho_white_noise": ("1", "ρ of elastic structures, eq. (4)"),
     SIMULATED: ("1", "ρ, simulated"),
     IN_MOTIONS: ("1", "ρ in motions"),
     f"{IN_MOTIONS}_standard_error": ("1", "standard error of the mean ρ in motions"),
@@ -59,10 +53,10 @@ Place = dict[str, slice]  # cells of a chart
 
 for _letter, _ratio in (("a", 0.5), ("b", 1.0), ("c", 2.0)):
 
-    def _fig4(inputs: ChartInputs, frequency_ratio: float = _ratio) -> xr.Dataset:
-        return period_ratio_chart(inputs.settings, inputs.ground, frequency_ratio)
+    def _fig4(settings: ChartSettings, frequency_ratio: float = _ratio) -> xr.Dataset:
+        return period_ratio_chart(settings, settings.ground, frequency_ratio)
 
-    register_chart(f"fig4{_letter}", GROUND, place=40)(_fig4)
+    register_chart(f"fig4{_letter}", place=40)(_fig4)
 
 
 @checked
@@ -83,9 +77,8 @@ def period_ratio_chart(settings: ChartSettings, ground: Ground, frequency_ratio:
     xarray.Dataset
         ``rho`` and ``status`` over (``reduction_factor``, ``period_ratio``), and over ``ground`` for
         several; ``rho_elastic``, on the same ground, and ``rho_white_noise``, eq. (4), over
-        ``period_ratio``; ``rho_drift`` by the drift closure; and ``rho_effective`` over ``rule``, eq.
-        (4) with effective properties for the peak ductilities ``ductility_peak_1`` and ``_2`` of the
-        same reduction factor. NaN between the simulated points: the stationary ``rho_simulated`` with
+        ``period_ratio``; and ``rho_drift`` by the drift closure. NaN between the simulated points: the
+        stationary ``rho_simulated`` with
         ``rho_standard_error``; ``drift_memory`` [s], the relaxation time of the slower plastic drift;
         and where it is above the attribute ``longest_memory_s``, ``rho_in_motions`` with its standard
         error, the mean of the correlation coefficients in single motions from rest.
@@ -109,23 +102,17 @@ def period_ratio_chart(settings: ChartSettings, ground: Ground, frequency_ratio:
     periods = (ratio * second_period, second_period)
     elastic: Pair = Bilinear(periods[0], settings.damping), Bilinear(periods[1], settings.damping)
     first, second = (bilinear(settings, period, factors) for period in periods)
-    chart = correlate(first, second, ground, closure=settings.closure, bias=False)[["rho", "status"]]
+    chart = correlate(first, second, ground, bias=False)[["rho", "status"]]
     chart = chart.transpose(..., "reduction_factor", "period_ratio")
     chart["rho_elastic"] = correlate(*elastic, ground, bias=False).rho
     chart["rho_white_noise"] = correlate(*elastic, ground, "white_noise").rho
-    chart = _with_rules(chart, (first, second), ground, settings.curves or USUAL_RULES)
     chart = with_truth(chart, (first, second), ground, settings, _groups(settings, ratio.size))
     if SIMULATED in chart:
         chart = _with_motions(chart, (first, second), ground, settings)
-    order = "ground", "rule", "reduction_factor", "period_ratio"
-    chart = chart.transpose(*order, missing_dims="ignore")
+    chart = chart.transpose("ground", "reduction_factor", "period_ratio", missing_dims="ignore")
     times = "" if frequency_ratio == 1 else f"{frequency_ratio:g} "
     title = f"Stationary correlation of bilinear structures, ω2 = {times}ωg"
     chart.attrs |= words(settings, ground, title, f"; T2 = {second_period:.3g} s")
-    chart.attrs["comparison_caption"] = (
-        "Effective properties: eq. (4) at the peak ductilities of the same R, 3 σu/uy by drift closure, "
-        "as far as a rule was fitted"
-    )
     return with_errors(chart.assign_attrs(chart="curves", comparison="compared_curves"), settings)
 
 
@@ -145,27 +132,6 @@ def _groups(settings: ChartSettings, size: int) -> list[Place]:
     return [{"reduction_factor": row, "period_ratio": half} for row in rows for half in halves]
 
 
-def _with_rules(chart: xr.Dataset, pair: Pair, ground: Ground, names: Iterable[str]) -> xr.Dataset:
-    """A chart of ``rho`` with ``rho_effective`` over ``rule``, and with its peak ductilities.
-
-    The peak ductilities are those for the reduction factor of the chart: the peak factor times the
-    standard deviation of the ductility by the drift closure, whose bias is small.
-    """
-    rules = [rule for rule in chosen_rules("curves", names) if rule.name != "elastic"]  # eq. (4)
-    tables = []
-    for rule in rules:
-        table = correlate(*pair, ground, "effective", closure=DRIFT, rule=rule)
-        ductilities = [table[f"ductility_peak_{n}"] for n in (1, 2)]
-        fitted = [ductility <= rule.largest_ductility for ductility in ductilities]
-        tables.append(table[["rho"]].where(fitted[0] & fitted[1]).rename(rho="rho_effective"))
-    if not rules:
-        return chart
-    effective = along_rules(tables, rules).rho_effective.transpose("rule", *chart.rho.dims)
-    sources = "; ".join([chart.attrs["references"], *(rule.reference for rule in rules)])
-    chart = chart.assign({str(ductility.name): ductility for ductility in ductilities})
-    return chart.assign(rho_effective=effective).assign_attrs(references=sources)
-
-
 def with_truth(
     chart: xr.Dataset, pair: Pair, ground: Ground, settings: ChartSettings, places: Iterable[Place]
 ) -> xr.Dataset:
@@ -173,9 +139,8 @@ def with_truth(
 
     ``rho_simulated``, ``rho_standard_error`` and ``drift_memory`` are NaN elsewhere.
     """
-    if settings.closure != DRIFT:
-        drift = correlate(*pair, ground, closure=DRIFT, bias=False).rho
-        chart["rho_drift"] = drift.transpose(*chart.rho.dims)
+    drift = correlate(*pair, ground, closure=DRIFT, bias=False).rho
+    chart["rho_drift"] = drift.transpose(*chart.rho.dims)
     options: Any = {"paths": settings.paths, "seed": settings.seed}
     for place in places:
         first, second = (structure.isel(place) for structure in pair)
@@ -232,45 +197,32 @@ def with_errors(chart: xr.Dataset, settings: ChartSettings) -> xr.Dataset:
     chart.attrs["shows"] = "rho"
     if SIMULATED not in chart:
         return chart.assign_attrs(comment=labels.CAUTION_RHO)
-    named = {"rho": "linearized", "rho_drift": "drift closure"}
-
-    def errors(part: xr.Dataset) -> str:
-        off = {text: abs(part[n] - part[SIMULATED]) for n, text in named.items() if n in part}
-        return (
-            f"Simulated on {settings.paths} paths; standard error at most "
-            f"{float(part[ERROR].max()):.2g}.{errors_in_words(part, off)}"
-        )
-
+    comment = (
+        f"Simulated on {settings.paths} paths, standard error at most {float(chart[ERROR].max()):.2g}. "
+        f"{errors_in_words(chart, 'rho')}"
+    )
     points = [SIMULATED, *[IN_MOTIONS] * (IN_MOTIONS in chart)]
-    return chart.assign_attrs(points=" ".join(points), comment=errors_on_grounds(chart, errors))
+    return chart.assign_attrs(points=" ".join(points), comment=comment)
 
 
-def errors_in_words(
-    chart: xr.Dataset, off: Mapping[str, xr.DataArray], unit: str = "", of: str = ""
-) -> str:
-    """Mean and largest errors at the points that are not open; empty without such points."""
-    off = {text: each.where(~is_slow(chart)) for text, each in off.items()}
-    texts = [
-        f"{text} {float(each.mean()):.2g}{unit} ({float(each.max()):.2g}{unit})"
-        for text, each in off.items()
-        if bool(each.notnull().any())
-    ]
-    return f" Mean (largest) error{of}: {'; '.join(texts)}." if texts else ""
+def errors_in_words(chart: xr.Dataset, name: str) -> str:
+    """Mean and largest errors against simulation, ground by ground, where the drift is not slow.
 
-
-def errors_on_grounds(chart: xr.Dataset, text: Callable[[xr.Dataset], str]) -> str:
-    """A text on each ground of a chart, after its name if there are several, and on open points."""
-    if "ground" in chart.dims:
-        parts = [(name, chart.sel(ground=name)) for name in chart.ground.values.tolist()]
-        begun = [
-            (name if name[0] == "ξ" else f"{name[0].upper()}{name[1:]}", part) for name, part in parts
-        ]
-        lines = [f"{name}: {text(part)}" for name, part in begun]
-    else:
-        lines = [text(chart)]
-    if MEMORY in chart and bool(is_slow(chart).any()):
-        lines.append(OPEN_POINTS.format(chart.attrs["longest_memory_s"]))
-    return "\n".join(lines)
+    The errors of ``rho`` are differences, all others are in per cent.
+    """
+    simulated = chart[f"{name}_simulated"].where(~is_slow(chart))
+    scale, unit = (1.0, "") if name == "rho" else (100 / abs(simulated), " %")
+    texts = []
+    for variable, method in ((name, "linearized"), (f"{name}_drift", "drift closure")):
+        off = scale * abs(chart[variable] - simulated)
+        each = [np.atleast_1d(of(simulated.dims[-2:])) for of in (off.mean, off.max)]
+        errors = [f"{m:.2g}{unit} ({n:.2g}{unit})" for m, n in zip(*each, strict=True)]
+        texts.append(f"{method} {' and '.join(errors)}")
+    left_out = ""
+    if bool(is_slow(chart).any()):
+        limit = chart.attrs["longest_memory_s"]
+        left_out = f" Open points, whose plastic drift relaxes in more than {limit:.3g} s, are left out."
+    return f"Mean (largest) error against simulation: {'; '.join(texts)}.{left_out}"
 
 
 def ground_period(ground: Ground) -> float:
@@ -295,9 +247,8 @@ def number_of_points(settings: ChartSettings, usual: int) -> int:
 
 def words(settings: ChartSettings, ground: Ground, title: str, where: str = "") -> dict[str, str]:
     """Title and caption of a chart of linearized structures."""
-    closure = settings.closure.replace("gaussian", "Gaussian").replace("_", " ")
     caption = (
         f"{ground_caption(ground)}{where}\nBilinear structures: ξ = "
-        f"{settings.damping:g}, α = {settings.hardening:g}, R = 3 σel/uy; linearized, {closure} closure"
+        f"{settings.damping:g}, α = {settings.hardening:g}, R = 3 σel/uy; linearized, Gaussian closure"
     )
     return {"title": title, "caption": caption}

@@ -14,9 +14,7 @@ from stochlin.solver.correlation.amplification import amplification
 from stochlin.solver.correlation.correlation import correlate
 from stochlin.solver.tables import labels
 from stochlin.views.figures.charts import (
-    GROUND,
-    MEMORY,
-    ChartInputs,
+    ChartSettings,
     design_motion,
     envelope_caption,
     longest_memory,
@@ -25,7 +23,6 @@ from stochlin.views.figures.charts import (
 from stochlin.views.figures.fig4 import (
     bilinear,
     errors_in_words,
-    errors_on_grounds,
     ground_period,
     number_of_points,
     reduction_factors,
@@ -33,7 +30,7 @@ from stochlin.views.figures.fig4 import (
     with_truth,
     words,
 )
-from stochlin.views.figures.settings import ChartSettings
+from stochlin.views.figures.pictures import MEMORY
 
 RATIOS = (0.1, 4.0)  # first and last period of an axis, over that of the ground
 SIMULATED_POINTS = 41  # along an axis of Fig. 5a
@@ -43,7 +40,7 @@ SLOWEST_DRIFT = 2.0  # smallest reduction factor whose standard deviation is sim
 OF_PEAKS, OF_STD = "amplification_of_peaks", "amplification_simulated"
 VARIABLES = {
     "amplification": ("1", "amplification D, inelastic / elastic"),
-    "amplification_drift": ("1", "amplification of the standard deviation by the drift closure"),
+    "amplification_drift": ("1", "D of standard deviations, drift closure"),
     OF_STD: ("1", "D of standard deviations, simulated"),
     f"{OF_STD}_standard_error": ("1", "standard error of the simulated amplification"),
     OF_PEAKS: ("1", "D of mean maxima, simulated"),
@@ -52,9 +49,9 @@ VARIABLES = {
 }
 
 
-@register_chart("fig5a", GROUND, place=50)
-def _fig5a(inputs: ChartInputs) -> xr.Dataset:
-    return period_plane_chart(inputs.settings, inputs.ground)
+@register_chart("fig5a", place=50)
+def _fig5a(settings: ChartSettings) -> xr.Dataset:
+    return period_plane_chart(settings, settings.ground)
 
 
 @checked
@@ -90,7 +87,7 @@ def period_plane_chart(settings: ChartSettings, ground: Ground) -> xr.Dataset:
     ]
     period, factor = ground_period(ground), settings.plane_reduction_factor
     first, second = (bilinear(settings, ratio * period, factor) for ratio in axes)
-    chart = correlate(first, second, ground, closure=settings.closure, bias=False)[["rho", "status"]]
+    chart = correlate(first, second, ground, bias=False)[["rho", "status"]]
     chart = chart.transpose(..., "period_ratio_1", "period_ratio_2")
     places = []
     if count := number_of_points(settings, SIMULATED_POINTS):
@@ -102,9 +99,9 @@ def period_plane_chart(settings: ChartSettings, ground: Ground) -> xr.Dataset:
     return with_errors(chart.assign_attrs(chart="plane", comparison="compared_planes"), settings)
 
 
-@register_chart("fig5b", GROUND, place=50)
-def _fig5b(inputs: ChartInputs) -> xr.Dataset:
-    return amplification_chart(inputs.settings, inputs.ground)
+@register_chart("fig5b", place=50)
+def _fig5b(settings: ChartSettings) -> xr.Dataset:
+    return amplification_chart(settings, settings.ground)
 
 
 @checked
@@ -140,12 +137,11 @@ def amplification_chart(settings: ChartSettings, ground: Ground) -> xr.Dataset:
     period = ground_period(ground)
     ratio = labels.axis("period_ratio", "T/Tg", np.geomspace(*RATIOS, settings.points))
     structure = bilinear(settings, ratio * period, reduction_factors(settings))
-    table = amplification(structure, ground, closure=settings.closure)
+    table = amplification(structure, ground, closure="gaussian")
     chart = table[["amplification", "status"]].transpose(..., "reduction_factor", "period_ratio")
     dims = chart.amplification.dims
-    if settings.closure != DRIFT:
-        drift = amplification(structure, ground, closure=DRIFT).amplification
-        chart["amplification_drift"] = drift.transpose(*dims)
+    drift = amplification(structure, ground, closure=DRIFT).amplification
+    chart["amplification_drift"] = drift.transpose(*dims)
     duration, envelope = design_motion(period)
     motion: dict[str, Any] = {"of": "peak", "duration": duration, "envelope": envelope}
     few = {"method": "simulation", "paths": min(settings.paths, STD_PATHS)}
@@ -177,22 +173,17 @@ def amplification_chart(settings: ChartSettings, ground: Ground) -> xr.Dataset:
         comparison="compared_curves",
         shows="amplification",
         points=OF_PEAKS,
-        comparison_caption=f"Standard deviations simulated for R ≥ {SLOWEST_DRIFT:g}",
-        comment=errors_on_grounds(chart, _errors),
+        comment=_errors(chart),
     )
 
 
 def _errors(chart: xr.Dataset) -> str:
-    """Text with the standard errors of the simulations, and the errors of the curves against them."""
-    simulated = {OF_PEAKS: "maxima", OF_STD: "std. deviations"}
+    """The largest standard errors of the simulations, and the errors of the curves against them."""
+    simulated = {OF_PEAKS: "maxima", OF_STD: f"standard deviations (R ≥ {SLOWEST_DRIFT:g})"}
     errors = [
         f"{text} {100 * float((chart[f'{name}_standard_error'] / chart[name]).max()):.2g} %"
         for name, text in simulated.items()
         if name in chart
     ]
-    text = f"Largest standard error of the simulated {', '.join(errors)}."
-    if OF_STD not in chart:
-        return text
-    curves = {"amplification": "linearized", "amplification_drift": "drift closure"}
-    off = {text: 100 * abs(chart[n] / chart[OF_STD] - 1) for n, text in curves.items() if n in chart}
-    return text + errors_in_words(chart, off, " %", " of the std. deviations")
+    against = f" {errors_in_words(chart, 'amplification')}" if OF_STD in chart else ""
+    return f"Largest standard error of the simulated {', '.join(errors)}.{against}"

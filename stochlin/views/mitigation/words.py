@@ -11,7 +11,6 @@ from stochlin.applications.cases.shaking import doubts
 from stochlin.applications.separation.separation import AT_LEAST, LESS
 from stochlin.views.shared.blocks import Items, Table, ViewSection, texts
 from stochlin.views.shared.screen import cut
-from stochlin.views.shared.uncertain import unknowns
 from stochlin.views.shared.words import (
     MISSING,
     SPACE,
@@ -27,6 +26,7 @@ from stochlin.views.shared.words import (
     shaking,
     short,
     with_interval,
+    with_uncertainty,
 )
 
 if TYPE_CHECKING:
@@ -63,7 +63,7 @@ def answer_sections(table: xr.Dataset, case: Case) -> list[ViewSection]:
     about = (floors(case), *left_out(case), _headline(table), shaking(table, case), scatter(case))
     return [
         opening(case, doubts(table)),
-        ViewSection("", [*texts(about), *unknowns(case, "needed gaps and shares are those")]),
+        ViewSection("", texts([*about, with_uncertainty(case, "needed gaps and shares are those")])),
         ViewSection("", [_table(along(table, "measure"), _of_motions(table))]),
         *_devices(table),
         *_in_records(table),

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
-from stochlin.views.shared.options import Extended
 from stochlin.views.shared.screen import (
     COMMANDS,
     FILE,
@@ -28,23 +27,8 @@ if TYPE_CHECKING:
 TABLES = (".nc",)
 
 
-def options_of_steps() -> Iterable[Any]:
-    """``--steps-per-contact``, with the default and the range of `stochlin.pound`."""
-    from stochlin.applications.pounding.pounding import FEWEST_STEPS, MOST_STEPS
-    from stochlin.applications.pounding.runs import STEPS_PER_CONTACT
-
-    yield click.option(
-        "--steps-per-contact",
-        type=click.IntRange(FEWEST_STEPS, MOST_STEPS),
-        default=STEPS_PER_CONTACT,
-        show_default=True,
-        help="Time steps in half a period of the contact. All time steps become shorter with it; the "
-        "error falls with its square.",
-    )
-
-
 @COMMANDS.register("pound")
-@click.command(cls=Extended, after="motions", by=options_of_steps)
+@click.command()
 @click.argument("case", type=FILE)
 @click.option(
     "--out",
@@ -63,6 +47,14 @@ def options_of_steps() -> Iterable[Any]:
     type=click.IntRange(min=2),
     help="Simulate this number of motions of the site in place of its records, and print one table of "
     "their results.",
+)
+@click.option(
+    "--steps-per-contact",
+    type=int,
+    default=16,
+    show_default=True,
+    help="Time steps in half a period of the contact, 4 to 4096. All time steps become shorter with it; "
+    "the error falls with its square.",
 )
 def pound(
     case: Path, out: Path | None, picture: Path | None, motions: int | None, steps_per_contact: int

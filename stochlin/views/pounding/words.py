@@ -13,11 +13,11 @@ from stochlin.applications.cases.shaking import doubts
 from stochlin.solver.tables.labels import VALUE_AND_ENDS
 from stochlin.views.shared.blocks import Table, Text, ViewSection, texts
 from stochlin.views.shared.screen import cut
-from stochlin.views.shared.uncertain import at_medians
 from stochlin.views.shared.words import (
     MISSING,
     SPACE,
     along,
+    at_medians,
     floors,
     in_g,
     left_out,

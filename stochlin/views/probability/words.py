@@ -9,7 +9,6 @@ import numpy as np
 
 from stochlin.applications.cases.rows import pair_of
 from stochlin.views.shared.blocks import Block, Items, Table, Text, ViewSection, texts
-from stochlin.views.shared.uncertain import unknowns
 from stochlin.views.shared.words import (
     SPACE,
     along,
@@ -22,6 +21,7 @@ from stochlin.views.shared.words import (
     scatter,
     shaking,
     with_interval,
+    with_uncertainty,
 )
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ def answer_sections(answer: ProbabilityAnswer) -> list[ViewSection]:
     comment = table.attrs.get("comment", "").replace("α", "hardening").replace("≤", "<=")
     return [
         opening(case, answer.doubts()),
-        ViewSection("", [*texts(about), *unknowns(case, "the simulated confidence is that")]),
+        ViewSection("", texts([*about, with_uncertainty(case, "the simulated confidence is that")])),
         ViewSection("Confidence of no pounding up to each time", [Table.of(heads, rows)]),
         ViewSection("", texts([_wanted(answer), *_cautions(answer, shown)])),
         ViewSection("", [*_of_records(answer), Text(comment)]),

@@ -14,8 +14,7 @@ from stochlin.views.separation.elevation import elevation_picture
 from stochlin.views.separation.risk import risk_blocks
 from stochlin.views.shared.blocks import Block, Items, Picture, Table, Text, ViewSection, texts
 from stochlin.views.shared.page import page
-from stochlin.views.shared.uncertain import unknowns
-from stochlin.views.shared.words import centimetres, doubt, length
+from stochlin.views.shared.words import centimetres, doubt, length, with_uncertainty
 from stochlin.views.sites.pictures import draw_spectrum
 
 if TYPE_CHECKING:
@@ -47,7 +46,7 @@ def answer_sections(answer: CaseAnswer) -> list[ViewSection]:
         *first_sections(answer),
         ViewSection(f"The existing {about.gap}", words.allowances(answer)),
         ViewSection("", texts(words.details(answer)), detail=True),
-        ViewSection("Uncertain parameters", unknowns(case, f"the {about.gap} is that")),
+        ViewSection("Uncertain parameters", [Text(with_uncertainty(case, f"the {about.gap} is that"))]),
         ViewSection(f"How often {about.meet}", risk_blocks(answer)),
         ViewSection("The records", [Text(many)]),
         ViewSection("" if many else "The records", [_records(answer)], on_screen=not many),

@@ -1,58 +1,27 @@
-"""Options that commands share: numbers that may be sweeps, closures, records and their grounds."""
+"""Options of commands in numbers: quantities with units, lists and sweeps, and models made of them."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable
-from dataclasses import MISSING
+from collections.abc import Callable
+from dataclasses import MISSING, fields
 from functools import reduce
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from stochlin.messages import brief
-from stochlin.views.shared.screen import FILE, bad_input
 
 if TYPE_CHECKING:
-    import xarray as xr
-
     from stochlin.models.grounds import Ground
+    from stochlin.models.structures import Structure
 
-OF_BOTH = "damping", "hardening", "reduction_factor", "yield_displacement"
 SWEEP = re.compile(r"(?P<start>[^:]+):(?P<stop>[^:]+):(?P<count>[2-9]|[1-9]\d{1,5})(?P<log>:log)?")
 
 
 def together(*options: Callable[[Any], Any]) -> Callable[[Any], Any]:
     """One decorator for several options, in their order."""
     return lambda command: reduce(lambda so_far, option: option(so_far), reversed(options), command)
-
-
-class Extended(click.Command):
-    """A command with further options after the one named ``after``, such as those of registered grounds.
-
-    They are made when the command is asked for: the list of all commands does not wait for them.
-    """
-
-    def __init__(self, *args: Any, after: str, by: Callable[[], Iterable[Any]], **attrs: Any) -> None:
-        super().__init__(*args, **attrs)
-        self._after, self._by = after, by
-
-    def get_params(self, ctx: click.Context) -> list[click.Parameter]:
-        """All of them."""
-        with bad_input():
-            further = click.command("further")(together(*self._by())(lambda: None)).params
-        usual = super().get_params(ctx)
-        place = 1 + next(n for n, option in enumerate(usual) if option.name == self._after)
-        return [*usual[:place], *further, *usual[place:]]
-
-
-closure_option = click.option(
-    "--closure",
-    default="gaussian",
-    show_default=True,
-    help="Closure of the linearization: gaussian, clipped or drift.",
-)
 
 
 class QuantityType(click.ParamType):  # type: ignore[type-arg]  # no generic type before click 8.2
@@ -116,92 +85,6 @@ def numbers_option(name: str, help_text: str, units: str = "1", **more: Any) -> 
     return click.option(name, type=Numbers(units), **shown, **more)
 
 
-record_options = together(
-    click.option("--record", type=FILE, help="Strong-motion record; the ground is fitted to it."),
-    click.option(
-        "--dt",
-        type=QuantityType("s"),
-        help="Time step of the record, such as 0.01s, if the file does not give it.",
-    ),
-    click.option("--units", help="Units of the record: g, m/s^2, cm/s^2 or mm/s^2."),
-    click.option("--model", default="kanai_tajimi", show_default=True, help="Ground to fit."),
-)
-
-
-def site(record: Path, options: dict[str, Any]) -> tuple[xr.DataArray, Ground]:
-    """The record and the ground fitted to it."""
-    from stochlin.applications.records.records import read_record
-    from stochlin.applications.sites.ground_fit import fit_ground
-
-    motion = read_record(record, dt=options["dt"], units=options["units"])
-    return motion, fit_ground(motion, options["model"])
-
-
-def options_of_grounds() -> Iterable[Any]:
-    """``--ground`` with the kinds that there are, and the numbers of every parameter that they have."""
-    from stochlin.models.grounds import GROUNDS
-
-    kinds = ", ".join(name.replace("_", "-") for name in GROUNDS)
-    text = f"{kinds}, or a named ground such as firm or sct_1985_ns."
-    yield click.option("--ground", default="white-noise", show_default=True, help=text)
-    for option, grounds in parameters_of_grounds().items():
-        kind = GROUNDS[grounds[0]]
-        field = kind.__dataclass_fields__[kind.beside_structures()[option]]
-        units, text = field.metadata["units"], field.metadata["long_name"].capitalize()
-        text += "" if units == "1" else f" [{units}]"
-        text += "." if len(grounds) == len(GROUNDS) else f" of {', '.join(grounds)}."
-        yield numbers_option(as_option(option), text, units)
-
-
-def parameters_of_grounds() -> dict[str, list[str]]:
-    """Parameters of grounds as options name them, and the names of the grounds that have them."""
-    from stochlin.models.grounds import GROUNDS
-
-    grounds: dict[str, list[str]] = {}
-    for name, kind in GROUNDS.items():
-        for option in kind.beside_structures():
-            grounds.setdefault(option, []).append(name)
-    return grounds
-
-
-def structures(options: dict[str, Any]) -> list[Any]:
-    """The two structures."""
-    from stochlin.models.laws.bilinear import Bilinear
-
-    both = {name: parameter_of(name, options) for name in OF_BOTH if options[name] is not None}
-    return [Bilinear(parameter_of(f"period_{n}", options), **both) for n in (1, 2)]
-
-
-def ground_of(options: dict[str, Any]) -> Ground:
-    """The ground called for by name, with its parameters."""
-    from stochlin.models.grounds import GROUNDS
-    from stochlin.models.grounds.named import ground_names, named_ground
-    from stochlin.registry import as_key
-
-    if options["intensity"] is None and options["yield_displacement"]:
-        raise click.UsageError(
-            "--yield-displacement needs the strength of the shaking: give --intensity as well, or "
-            "--reduction-factor in its place"
-        )
-    name = options["ground"]
-    kind = GROUNDS.get(as_key(name))
-    if kind is None and name.strip().lower() not in ground_names():
-        allowed = ", ".join([*GROUNDS, *ground_names()])
-        raise ValueError(f"--ground {brief(name)} is not known; allowed: {allowed}")
-    parameters = {"intensity": "intensity"} if kind is None else kind.beside_structures()
-    chosen = {option for option in parameters_of_grounds() if options[option] is not None}
-    if wrong := chosen - {*parameters}:
-        raise click.UsageError(f"{as_option(min(wrong))} does not apply to --ground {name}.")
-    values = {parameters[option]: parameter_of(option, options) for option in chosen}
-    if kind is None:
-        return named_ground(name, **values)
-    fields = kind.__dataclass_fields__
-    for option, parameter in parameters.items():
-        if option not in chosen and fields[parameter].default is MISSING:
-            raise click.UsageError(f"--ground {name} needs {as_option(option)}.")
-    return kind(**values)
-
-
 def as_option(name: str) -> str:
     """A parameter as the option that gives it."""
     return f"--{name.replace('_', '-')}"
@@ -214,5 +97,35 @@ def parameter_of(name: str, options: dict[str, Any]) -> Any:
     values = options[name]
     if len(values) == 1:
         return values[0]
-    units = "s" if "period" in name else "m" if "displacement" in name else "1"
-    return xr.DataArray(values, dims=name, coords={name: (name, values, {"units": units})})
+    units = {"units": "s" if "period" in name else "1"}
+    return xr.DataArray(values, dims=name, coords={name: (name, values, units)})
+
+
+def structures(options: dict[str, Any]) -> list[Structure]:
+    """The two structures, which differ in their periods alone."""
+    from stochlin.models.laws.bilinear import Bilinear
+
+    names = "damping", "hardening", "reduction_factor"
+    both = {name: parameter_of(name, options) for name in names if options[name]}
+    return [Bilinear(parameter_of(f"period_{n}", options), **both) for n in (1, 2)]
+
+
+def ground_of(options: dict[str, Any]) -> Ground:
+    """The ground called for by name, with its period and its damping if it has them."""
+    from stochlin.models.grounds import GROUNDS
+    from stochlin.models.grounds.named import ground_names, named_ground
+    from stochlin.registry import as_key
+
+    name = options["ground"]
+    chosen = [option for option in ("ground_period", "ground_damping") if options[option]]
+    values = {option.removeprefix("ground_"): parameter_of(option, options) for option in chosen}
+    if name.strip().lower() in ground_names():
+        return named_ground(name, **values)
+    kind = GROUNDS.get(as_key(name))
+    if kind is None:
+        allowed = ", ".join([*GROUNDS, *ground_names()])
+        raise ValueError(f"--ground {brief(name)} is not known; allowed: {allowed}")
+    for field in fields(kind):
+        if field.default is MISSING and field.name not in values:
+            raise ValueError(f"--ground {name} needs --ground-{field.name.replace('_', '-')}")
+    return kind(**values)

@@ -9,7 +9,6 @@ from scipy import constants
 
 from stochlin.applications.cases.rows import unlike_storeys
 from stochlin.models.arguments import checked
-from stochlin.models.descriptions import shown_unit
 from stochlin.models.grounds.named import ground_names
 from stochlin.models.rules.codes import CODE_RULES
 from stochlin.models.rules.effective_properties import EFFECTIVE_RULES
@@ -20,7 +19,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
     from typing import Any
 
-    import numpy.typing as npt
     import xarray as xr
 
     from stochlin.applications.cases.reading.case import Case
@@ -112,14 +110,6 @@ def short(value: float) -> str:
 def number(value: float, unit: str = "1") -> str:
     """A number in SI as it stands in a table in this unit, three digits; missing ones as a dash."""
     return centimetres(value) if unit == "cm" else short(value / IN_SI[unit])
-
-
-def valued(value: npt.ArrayLike, units: str, digits: int = 4) -> str:
-    """A parameter with its unit; storey by storey where they differ, and mode by mode before that."""
-    numbers = np.ravel(value)
-    unit, scale = shown_unit(units, np.abs(numbers).max())
-    each = [f"{x:.{digits}g}" if abs(x) < 10**digits else f"{x:.0f}" for x in scale * numbers]
-    return ", ".join(each if len(set(each)) > 1 else each[:1]) + behind(unit)
 
 
 def behind(unit: str) -> str:
@@ -246,3 +236,20 @@ def floors(case: Case) -> str:
             f"{' and '.join(names)}. {SLABS}"
         )
     return ""
+
+
+def with_uncertainty(case: Case, what: str) -> str:
+    """A statement that the answer contains the uncertainty; empty where all is known."""
+    if not case.uncertain:
+        return ""
+    return (
+        f"Some parameters are uncertain. Each of the {case.simulated.motions} simulated motions has its "
+        f"own sample of them, and {what} of motions and samples together. Formulas, and the strength of "
+        "the shaking, are given for the medians."
+    )
+
+
+def at_medians(case: Case) -> str:
+    """A statement that the answer does not contain it; empty where all is known."""
+    sentence = "Some parameters are uncertain: here they are taken at their medians."
+    return sentence if case.uncertain else ""

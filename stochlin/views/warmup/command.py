@@ -9,13 +9,7 @@ from stochlin.views.shared.screen import COMMANDS, bad_input, progress_bar
 
 @COMMANDS.register("warmup")
 @click.command()
-@click.option(
-    "--jobs",
-    type=click.IntRange(1),
-    show_default="all cores",
-    help="Number of processes that compile in parallel.",
-)
-def warmup(jobs: int | None) -> None:
+def warmup() -> None:
     """Compile everything now, so that no command has to wait for it.
 
     The time steps of stochlin are compiled for this machine when they are first needed, which takes from
@@ -46,7 +40,7 @@ def warmup(jobs: int | None) -> None:
     with (
         bad_input(),
         progress_bar("compiling") as progress,
-        ProcessPoolExecutor(min(jobs or cores(), len(TASKS)), get_context("spawn")) as processes,
+        ProcessPoolExecutor(min(cores(), len(TASKS)), get_context("spawn")) as processes,
     ):
         progress(0.0)
         for done, task in enumerate(as_completed(processes.submit(perform, name) for name in TASKS)):

@@ -25,6 +25,7 @@ from stochlin.solver.simulation.simulation import simulate
 
 SECONDS, PATHS = 8.0, 32
 YIELDING: Any = {"hardening": 0.05, "yield_displacement": 0.01}
+STOREYS: Any = {"storey_height": 3.0, "mass": 1e6, "base_shear_coefficient": 0.1}
 
 
 def _ground() -> Ground:
@@ -37,15 +38,7 @@ def _pair() -> tuple[Bilinear, Bilinear]:
 
 
 def _tower(period: Any = 0.8) -> ShearBuilding:
-    return ShearBuilding.regular(
-        period=period,
-        storeys=2,
-        storey_height=3.0,
-        mass=1e6,
-        damping=0.05,
-        hardening=0.05,
-        base_shear_coefficient=0.1,
-    )
+    return ShearBuilding.regular(period=period, storeys=2, damping=0.05, hardening=0.05, **STOREYS)
 
 
 def _record() -> xr.DataArray:

@@ -1,0 +1,403 @@
+"""Pictures of charts: curves, planes, all methods beside one another, and the words around them."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Callable, Hashable, Iterator, Sequence
+from functools import partial
+from itertools import cycle, product
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+
+from stochlin.messages import brief
+from stochlin.registry import Registry
+from stochlin.views.shared.style import (
+    CURVES,
+    decade_ticks,
+    filled,
+    label_axis,
+    quantity,
+    styled,
+)
+from stochlin.views.shared.symbols import typeset
+from stochlin.views.shared.words import rule_label
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.contour import ContourSet
+    from matplotlib.figure import Figure
+
+# Functions that draw the axes of a dataset into a figure, by its attribute ``chart`` or ``comparison``.
+PICTURES: Registry[Callable[[Figure, xr.Dataset], None]] = Registry("chart", "stochlin.views.figures")
+INCH, CENTIMETRES = 0.0254, 100.0  # in metres, in a metre
+WIDTH = 7.2  # inches, of a picture on the screen
+NARROW = 5.0  # inches, below which panels stand in one column
+PRINT_WIDTHS = 0.08, 0.25  # m, the range
+WIDE_PANEL, PANEL, SMALL_PANEL, SQUARE = 3.4, 2.7, 1.75, 3.1  # inches, heights
+# Of a picture in print, where no text is below 7 points; on the screen it is 8 to 10.
+PRINT_STYLE: Any = {"font.size": 8, "axes.titlesize": 8, "axes.linewidth": 0.6, "lines.linewidth": 1.2}
+SCREEN_STYLE: Any = {"axes.titlesize": 9, "legend.fontsize": 8}
+NOTE_WIDTH, LABEL_WIDTH = 120, 30  # characters
+AMPLE, LINE, APART = 4.0, 0.14, 0.06  # inches: more than any legend, a line of notes, around panels
+SYMBOLS = {"damping": r"$\xi$", "reduction_factor": "R"}
+MEMORY = "drift_memory"  # variable with the memory of plastic drifts [s]
+MARKERS = "os^Dvp", "xXP*14"  # of the simulated points of each curve, and of those in finite motions
+TWICE = 1.96  # half a 95 % interval, in standard errors
+POINT: Any = {"ls": "none", "ms": 3.6, "mew": 0.8}
+OPEN = "simulated, slow drift"  # label of open points
+EDGE = 0.05  # of an axis, in which no contour has its number
+PLANES = {"rho": "linearized", "rho_drift": "drift closure", "rho_simulated": "simulated"}
+
+
+@styled(SCREEN_STYLE)
+def draw(dataset: xr.Dataset, *, comparison: bool = False, print_width: float | None = None) -> Figure:
+    """Draw one chart dataset.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        A result of the functions of ``stochlin.charts``, from memory or from file. Its attribute
+        ``chart`` gives the kind of picture, and ``comparison`` that of its second picture.
+    comparison : bool
+        Whether to draw the second picture of the chart, with all methods beside one another.
+    print_width : float, optional
+        Width [m] of the picture in print, such as 0.084 for one column and 0.174 for two. It then has no
+        title and no notes, and no text below 7 points. The default is a picture for the screen.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Figure with title and legend above the panels and the parameters below them.
+
+    Raises
+    ------
+    ValueError
+        If the dataset is no chart, has no finite numbers or no comparison, or the width is out of range.
+    """
+    import matplotlib as mpl
+    from matplotlib.figure import Figure
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
+
+    if "chart" not in dataset.attrs:
+        dimensions, allowed = tuple(dataset.dims), ", ".join(PICTURES)
+        raise ValueError(f"dataset over {dimensions} has no attribute chart; allowed: {allowed}")
+    if comparison and "comparison" not in dataset.attrs:
+        raise ValueError("comparison = True; allowed: False, since this chart has no second picture")
+    kind = dataset.attrs["comparison" if comparison else "chart"]
+    draw_axes = PICTURES.named(kind, "attribute chart")
+    numbers = [array for array in dataset.data_vars.values() if array.dtype.kind == "f"]
+    if numbers and not any(bool(np.isfinite(array).any()) for array in numbers):
+        raise ValueError(
+            "the chart has no finite number to draw; allowed: parameters in their ranges; its status "
+            "names the cause"
+        )
+    title, *notes = (dataset.attrs.get(key, "") for key in ("title", "caption", "comment"))
+    width = width_in_print(print_width)
+    with mpl.rc_context({} if print_width is None else PRINT_STYLE):
+        figure = Figure(figsize=(width, SQUARE), layout=ConstrainedLayoutEngine(h_pad=APART))
+        draw_axes(figure, dataset)
+        arrange(figure, *((title, notes) if print_width is None else ("", [])))
+    return figure
+
+
+def width_in_print(print_width: float | None) -> float:
+    """Width of a picture in inches; on the screen without a width [m] in print."""
+    if print_width is None:
+        return WIDTH
+    low, high = PRINT_WIDTHS
+    if not isinstance(print_width, int | float) or not low <= print_width <= high:
+        raise ValueError(
+            f"print_width = {brief(print_width)} is out of range; allowed: {low:g} to {high:g} m, such "
+            "as 0.084 and 0.174 for one and two columns"
+        )
+    return float(print_width) / INCH
+
+
+def arrange(figure: Figure, title: str, notes: Sequence[str]) -> None:
+    """Title and legend above the panels, notes below; they make the picture higher.
+
+    The legend has every curve of axes that have no legend of their own.
+    """
+    entries: dict[str, Any] = {}
+    for axes in figure.axes:
+        if axes.get_legend() is None:
+            for handle, text in zip(*axes.get_legend_handles_labels(), strict=True):
+                entries.setdefault(textwrap.fill(text, LABEL_WIDTH), handle)
+    text = typeset(filled([line for note in notes for line in note.splitlines()], NOTE_WIDTH))
+    if text:
+        figure.supxlabel(text, x=0.012, ha="left", size=7.5)
+    height = figure.get_figheight()
+    figure.set_figheight(height + AMPLE)
+    for columns in range(max(1, len(entries)), 0, -1):
+        head = figure.legend(
+            list(entries.values()), list(entries), loc="outside upper left", title=typeset(title),
+            ncols=columns, title_fontsize=10, alignment="left", borderaxespad=0.3, borderpad=0.2,
+            columnspacing=1.2, handlelength=2.6,
+        )  # fmt: skip
+        if columns == 1 or head.get_window_extent().width < figure.bbox.width:
+            break
+        head.remove()
+    figure.draw_without_rendering()
+    above = head.get_window_extent().height / figure.dpi
+    figure.set_figheight(height + above + LINE * len(text.splitlines()))
+
+
+def panels(
+    figure: Figure, rows: int, columns: int, height: float, *, shared: bool = False
+) -> list[Axes]:
+    """Axes ``height`` inches high, with room for what stands around them; rows first."""
+    figure.set_figheight(rows * height + 0.4)
+    return list(figure.subplots(rows, columns, squeeze=False, sharex=shared, sharey=shared).ravel())
+
+
+def in_a_row(figure: Figure, count: int, height: float, *, shared: bool = False) -> list[Axes]:
+    """Panels beside one another, or below one another in a narrow picture."""
+    across = 1 if is_narrow(figure) else count
+    return panels(figure, count // across, across, height, shared=shared)
+
+
+def is_narrow(figure: Figure) -> bool:
+    """Whether a picture has the width of one column of print."""
+    return bool(figure.get_figwidth() < NARROW)
+
+
+def places(table: xr.DataArray, inner: int) -> Iterator[tuple[str, dict[Hashable, Any]]]:
+    """Titles of all panels, each with its position along all but so many last dimensions."""
+    outer = table.dims[: max(0, table.ndim - inner)]
+    for values in product(*(table[dim].values for dim in outer)):
+        titles = [title_of(dim, value) for dim, value in zip(outer, values, strict=True)]
+        yield ", ".join(titles), dict(zip(outer, values, strict=True))
+
+
+def title_of(dim: Hashable, value: Any) -> str:
+    """What a panel or a curve is for: ``R = 4``, the name of a rule or of a ground."""
+    if isinstance(value, str):
+        return rule_label(value) if dim == "rule" else typeset(value)
+    return f"{SYMBOLS.get(str(dim), dim)} = {value:g}"
+
+
+def in_cm(table: xr.DataArray) -> xr.DataArray:
+    """A length in centimetres."""
+    return (CENTIMETRES * table).assign_attrs(table.attrs | {"units": "cm"}).rename(table.name)
+
+
+def shown(dataset: xr.Dataset) -> xr.DataArray:
+    """Variable that a chart shows: the one that ``shows`` names, or the first one that is no status."""
+    first = next(name for name in dataset.data_vars if name != "status")
+    return dataset[dataset.attrs.get("shows", first)]
+
+
+def is_slow(chart: xr.Dataset) -> xr.DataArray:
+    """Where the plastic drift has a longer memory than any real motion: these points are open."""
+    return chart[MEMORY] > chart.attrs["longest_memory_s"]
+
+
+@PICTURES.register("curves")
+def draw_curves(figure: Figure, dataset: xr.Dataset) -> None:
+    """A panel for each ground, a curve for each strength, and the points that ``points`` names."""
+    table = shown(dataset)
+    points = [dataset[name] for name in dataset.attrs.get("points", "").split()]
+    grounds = list(places(table, 2))
+    every = in_a_row(figure, len(grounds), PANEL if len(grounds) > 1 else WIDE_PANEL, shared=True)
+    for axes, (title, place) in zip(every, grounds, strict=True):
+        axes.set_title(title, loc="left")
+        looks = zip(places(table.sel(place), 1), cycle(CURVES), *map(cycle, MARKERS), strict=False)
+        for (label, along), (color, dash), *markers in looks:
+            row = table.sel({**place, **along})
+            if not bool(row.notnull().any()):
+                continue
+            style: Any = {"color": color, "linestyle": dash, "label": label or quantity(table)}
+            if points:  # on no point of the curve, but in the legend
+                style |= {"marker": markers[0], "markevery": [], "ms": POINT["ms"]}
+            for values, marker in zip(points, markers, strict=False):
+                draw_points(axes, dataset.sel({**place, **along}), values, marker, color)
+            axes.plot(row[row.dims[-1]], row, **style)
+    set_axes(every, table, [table, *points])
+    if points:
+        text = typeset(table.attrs.get("curve_label", quantity(table)))
+        every[0].plot([], [], color="0.1", label=text)
+    for values, markers_of in zip(points, MARKERS, strict=False):
+        draw_points(every[0], dataset, values, markers_of[0], "0.1", legend=True)
+
+
+@PICTURES.register("compared_curves")
+def compare_curves(figure: Figure, dataset: xr.Dataset) -> None:
+    """A panel for each strength and ground, with all variables whose names begin alike."""
+    table = shown(dataset).transpose("reduction_factor", ...)
+    methods = [
+        values for name, values in dataset.data_vars.items()
+        if str(name).startswith(str(table.name)) and not str(name).endswith("_error")
+    ]  # fmt: skip
+    every_place = list(places(table, 1))
+    columns = dataset.sizes.get("ground", 2)
+    rows = -(-len(every_place) // columns)
+    every = panels(figure, rows, columns, SMALL_PANEL, shared=True)
+    for axes, (title, place) in zip(every, every_place, strict=False):
+        axes.set_title(title.replace(", ", "\n") if is_narrow(figure) else title, loc="left")
+        looks, markers = iter(cycle(CURVES)), iter("o^x")
+        here = dataset.sel(place)
+        for values in methods:
+            if "ancillary_variables" in values.attrs:
+                marker = next(markers)
+                draw_points(axes, here, values, marker, "0.1")
+                draw_points(axes, here, values, marker, "0.1", legend=True)
+            else:
+                color, dash = next(looks)
+                curve = here[values.name]
+                label = typeset(values.attrs.get("curve_label", quantity(values)))
+                axes.plot(curve[curve.dims[-1]], curve, label=label, color=color, ls=dash)
+    for axes in every[len(every_place) :]:
+        axes.remove()
+    set_axes(every[: len(every_place)], table, methods)
+    figure.supylabel(quantity(table), size="medium")
+    for axes in every[: len(every_place)]:
+        axes.set_ylabel("")
+
+
+def draw_points(
+    axes: Axes, dataset: xr.Dataset, points: xr.DataArray, marker: str, color: str, legend: bool = False
+) -> None:
+    """Simulated points with 95 % intervals, open where their plastic drift has a long memory.
+
+    For the ``legend``, their names in place of the points.
+    """
+    error, *memory = points.attrs["ancillary_variables"].split()
+    values = dataset[points.name]
+    slow = is_slow(dataset) if memory else xr.zeros_like(values, bool)
+    for label, where, face in ((quantity(points), ~slow, color), (OPEN, slow, "w")):
+        part = values.where(where)
+        if not bool(part.notnull().any()):
+            continue
+        look: Any = {"marker": marker, "color": color, "mfc": face, **POINT}
+        if legend:
+            axes.plot([], [], label=label, **look)
+        else:
+            bars = TWICE * dataset[error].values
+            axes.errorbar(part[part.dims[-1]], part, bars, lw=0.8, zorder=4, **look)
+
+
+def set_axes(every: Sequence[Axes], table: xr.DataArray, drawn: Sequence[xr.DataArray]) -> None:
+    """Labels and ends of panels that share their axes."""
+    across = table[table.dims[-1]]
+    low, high = min(float(array.min()) for array in drawn), max(float(array.max()) for array in drawn)
+    for axes in every:
+        label_axis(axes, "x", across)
+        axes.set(ylabel=quantity(table), xlim=(float(across[0]), float(across[-1])))
+        if str(table.name).startswith("rho"):
+            axes.set_ylim(min(0.0, np.floor(low * 10) / 10), 1.03)
+        elif low > 0 and high > 5 * low:
+            axes.set(yscale="log", ylim=(0.85 * low, 1.15 * high))
+            decade_ticks(axes.yaxis)
+        axes.label_outer()
+
+
+@PICTURES.register("plane")
+def draw_plane(figure: Figure, dataset: xr.Dataset) -> None:
+    """A panel for each ground."""
+    table = shown(dataset)
+    named = [(title, table.sel(place)) for title, place in places(table, 2)]
+    planes(figure, in_a_row(figure, len(named), SQUARE, shared=True), named, contour_levels(table))
+
+
+@PICTURES.register("compared_planes")
+def compare_planes(figure: Figure, dataset: xr.Dataset) -> None:
+    """A column of planes for each ground; that of simulation is white where the drift is slow."""
+    tables = {text: dataset[name] for name, text in PLANES.items() if name in dataset}
+    if MEMORY in dataset:
+        simulated = tables["simulated"]
+        for dim in simulated.dims[-2:]:
+            simulated = simulated.dropna(dim, how="all")
+        tables["simulated"] = simulated.where(~is_slow(dataset))
+    named = [
+        (f"{title}\n{text}".strip().replace(", ", "\n" if is_narrow(figure) else ", "), table.sel(place))
+        for text, table in tables.items()
+        for title, place in places(table, 2)
+    ]
+    columns = len(named) // len(tables)
+    height = min(figure.get_figwidth() / columns, SQUARE)
+    every = panels(figure, len(tables), columns, height, shared=True)
+    planes(figure, every, named, contour_levels(*tables.values()))
+
+
+def planes(
+    figure: Figure, every: Sequence[Axes], tables: Sequence[tuple[str, xr.DataArray]], levels: np.ndarray
+) -> None:
+    """Filled contours of tables by their titles, on these levels, and the bar of their shades.
+
+    The shades are the upper part of cividis, where lightness grows with the value and black lines are
+    legible. The bar stands below a narrow picture.
+    """
+    from matplotlib import colormaps
+    from matplotlib.colors import BoundaryNorm, ListedColormap
+
+    shades = ListedColormap(colormaps["cividis"](np.linspace(0.35, 1, 256)))
+    lines = []
+    for axes, (title, table) in zip(every, tables, strict=True):
+        across, up = (table[name] for name in table.dims)
+        label_axis(axes, "x", across)
+        label_axis(axes, "y", up)
+        fill, draw_lines = _contours(axes, across.values, up.values, table.values.T)
+        filled = fill(levels=levels, cmap=shades, norm=BoundaryNorm(levels, shades.N))
+        below = levels < float(table.max()) - 1e-9  # at the very top a line would be dots along a ridge
+        lines.append(draw_lines(levels=levels[below], colors="0.1", linewidths=0.6))
+        axes.set_title(title, loc="left")
+        axes.grid(visible=False)
+        axes.set_box_aspect(1)
+        axes.label_outer()
+    where: Any = {"location": "bottom" if is_narrow(figure) else "right", "aspect": 30}
+    label = quantity(tables[0][1])
+    bar = figure.colorbar(filled, ax=list(every), label=label, format="%g", **where)
+    bar.ax.grid(visible=False)
+    figure.draw_without_rendering()  # numbers cut the lines: the panels must have their sizes
+    for axes, drawn in zip(every, lines, strict=True):
+        _number(axes, drawn)
+
+
+def _contours(axes: Axes, x: np.ndarray, y: np.ndarray, z: np.ndarray) -> tuple[Any, Any]:
+    """What fills the contours of a table, and what draws their lines.
+
+    A table of equal axes is cut into triangles along its diagonal: a narrow ridge on it stays whole.
+    """
+    if not np.array_equal(x, y) or not np.isfinite(z).all():
+        return partial(axes.contourf, x, y, z), partial(axes.contour, x, y, z)
+    from matplotlib.tri import Triangulation
+
+    number = np.arange(z.size).reshape(z.shape)
+    corner, above, right, opposite = (
+        number[rows, columns].ravel()
+        for columns in (slice(None, -1), slice(1, None))
+        for rows in (slice(None, -1), slice(1, None))
+    )
+    triangles = np.concatenate([[corner, right, opposite], [corner, opposite, above]], axis=1).T
+    across, up = np.meshgrid(x, y)
+    mesh = Triangulation(across.ravel(), up.ravel(), triangles)
+    return partial(axes.tricontourf, mesh, z.ravel()), partial(axes.tricontour, mesh, z.ravel())
+
+
+def contour_levels(*tables: xr.DataArray) -> np.ndarray:
+    """Levels for all tables: of rho tenths, from zero or the lowest value up to the highest."""
+    from matplotlib.ticker import MaxNLocator
+
+    low, high = min(float(table.min()) for table in tables), max(float(table.max()) for table in tables)
+    if not str(tables[0].name).startswith("rho"):
+        return np.asarray(MaxNLocator(10).tick_values(low, high))
+    first, last = min(0.0, np.floor(low * 10) / 10), np.ceil(high * 10) / 10
+    return np.round(np.arange(first, last + 0.05, 0.1), 10) + 0.0  # no -0
+
+
+def _number(axes: Axes, lines: ContourSet) -> None:
+    """A number on every long contour line, where others are far: those of matplotlib would be cut."""
+    from scipy.spatial import KDTree
+
+    inward = axes.transData + axes.transAxes.inverted()
+    each = [inward.transform(segment) for segments in lines.allsegs for segment in segments]
+    spots: list[np.ndarray] = []
+    for number, line in enumerate(each):
+        inside = line[((line > EDGE) & (line < 1 - EDGE)).all(axis=1)]
+        if len(inside) and np.ptp(inside, axis=0).max() > 2 * EDGE:
+            others = np.concatenate([*each[:number], *each[number + 1 :], *spots, np.full((1, 2), 9.0)])
+            spots.append(inside[[KDTree(others).query(inside)[0].argmax()]])
+    chosen = inward.inverted().transform(np.reshape(spots, (-1, 2)))
+    axes.clabel(lines, manual=[*map(tuple, chosen)], fontsize=7, fmt="%g", inline_spacing=1)
