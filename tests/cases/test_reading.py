@@ -51,7 +51,7 @@ MISTAKES = {
     "of storeys": (STRENGTH, f'{STRENGTH}floor_mass = "400 t"\n', "a building without storeys"),
     "of another law": (STRENGTH, f"{STRENGTH}beta = 0.5\n", 'belongs to law = "bouc_wen"'),
     "missing": ('period = "1.0 s"\n', "", "period is missing; write, for instance, period ="),
-    "gaps": ('"5 cm"', '["5 cm", "3 cm"]', "has 2 gaps for 2 buildings; allowed: 1 in all"),
+    "gaps": ('"5 cm"', '["5 cm", "3 cm"]', "does not fit 2 buildings; allowed: 1 in all"),
     "two strengths of shaking": ('[motion]', 'pga = "0.3 g"\n[motion]', "as well as intensity"),
     "spread": ('"1.0 s"', '"1.0 s +- 0.2"', 'a valid spread; allowed: "10 s +- 20 %"'),
     "wide": ('"1.0 s"', '"1.0 s +- 120 %"', "spread of 120 %; allowed: 0 to 100 %"),

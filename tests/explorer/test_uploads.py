@@ -91,9 +91,13 @@ def test_an_upload_stays_in_its_folder():
     upload = uploaded({"a/../../case.toml": short_example().encode(), "/b/../../a.csv": b""})
     assert sorted(each.name for each in Path(upload.folder).iterdir()) == ["a.csv", "case.toml"]
     upload.remove()
-    for name in ("../a.at2", "/etc/hostname"):
+    for name, says in (
+        ("../a.at2", "a.at2 is empty"),  # that of the upload
+        ("/etc/hostname", "there is no such file.*choose the case file together"),
+        ("..", "is outside of the folder of the case file"),
+    ):
         text = with_site(f'{SITE}[[site.records]]\npath = "{name}"\n')
-        with pytest.raises(ValueError, match="is outside of the folder of the case file"):
+        with pytest.raises(ValueError, match=says):
             open_case({"case.toml": text.encode(), "a.at2": b""})
 
 

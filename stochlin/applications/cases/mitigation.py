@@ -24,7 +24,8 @@ def mitigate_case(case: Case, progress: Progress | None = None) -> xr.Dataset:
     if gap is None:
         cure = 'write existing = "5 cm" in [separation], "0 cm" for buildings that touch'
         raise error_of(case, f"measures are compared for the existing gap; {cure}")
-    pounding = case.site.records and case.contact and first.weighed and second.weighed
+    weighed = all(each.has_storeys or each.structure.mass is not None for each in pair_of(case))
+    pounding = case.site.records and case.contact and weighed
     in_records = {"contact": case.contact, "records": dict(case.site.records) if pounding else None}
     ground, options = case.site.sampled_ground, {**motion_of(case), **in_records, "progress": progress}
     with named_errors(case):

@@ -182,23 +182,14 @@ def _in_metres(case: Case) -> Structures:
 def _check(case: Case, simulated: bool = False) -> None:
     """Raise a ValueError if the case lacks motions, gaps or a contact."""
     if not (case.site.records or simulated):
-        raise error_of(
-            case,
-            "pounding needs a recorded motion; write [[site.records]], and below it its path, units and "
-            "dt ('stochlin gap --example-record > record.at2' writes a synthetic one to try); or "
-            "--motions 100 for simulated ones",
-        )
+        cure = "[[site.records]], and below it path, units and dt; or --motions 100 for simulated ones"
+        raise error_of(case, f"pounding needs a recorded motion; write {cure}")
     if not (case.alone or case.wanted.existing):
-        cure = '"0 cm" for buildings that touch, and a list for more than two'
-        raise error_of(
-            case, f'pounding needs the existing gap; write existing = "5 cm" in [separation], {cure}'
-        )
+        cure = 'existing = "5 cm" in [separation], a list for more than two, "0 cm" if they touch'
+        raise error_of(case, f"pounding needs the existing gap; write {cure}")
     if not (case.alone or case.contact):
-        cure = 'model = "kelvin", stiffness = "2000 MN/m" and restitution = 0.65'
-        raise error_of(
-            case,
-            f"pounding needs the contact between the buildings; write [contact], and below it {cure}",
-        )
+        cure = '[contact], and below it model = "kelvin", stiffness = "2000 MN/m" and restitution = 0.65'
+        raise error_of(case, f"pounding needs the contact between the buildings; write {cure}")
 
 
 def _described(table: xr.Dataset) -> xr.Dataset:

@@ -41,8 +41,8 @@ def one_or_two(case: Case) -> tuple[Building, ...]:
     if len(case.buildings) > 2:
         raise error_of(
             case,
-            f"describes {len(case.buildings)} buildings; this command needs two, "
-            "building_1 and building_2, so leave the others out; 'stochlin pound' accepts more",
+            f"describes {len(case.buildings)} buildings; this command needs two, so leave the others "
+            "out; 'stochlin pound' accepts more",
         )
     return case.buildings
 
@@ -53,9 +53,8 @@ def pair_of(case: Case) -> tuple[Building, Building]:
     if len(buildings) == 1:
         raise error_of(
             case,
-            "building_2 is missing; this command needs two buildings: write a "
-            "line [building_2] and its keys below it; only 'stochlin gap' and 'stochlin pound' accept "
-            "one building alone",
+            "building_2 is missing; write a line [building_2] and its keys below it; only 'stochlin "
+            "gap' and 'stochlin pound' accept one building alone",
         )
     return buildings[0], buildings[1]
 

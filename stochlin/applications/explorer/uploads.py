@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import os
-import shutil
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path, PurePath
 from tempfile import TemporaryDirectory
@@ -16,8 +15,6 @@ from stochlin.applications.cases.reading.tables import read_table
 from stochlin.messages import DoubtfulInput
 from stochlin.solver.tables.inputs import only_within
 from stochlin.solver.tables.toml import read_toml
-
-DEEPEST = 16  # folders within one another
 
 
 class _Last:
@@ -57,16 +54,11 @@ def uploaded(files: Mapping[str, bytes]) -> Upload:
             "the files that it names, such as records"
         )
     folder = TemporaryDirectory()
-    inside = Path(folder.name).resolve()
     try:
-        for name, data in files.items():
-            (inside / PurePath(name).name).write_bytes(data)
-        text, tables = read_toml(inside / PurePath(cases[0]).name)
-        for place in _texts(tables):  # where the case looks for them
-            there = (inside / place).resolve()
-            if there.name in files and inside in [*there.parents][1:DEEPEST]:
-                there.parent.mkdir(parents=True, exist_ok=True)
-                shutil.copy(inside / there.name, there)
+        paths = {name: Path(folder.name).resolve() / PurePath(name).name for name in files}
+        for name, path in paths.items():
+            path.write_bytes(files[name])
+        text, _ = read_toml(paths[cases[0]])
     except (OSError, ValueError) as error:
         folder.cleanup()
         raise ValueError(_without(folder.name, error)) from error
@@ -109,12 +101,3 @@ def _without(folder: str, error: Exception) -> str:
     return (
         f"{message}; choose the case file together with the files that it names" if absent else message
     )
-
-
-def _texts(values: Any) -> Iterator[str]:
-    """All texts in nested tables and lists."""
-    if isinstance(values, str):
-        yield values
-    elif isinstance(values, (dict, list)):
-        for value in values.values() if isinstance(values, dict) else values:
-            yield from _texts(value)

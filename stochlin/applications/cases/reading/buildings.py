@@ -139,6 +139,7 @@ class Oscillator(OfBuilding):
     goes_with: ClassVar[Sequence[tuple[str, str]]] = (
         *OfBuilding.goes_with,
         ("participation", "pushover"),
+        ("pushover", "participation"),
     )
     of_law: ClassVar[Mapping[str, Any]] = {"uncertain": True}
 
@@ -149,7 +150,7 @@ class Oscillator(OfBuilding):
     mass: Any = of(Bilinear, "mass", default=None)
     height: float | None = key(HEIGHT, "Height", None)
     storeys: int | None = key(integer(1), "Storeys", None)
-    participation: float | None = key(PARTICIPATION, "Displacement of the roof over its own", None)
+    participation: Any = key(PARTICIPATION, "Displacement of the roof over its own", None)
 
     def described(self) -> Any:
         """The oscillator, elastic until `Building.on` finds a strength for its ductility."""
@@ -159,8 +160,6 @@ class Oscillator(OfBuilding):
 
     def with_curve(self, structure: Any, ideal: xr.Dataset) -> Any:
         """The oscillator of the curve, which moves less than the roof."""
-        if self.participation is None:
-            raise self.missing("participation")
         softer = float(np.sqrt(ideal.initial_stiffness / ideal.effective_stiffness))
         return replace(
             structure,
@@ -327,11 +326,6 @@ class Building:
     def storey_height(self) -> float | None:
         """Mean storey height [m], if it is known."""
         return self.height / self.storeys if self.height and self.storeys else None
-
-    @property
-    def weighed(self) -> bool:
-        """Whether its mass is known."""
-        return self.has_storeys or self.structure.mass is not None
 
     @property
     def turning(self) -> str:

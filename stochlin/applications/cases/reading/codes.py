@@ -96,11 +96,9 @@ class Wanted(Form):
     def check(self, buildings: int, hazard: Hazard | None) -> None:
         """Raise a ValueError for a wrong number of gaps, or a risk that the hazard does not reach."""
         if self.existing and len(self.existing) != (count := max(buildings - 1, 1)):
-            what = f"has {len(self.existing)} gap{'s' * (len(self.existing) > 1)} for {buildings}"
-            example = "[" * (count > 1) + ", ".join(['"5 cm"'] * min(count, 5)) + "]" * (count > 1)
-            which = "its distance from the property line" if buildings == 1 else f"{count} in all"
-            plural = "buildings" if buildings > 1 else "building"
-            raise self.table.error("existing", f"{what} {plural}; allowed: {which}, as {example}")
+            which = "its distance from the property line" if buildings == 1 else "one between neighbours"
+            what = f"does not fit {buildings} buildings; allowed: {count} in all, {which}"
+            raise self.table.error("existing", what)
         if self.risk is not None and hazard is None:
             raise self.table.error("risk", f"needs a hazard; {EXAMPLE}")
         if self.risk is not None and hazard is not None:

@@ -69,9 +69,7 @@ class OfFile(OfSite):
 
     def hazard(self) -> Hazard:
         """The curve of the file."""
-        source = self.table.source
-        paths = [source.path.parent / name for name in self.file]
-        source.files.extend(paths)
+        paths = self.table.paths("file", self.file)
         options = self.given("units", "site", "investigation_time")
         if self.coordinates is not None:
             options["site"] = self.coordinates

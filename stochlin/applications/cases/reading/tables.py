@@ -45,6 +45,7 @@ class Source:
 
     path: Path
     lines: Mapping[Place, int]
+    flat: bool = False  # whether files are looked for without their folders, too
     files: list[Path] = field(default_factory=list)
     warned: set[Place] = field(default_factory=set)
 
@@ -128,11 +129,22 @@ class Table:
         return self.value(name, TEXT) if name in self else ""
 
     def path(self, name: str) -> Path:
-        """The path of a file that the case names, relative to its own file."""
-        path = self.source.path.parent / self.text(name)
-        self.source.files.append(path)
+        """The path of a file that the case names."""
+        return self.paths(name, [self.text(name)])[0]
+
+    def paths(self, name: str, texts: Sequence[str]) -> list[Path]:
+        """The paths of files that the case names, relative to its own file."""
+        folder = self.source.path.parent
+        paths = [folder / text for text in texts]
         with self.naming(name):
-            return input_path(name, path)
+            if self.source.flat:
+                within = (".." not in path.parts and path.is_relative_to(folder) for path in paths)
+                named = zip(paths, within, strict=True)
+                paths = [
+                    path if known and path.exists() else folder / path.name for path, known in named
+                ]
+            self.source.files.extend(paths)
+            return [input_path(name, path) for path in paths]
 
     def value(self, name: str, kind: Any) -> Any:
         """The value of a key, numbers in SI."""
@@ -253,10 +265,10 @@ def _examples(keys: Mapping[str, Key]) -> str:
     return ", ".join(f"{name} = {EXAMPLES.get(name, key.kind.example)}" for name, key in keys.items())
 
 
-def read_table(path: Path, text: str | None = None) -> Table:
+def read_table(path: Path, other: str | None = None) -> Table:
     """The whole file as one table, or another text in its place; errors are those of `read_toml`."""
-    text, values = read_toml(path, text)
-    return Table(Source(path, key_lines(text), [path]), values)
+    text, values = read_toml(path, other)
+    return Table(Source(path, key_lines(text), other is not None, [path]), values)
 
 
 def key_lines(text: str) -> dict[Place, int]:
