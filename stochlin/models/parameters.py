@@ -114,7 +114,7 @@ class Model(metaclass=_Kind):
                 object.__setattr__(self, field.name, checked)
                 several += [checked] if isinstance(checked, xr.DataArray) else []
         try:
-            if len(several) > 1 and not _plainly_alike(several):
+            if len(several) > 1:
                 xr.align(*several, join="exact", copy=False)
         except (xr.AlignmentError, ValueError) as error:
             raise ValueError(
@@ -194,13 +194,8 @@ class Model(metaclass=_Kind):
         """True for the cells in which every parameter is in its range."""
         # Numbers are left out: they were checked when the model was made.
         arrays = {n: value for n, value in self.cells().items() if isinstance(value, xr.DataArray)}
-        if not arrays:
-            return xr.DataArray(True)
-        inside = [self.allowed(name).contains(array.data) for name, array in arrays.items()]
-        if _plainly_alike(list(arrays.values())):
-            inside, arrays = [functools.reduce(operator.and_, inside)], dict([arrays.popitem()])
-        labelled = (array.copy(data=x) for array, x in zip(arrays.values(), inside, strict=True))
-        return functools.reduce(operator.and_, labelled)
+        inside = (array.copy(data=self.allowed(n).contains(array.data)) for n, array in arrays.items())
+        return functools.reduce(operator.and_, inside, xr.DataArray(True))
 
     def doubts(self) -> Iterator[str]:
         """Texts on what follows from the parameters and is implausible."""
@@ -223,14 +218,6 @@ class Model(metaclass=_Kind):
     def further(self) -> list[str]:
         """What describes the model besides its parameters."""
         return []
-
-
-def _plainly_alike(arrays: Sequence[xr.DataArray]) -> bool:
-    """Whether the arrays have equal dimensions and no coordinates, so that none has to be aligned."""
-    return not any(
-        len(array.coords) or array.dims != arrays[0].dims or array.shape != arrays[0].shape
-        for array in arrays
-    )
 
 
 def expect(value: object, kind: type[Model] | tuple[type[Model], ...], role: str) -> None:
