@@ -218,10 +218,10 @@ class ModalBuilding(MultistoreyBuilding):
         sizes = {MODE: modes, FLOOR: floors, STOREY: floors}
         if not self.yields:
             return sizes
-        if self._yielding > modes[0]:
-            what = f"{type(self).__name__}: yield_displacements has {self._yielding} values"
+        if (count := as_array(self.yield_displacements).size) > modes[0]:
+            what = f"{type(self).__name__}: yield_displacements has {count} values"
             raise ValueError(f"{what}; allowed: one for each of at most {modes[0]} modes")
-        return sizes | {YIELDING: (self._yielding, "yield_displacements")}
+        return sizes | {YIELDING: (count, "yield_displacements")}
 
     def _check(self, name: str) -> None:
         periods = self._numbers("periods")
@@ -251,20 +251,18 @@ class ModalBuilding(MultistoreyBuilding):
         values = self.arrays()
         strength: dict[str, Any] = {}
         if self.yields:
-            strength = {
-                "hardening": self._over_modes(self.hardening),
-                "yield_displacement": self._over_modes(self.yield_displacements),
-            }
+            left = self.modes - self._strengths.shape[1]
+            whole = np.pad(self._strengths, ((0, 0), (0, left)), mode="edge")
+            rows = (xr.DataArray(row, dims=MODE) for row in whole)
+            strength = dict(zip(OF_STRENGTH, rows, strict=True))
         return self._law(period=values["periods"], damping=self.damping, **strength)
 
     def system(self) -> System:
         """The building as coordinates, elements and floors: each mode is one coordinate and element."""
         mass, w = self.effective_masses(), 2 * np.pi / self._numbers("periods")
         k, hardening, strength = mass * w**2, np.ones(w.size), np.full(w.size, np.inf)
-        weak = slice(self._yielding)
-        if self.yields:
-            hardening[weak] = self._numbers("hardening")
-            strength[weak] = self._numbers("yield_displacements")
+        weak = slice(self._strengths.shape[1])
+        hardening[weak], strength[weak] = self._strengths
         return System(
             mass=mass,
             damping=np.diag(2 * self._numbers("damping") * w * mass),
@@ -334,7 +332,7 @@ class ModalBuilding(MultistoreyBuilding):
         0.5
         """
         n = self.leading
-        elastic = dict.fromkeys(OF_STRENGTH) if self.yields and n >= self._yielding else {}
+        elastic = dict.fromkeys(OF_STRENGTH) if self.yields and n >= self._strengths.shape[1] else {}
         return self._as_oscillator(n, mass=float(self.effective_masses()[n]), **elastic)
 
     def stiffened(self, factor: float) -> Self:
@@ -347,24 +345,16 @@ class ModalBuilding(MultistoreyBuilding):
             allowed = "a first mode that has the most, with a pushover curve"
             raise ValueError(f"{type(self).__name__}: {what}; allowed: {allowed}")
         periods = [period, *self._numbers("periods")[1:]]
-        hardenings = [hardening, *self._of_yielding(self.hardening)[1:]]
-        strengths = [yield_displacement, *self._of_yielding(self.yield_displacements)[1:]]
+        firsts = zip((hardening, yield_displacement), self._strengths, strict=True)
+        hardenings, strengths = ([first, *others[1:]] for first, others in firsts)
         return replace(self, periods=periods, hardening=hardenings, yield_displacements=strengths)
 
     @property
-    def _yielding(self) -> int:
-        """Number of modes that yield, which are the first ones."""
-        return as_array(self.yield_displacements).size if self.yields else 0
-
-    def _over_modes(self, value: Any) -> xr.DataArray:
-        """A parameter of the modes that yield over all modes; the last one stands for the others."""
-        values = self._of_yielding(value)
-        wide = np.pad(values, (0, self.modes - values.size), mode="edge")
-        return xr.DataArray(wide, dims=MODE)
-
-    def _of_yielding(self, value: Any) -> Array:
-        """A parameter of the modes that yield, of each of them."""
-        return np.broadcast_to(np.asarray(value, float), self._yielding)
+    def _strengths(self) -> Array:
+        """Hardening [-] and yield displacement [m] of the modes that yield, the first ones (2, n)."""
+        both = (np.asarray(v, float) for v in (self.hardening, self.yield_displacements))
+        wide = np.array(np.broadcast_arrays(*both, np.empty(1)))[:2]
+        return wide if self.yields else np.empty((2, 0))
 
     def _check_orthogonal(self, name: str) -> None:
         shapes = self._numbers("shapes")
