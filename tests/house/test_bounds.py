@@ -50,7 +50,7 @@ def test_time_steps_stay_within_their_arrays(files, tmp_path):
     setting = {"NUMBA_BOUNDSCHECK": "1", "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
     done = process(TESTS.parent, setting, "-m", "pytest", *options, *paths)
     assert done.returncode == 0, done.stdout[-4000:]
-    assert int(re.search(r"(\d+) passed", done.stdout).group(1)) > 15
+    assert int(re.search(r"(\d+) passed", done.stdout).group(1)) > 10
 
 
 @pytest.mark.slow

@@ -209,17 +209,6 @@ def test_measures_that_cannot_be_built_are_refused(given, error, told):
         sl.Measure(**given)
 
 
-def test_a_measure_says_what_it_does():
-    dampers = [sl.Link(0, 1e6, structures=(2, 2), floors=(n, n - 1)) for n in (1, 2, 3)]
-    measure = sl.Measure(
-        link=[LINK, *dampers], contact=RUBBER, bumper_thickness=0.03, strengthening_1=1.5
-    )
-    assert measure.describe().endswith(f"contact {RUBBER.describe()}")
-    assert sl.Measure(link=[LINK] * 2).describe().endswith("at level floors, level floors")
-    assert sl.Measure().links == ()
-    assert sl.Measure(link=LINK).links == (sl.Link(2e7, 2e6, structures=(1, 2)),)
-
-
 def test_links_and_contacts_ask_for_masses():
     light = [sl.Bilinear(T, 0.05, 0.05, reduction_factor=3) for T in (0.6, 1.0)]
     with pytest.raises(ValueError, match="mass is not given"):

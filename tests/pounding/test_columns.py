@@ -35,6 +35,10 @@ def test_where_slabs_meet_columns_is_told():
     table = sl.pound([TALL, LOW], 0.01, CONTACTS["kelvin"], shaking())
     assert table.level.values.tolist() == pytest.approx([3.5, 4.2, 7.0, 7.2, 10.2, 10.5, 13.2])
     assert set(table.kind.values) == {"slab to column"}
+    across = table.isel(neighbours=0)  # at all levels together
+    assert int(across.impacts_between) == table.sizes["impact"]
+    assert float(across.hardest_force_between) == float(table.largest_force.max())
+    assert float(across.contact_energy_between) == pytest.approx(float(table.energy_lost.sum()))
     assert table.column.values.tolist() == ["right", "left", "right", "left", "left", "right", "left"]
     assert table.storey.values.tolist() == [1, 2, 2, 3, 3, 4, 4]
     np.testing.assert_allclose(table.share[:3], [3.5 / 4.2, 0.2, 2.8 / 3])

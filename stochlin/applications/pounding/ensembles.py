@@ -44,10 +44,9 @@ class Ensemble(NamedTuple):
 
     def describe(self) -> str:
         """The motions in one line, for the run information."""
-        if self.single or self.over != PATH:
-            return self.motions.describe().removeprefix("record: ")
-        (acceleration, dt), *more = self.motions.grounds
-        return f"{1 + len(more)} paths, {acceleration.size} samples at {dt:g} s"
+        if not self.single and self.over == PATH:
+            return f"{len(self.motions.grounds)} simulated motions"
+        return self.motions.describe().removeprefix("record: ")
 
 
 def checked_ensemble(motion: Records) -> Ensemble:

@@ -8,7 +8,6 @@ import numpy as np
 
 from stochlin.applications.cases.rows import simulated_as
 from stochlin.applications.cases.shaking import doubts
-from stochlin.applications.separation.separation import AT_LEAST, LESS
 from stochlin.views.shared.blocks import Items, Table, ViewSection, texts
 from stochlin.views.shared.screen import cut
 from stochlin.views.shared.words import (
@@ -37,10 +36,6 @@ if TYPE_CHECKING:
     from stochlin.applications.cases.reading.case import Case
 
 WIDE = 34  # characters of a name
-WORDS, UNDECIDED = (
-    {AT_LEAST: "enough", LESS: "not enough"},
-    "undecided within the error of the simulation",
-)
 NOTES = {
     "measure": "Damping: added to buildings 1 and 2, in per cent of critical. Dashpot: damping constant "
     "of all linear links between the buildings. Needed: the gap for the confidence, and its 95 % "
@@ -73,7 +68,7 @@ def answer_sections(table: xr.Dataset, case: Case) -> list[ViewSection]:
 
 
 def _headline(table: xr.Dataset) -> str:
-    """Whether the gap is enough as built, and which measures make it enough."""
+    """Whether the gap is enough as built."""
     built = table.isel(measure=0)
     apart, wanted = float(built.no_pounding_probability), float(table.attrs["confidence"])
     sentence = (
@@ -82,12 +77,7 @@ def _headline(table: xr.Dataset) -> str:
     )
     if not (table.kind == "least").any():
         sentence += " That is enough, so no further measure is searched."
-    parts = [
-        f"{row.measure.item()}, {WORDS.get(int(row.verdict), UNDECIDED)}"
-        for row in along(table, "measure")
-        if row.kind.item() == "given"
-    ]
-    return f"{sentence} The measures of the file: {'; '.join(parts)}." if parts else sentence
+    return sentence
 
 
 def _table(rows: Sequence[xr.Dataset], columns: Columns, words: Sequence[str] = ()) -> Table:

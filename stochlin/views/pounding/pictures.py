@@ -64,7 +64,7 @@ def draw_pound(dataset: xr.Dataset) -> Figure:
     for axes, number in zip(panels, shown, strict=False):
         _sides(axes, dataset, number)
     if shown:
-        _forces(panels[-2], dataset, shown)
+        _forces(panels[-2], dataset)
     else:
         _alone(panels[0], dataset)
     _energies(panels[-1], dataset)
@@ -115,9 +115,10 @@ def _sides(axes: Axes, dataset: xr.Dataset, number: int) -> None:
     right = right + CENTIMETRES * float(contact.gap)
     time = dataset.time.values
     axes.fill_between(time, left, np.maximum(left, right), color="0.9", lw=0, label="open")
-    names = _names(dataset, contact)
+    names = dataset.building.values[[int(contact[side]) - 1 for side in ("left", "right")]]
     for values, name, (color, dash) in zip((left, right), names, CURVES, strict=False):
-        axes.plot(time, values, color=color, linestyle=dash, lw=0.9, label=name)
+        label = textwrap.fill(str(name), NAME)
+        axes.plot(time, values, color=color, linestyle=dash, lw=0.9, label=label)
     hits = dataset.impact_time.values[dataset.impact_contact.values == number + 1]
     hits = hits[(hits >= time[0]) & (hits <= time[-1])]
     struck = "level" in dataset.coords and str(contact.kind.item()) == COLUMN
@@ -141,27 +142,13 @@ def _alone(axes: Axes, dataset: xr.Dataset) -> None:
     axes.set_ylabel("roof [cm]" if "floor" in dataset.dims else "place [cm]")
 
 
-def _names(dataset: xr.Dataset, contact: xr.Dataset) -> list[str]:
-    """Names of the buildings on both sides of a contact, as a legend can hold them."""
-    names = dataset.building.values[[int(contact[side]) - 1 for side in ("left", "right")]]
-    return [textwrap.fill(str(name), NAME) for name in names]
-
-
-def _forces(axes: Axes, dataset: xr.Dataset, shown: list[int]) -> None:
+def _forces(axes: Axes, dataset: xr.Dataset) -> None:
     """The largest force of every impact; of impacts without a force the velocity of approach."""
-    if not dataset.sizes["impact"]:
-        axes.text(0.5, 0.5, "no impact", transform=axes.transAxes, ha="center", va="center")
-        axes.set(yticks=[], ylabel="force")
-        return
     name = hardness(dataset)
     scale, label = (MEGA, "force [MN]") if name == "largest_force" else (1.0, "approach [m/s]")
-    for number, (color, _), marker in zip(shown, cycle(CURVES), cycle("osD^v"), strict=False):
-        same = dataset.left.values == int(dataset.left[number])  # all contacts across this gap
-        mine = same[dataset.impact_contact.values - 1]
-        time, values = dataset.impact_time.values[mine], scale * dataset[name].values[mine]
-        axes.vlines(time, 0, values, color=color, lw=0.8)
-        across = " |\n".join(_names(dataset, dataset.isel(contact=number)))
-        axes.plot(time, values, color=color, marker=marker, ls="", ms=3, label=across)
+    axes.vlines(dataset.impact_time, 0, scale * dataset[name], color=CURVES[0][0], lw=1.2)
+    if not dataset.sizes["impact"]:
+        axes.text(0.5, 0.5, "no impact", transform=axes.transAxes, ha="center", va="center")
     axes.set(ylim=(0, None), ylabel=label)
 
 
