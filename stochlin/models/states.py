@@ -18,13 +18,13 @@ MOST_STATES = 8
 GIVE = "give a sympy expression, or a mapping of sympy expressions by state"
 
 
-def rates_by_state(law: Any, states: Any = None) -> Rates:
+def rates_by_state(law: Any) -> Rates:
     """The rates of a law, which is an expression for z or a mapping of expressions by state.
 
     Raises
     ------
     ValueError, TypeError
-        If names of states are not allowed, or a rate is missing or not of a state.
+        If names of states are not allowed, or the rate of z is missing.
     """
     rates = {"z": law}
     if isinstance(law, (Mapping, tuple)):
@@ -32,22 +32,15 @@ def rates_by_state(law: Any, states: Any = None) -> Rates:
             rates = dict(law)
         except (TypeError, ValueError) as error:
             raise TypeError(f"law = {brief(law)} is not allowed; {GIVE}") from error
-    names = ("z", *(name for name in rates if name != "z")) if states is None else states
-    if not isinstance(names, (list, tuple)) or not all(isinstance(name, str) for name in names):
-        raise TypeError(
-            f"states = {brief(names)}; allowed: a list or tuple of names, such as ('z', 'e')"
-        )
-    words = all(name.isidentifier() and not keyword.iskeyword(name) for name in names)
-    fit = "v" not in names and len({*names}) == len(names) <= MOST_STATES
-    if not (words and fit and [*names[:1]] == ["z"]):
+    names = ["z", *(name for name in rates if name != "z")]
+    words = all(
+        isinstance(name, str) and name.isidentifier() and not keyword.iskeyword(name) for name in names
+    )
+    if not (words and "z" in rates and "v" not in names and len(names) <= MOST_STATES):
         raise ValueError(
-            f"states = {brief(tuple(names))}; allowed: at most {MOST_STATES} different names of letters "
-            "and digits, of which 'z' is the first, and none is 'v', the ductility rate"
-        )
-    if {*names} != {*rates}:
-        raise ValueError(
-            f"law = {brief(in_words(law))} has rates of {listed(rates)}; allowed: one for each of the "
-            f"states {listed(names)}, and no more"
+            f"law = {brief(in_words(law))} has rates of {listed(rates)}; allowed: those of z and of at "
+            f"most {MOST_STATES - 1} further states, whose names consist of letters and digits, and are "
+            "not 'v', the ductility rate"
         )
     return tuple((name, rates[name]) for name in names)
 

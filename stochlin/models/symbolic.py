@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache, cached_property
 from typing import TYPE_CHECKING, Any
@@ -33,8 +34,8 @@ if TYPE_CHECKING:
 ORDER = 52
 ACCURACY = 1e-9  # of Gaussian expectations
 ACCURACY_IN_TIME = 1e-3  # of those with the means of further states, some of which may be small
+LARGEST = 1e300  # number in a law
 MEANS = (0.0, 0.1, 1.0, 10.0)  # of further states for which the latter are checked
-LARGEST = 1e300
 _FUNCTIONS = {  # that both numpy and math have
     *(sympy.Abs, sympy.sign, sympy.Max, sympy.Min, sympy.Heaviside, sympy.Piecewise),
     *(sympy.exp, sympy.log),
@@ -227,14 +228,11 @@ class SymbolicLaw:
                 f"{self._named(column)} leaves z at 0, where motions start, so that no force develops; "
                 "allowed: G(v, 0) = v, as in v - abs(v)*z"
             )
-        odd = "is not odd; allowed: G(-v, -z) = -G(v, z)"
-        if len(w) > 1:
-            odd = (
-                "differs with the direction; allowed: if v and z are reversed, so is the rate of z, and "
-                f"growing_states = {brief(self.growing)} keep their signs and those of their rates, as "
-                "energies do, while other states and their rates are reversed"
-            )
-        raise ValueError(f"{self._named(column)} {odd}, the same behaviour in both directions")
+        raise ValueError(
+            f"{self._named(column)} differs with the direction; allowed: if v and z are reversed, so is "
+            f"the rate of z, and growing_states = {brief(self.growing)} keep their signs and those of "
+            "their rates, as energies do, while other states and their rates are reversed"
+        )
 
     def _check_held(self, column: Array) -> None:
         turning = [name for name, _ in self.rates[1:] if name not in self.growing]
@@ -292,15 +290,12 @@ def _plain(
     names = {symbol.name for symbol in expression.free_symbols}
     known = ["v", *states]
     if (state == "z" and "v" not in names) or not names <= {*known, *parameters}:
-        quoted = [f"'{name}'" for name in known]
-        allowed = (
-            f"{', '.join(quoted[:-1])} and {quoted[-1]} only, with numbers in place of any parameter"
-        )
-        if parameters:
-            allowed = f"{', '.join(quoted)} and its parameters {', '.join(parameters)}"
+        quoted = ", ".join(f"'{name}'" for name in known)
+        own = f"its parameters {', '.join(parameters)}" if parameters else "numbers as parameters"
         of_state = f" of {state}" if len(states) > 1 else ""
         raise ValueError(
-            f"law{of_state} = {expression} has the symbols {sorted(names)}; allowed: {allowed}"
+            f"law{of_state} = {expression} has the symbols {sorted(names)}; allowed: {quoted} and "
+            f"{own}; 'v' is required for z"
         )
     _check_parts(expression)
     return expression.subs({s: sympy.Symbol(s.name, real=True) for s in expression.free_symbols})
@@ -345,20 +340,9 @@ def _kinks(expression: sympy.Expr) -> set[sympy.Expr]:
     for argument in _switch_arguments(expression):
         for factor in sympy.Mul.make_args(sympy.factor(argument)):
             if z in factor.free_symbols and v not in factor.free_symbols:
-                roots = sympy.solveset(factor, z, sympy.S.Reals)
-                if not isinstance(roots, sympy.FiniteSet) and factor.free_symbols != {z}:
-                    roots = _roots(factor, z)
-                if isinstance(roots, sympy.FiniteSet):
-                    kinks.update(roots)
+                with contextlib.suppress(NotImplementedError):  # no formula for the zeros
+                    kinks.update(sympy.solve(factor, z))
     return kinks
-
-
-def _roots(factor: sympy.Expr, z: sympy.Symbol) -> sympy.FiniteSet:
-    """Zeros of the factor, which may depend on parameters; a zero that is not real is not a kink."""
-    try:
-        return sympy.FiniteSet(*sympy.solve(factor, z))
-    except NotImplementedError:
-        return sympy.FiniteSet()
 
 
 def _switch_arguments(expression: sympy.Expr) -> Iterator[sympy.Expr]:

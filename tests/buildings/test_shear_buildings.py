@@ -298,7 +298,7 @@ REFUSED = {
     "masses has 201 values; allowed: one for each of at most 200": lambda: uniform(201, 1e5, 1e8),
     "dampers = -2 in storey 2 is out of range; allowed: 0 <=": shear(dampers=[0.0, -2.0]),
     "p_delta = 1; allowed: True or False": shear(p_delta=1),
-    r"law = v\*\*2 is not odd; allowed: ": shear(law=V**2),
+    r"law = v\*\*2 differs with the direction; allowed: ": shear(law=V**2),
     r"law_parameters = \[1\]; allowed: a mapping of numbers by": shear(law_parameters=[1]),
     r"'beta': \[0\.6, 0\.8\]}; allowed: a mapping of numbers": of_law("bouc_wen", beta=[0.6, 0.8]),
     "gamma = -3 is out of range; allowed: -beta": of_law("bouc_wen", gamma=-3.0),

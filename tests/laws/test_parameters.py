@@ -78,7 +78,7 @@ class Uneven(Softening):
     ("law", "message"),
     [
         (Unknown, r"'beta'.*allowed: 'v', 'z' and its parameters limit, share"),
-        (Uneven, r"law = .* with limit = 1, share = 0.5 is not odd"),
+        (Uneven, r"law = .* with limit = 1, share = 0.5 differs with the direction"),
     ],
 )
 def test_a_law_that_cannot_be_is_refused_when_it_is_used(law, message):

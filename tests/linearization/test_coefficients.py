@@ -79,7 +79,7 @@ def test_tables_by_dimension_name_and_cells_that_cannot_be():
         ({"velocity_std": 0.0}, "velocity_std = 0"),
         ({"law": "other"}, "law = 'other' is not a known law; allowed: bilinear"),
         ({"law": "hysteretic"}, "give the sympy expression"),
-        ({"law": V + Z**2}, "is not odd"),
+        ({"law": V + Z**2}, "differs with the direction"),
         ({"law": V * Z**2}, r"law = v\*z\*\*2 leaves z at 0, .*; allowed: G\(v, 0\) = v"),
         ({"law": V * sympy.Integral(sympy.cos(Z), (Z, 0, Z))}, "has 'Integral.*, which has no numeric"),
         ({"law": V * sympy.besselj(0, Z)}, r"has 'besselj\(0, z\)', which has no numeric form; allowed"),

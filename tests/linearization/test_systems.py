@@ -371,7 +371,6 @@ def test_weight_that_eats_the_hardening_has_no_stationary_answer():
             {"iteration": "substitution", "relaxation": 1.5},
             "relaxation = 1.5 is out of range; allowed: 0 < value <= 1",
         ),
-        ({"relaxation": 0.5}, "relaxation = 0.5 with iteration = 'anderson'"),
     ],
 )
 def test_what_cannot_be_is_said(change, message):

@@ -31,14 +31,12 @@ class Hysteretic(Structure):
         ``Min``, ``Heaviside``, ``Piecewise``, ``exp``, ``log``, and trigonometric and hyperbolic
         functions and their inverses.
 
-        A law with memory has further states, such as the energy that it has dissipated. It is a mapping
-        of the names of all states, among them ``"z"``, to their rates in ``v`` and the states. All
-        states are 0 before a motion. If ``v`` and ``z`` are reversed, so is the rate of ``z``. The law
-        is kept as pairs of names and rates.
+        A law with memory has at most 7 further states, such as the energy that it has dissipated. It is
+        a mapping of the names of all states, among them ``"z"``, to their rates in ``v`` and the
+        states. All states are 0 before a motion. If ``v`` and ``z`` are reversed, so is the rate of
+        ``z``. The law is kept as pairs of names and rates.
     mass : float, optional
         As in `Bilinear`.
-    states : sequence of str, optional
-        Names of the states, at most 8, with ``"z"`` first; by default those of ``law``.
     growing_states : sequence of str, optional
         Those of the further states that keep their sign, and that of their rate, when ``v`` and ``z``
         are reversed, as an energy does; by default all. All others are then reversed with their rate, as
@@ -78,14 +76,12 @@ class Hysteretic(Structure):
 
     law: sympy.Expr | Mapping[str, sympy.Expr] | Rates | None = None
     _: KW_ONLY
-    states: Sequence[str] | None = None
     growing_states: Sequence[str] | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        rates = rates_by_state(self.law, self.states)
+        rates = rates_by_state(self.law)
         object.__setattr__(self, "law", rates if len(rates) > 1 else rates[0][1])
-        object.__setattr__(self, "states", tuple(name for name, _ in rates))
         object.__setattr__(self, "growing_states", self._growing([name for name, _ in rates[1:]]))
         _ = self._compiled
 

@@ -94,8 +94,7 @@ class Springs(NamedTuple):
     def linearized(self) -> Array:
         """Rows (k, n) that give the extensions of linearized dashpots; links are the last springs."""
         extensions = self.mechanics.system.extensions
-        rows: Array = extensions[len(extensions) - self.dashpots.shape[1] :][self.power]
-        return rows
+        return np.asarray(extensions[len(extensions) - self.dashpots.shape[1] :][self.power])
 
     def at(self, cells: Array) -> Springs:
         """The cells with these numbers."""
@@ -219,29 +218,30 @@ def solve_springs(
     one_solution: Array,
     most: int,
     rtol: float,
-    relaxation: float | None = None,
+    depth: int = DEPTH,
+    relaxation: float = 1.0,
 ) -> tuple[FixedPoint, Array]:
-    """The `fixed_points` of all cells, by substitution if a ``relaxation`` factor is given.
+    """The `fixed_points` of all cells.
 
     ``elastic`` (u, c) are the unknowns of the elastic response. Where a law may have several solutions,
     so that ``one_solution`` (c,) is false, and where mixing fails, the iteration begins at the end of
-    the branch of solutions from weak to full shaking.
+    the branch of solutions from weak to full shaking; substitution is always from the elastic response.
     """
-    m, how = problem.springs, (DEPTH, 1.0) if relaxation is None else (0, relaxation)
+    m = problem.springs
     solution, changes = nothing(elastic), np.full((most, 2, elastic.shape[1]), np.nan)
     solution.converged[:] = not len(elastic)  # nothing is to be linearized
 
     def iterate(cells: Array, start: Array) -> None:
         if cells.size:
-            run, of_cells = fixed_points(problem.at(cells), start, most, rtol, *how)
+            run, of_cells = fixed_points(problem.at(cells), start, most, rtol, depth, relaxation)
             add(solution, cells, run)
             changes[:, :, cells] = np.nan
             changes[: len(of_cells), :, cells] = of_cells
 
     tried = np.isfinite(elastic).all(axis=0) & ~solution.converged
-    cells = np.flatnonzero(tried & (one_solution | (relaxation is not None)))
+    cells = np.flatnonzero(tried & (one_solution | (depth == 0)))
     iterate(cells, elastic_limit(elastic, m)[:, cells])
-    cells = np.flatnonzero(tried & ~solution.converged & (relaxation is None))
+    cells = np.flatnonzero(tried & ~solution.converged & (depth > 0))
     if cells.size:
         part = problem.at(cells)
 

@@ -8,14 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.linearization.gaussian import Closure
 from stochlin.models.laws.hysteretic import law_of
 from stochlin.models.parameters import POSITIVE, Model, Parameter, Range, parameter
 from stochlin.models.structures import GAUSSIAN, Structure
+from stochlin.solver.linearization.equivalent_systems import in_columns
 from stochlin.solver.linearization.variables import VARIABLES
 from stochlin.solver.tables import labels
-from stochlin.solver.tables.cellwise import cellwise
+from stochlin.solver.tables.cells import flat
 from stochlin.solver.tables.lazy import in_blocks
 
 if TYPE_CHECKING:
@@ -109,29 +108,12 @@ def equivalent_coefficients(
     )
 
 
-def _of_moments(moments: Moments, law: Structure) -> xr.Dataset:
-    c_eq, k_eq = cellwise(
-        _coefficients,
-        moments.valid() & law.valid(),
-        *moments.arrays().values(),
-        *law.law_parameters(),
-        kinds=(float, float),
-        closure=law.closure(GAUSSIAN),
-    )
-    status = labels.status_where(c_eq.notnull() & k_eq.notnull())
-    return xr.Dataset({"c_eq": c_eq, "k_eq": k_eq, "status": status})
-
-
 @np.errstate(all="ignore")  # cells out of range are NaN
-def _coefficients(
-    valid: Array, sv: Array, sz: Array, r: Array, *own: Array, closure: Closure
-) -> tuple[Array, Array]:
-    arrays = np.broadcast_arrays(valid, sv, sz, r, *own)
-    where = np.flatnonzero(arrays[0])
-    moments, parameters = np.split(np.stack([a.reshape(-1)[where] for a in arrays[1:]]), [3])
-    coefficients = np.full((2, arrays[0].size), np.nan)
-    if where.size:
-        slip, relaxation = closure(moments, parameters).coefficients
-        coefficients[:, where] = slip - 1, relaxation
-    c_eq, k_eq = coefficients.reshape(2, *arrays[0].shape)
-    return c_eq, k_eq
+def _of_moments(moments: Moments, law: Structure) -> xr.Dataset:
+    cells = flat({"moments": moments, "law": law}, settled=False)
+    moments, valid = cells.models["moments"], cells.models["law"]
+    parameters = (parameter.to_numpy() for parameter in valid.law_parameters())
+    rows = in_columns([*moments.cells().values(), *parameters], cells.where.size)
+    slip, relaxation = law.closure(GAUSSIAN)(rows[:3], rows[3:]).coefficients
+    table = xr.Dataset({"c_eq": cells.array(slip - 1), "k_eq": cells.array(relaxation)})
+    return table.assign(status=labels.status_where(table.c_eq.notnull() & table.k_eq.notnull()))

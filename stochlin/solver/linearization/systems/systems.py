@@ -14,6 +14,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.gaussian import absolute_moment, gaussian
 from stochlin.kernels.linearization.systems.response import StationaryResponse
 from stochlin.kernels.linearization.systems.springs import (
+    DEPTH,
     Law,
     Springs,
     elastic_start,
@@ -43,7 +44,7 @@ from stochlin.solver.tables.lazy import check_names
 from stochlin.solver.tables.work import check_work, count_cells
 
 ANDERSON = "anderson"
-ITERATIONS = (ANDERSON, "substitution")
+ITERATIONS = {ANDERSON: DEPTH, "substitution": 0}  # by name, with the number of rounds that are mixed
 VARIABLES: labels.Variables = {
     **LINEARIZATION,
     "drift_std": ("m", "standard deviation of the storey drift or link extension"),
@@ -108,8 +109,8 @@ def linearize_system(
         paper, which may cycle without end; see the notes. ``"anderson"``: Anderson's mixing combines
         the moments of the last rounds so that the mismatch is least.
     relaxation : float
-        Share [-] of the way to the new moments, as logarithms, that a substitution goes, in (0, 1]; with
-        0.7 nearly every pair converges, see the notes.
+        Share [-] of the way to the new moments, as logarithms, that a round goes, in (0, 1]; with 0.7
+        nearly every pair converges by substitution, see the notes.
     rtol : float
         The iteration stops when no covariance changes by more than ``rtol`` times the product of the
         standard deviations, no ``c_eq`` by more than ``rtol``, and no ``k_eq`` by more than ``rtol``
@@ -180,7 +181,7 @@ def linearize_system(
     """
     links = checked_system(structures, ground, links)
     tolerance = Tolerance(rtol, 0.0, max_iterations)
-    factor = relaxation_of(iteration, relaxation)
+    depth = ITERATIONS[iteration]
     models: dict[str, Model] = {f"structure_{n}": s for n, s in enumerate(structures, start=1)}
     models |= {"ground": ground}
     models |= {f"link_{n}": link for n, link in enumerate(links, start=1) if link is not None}
@@ -190,13 +191,14 @@ def linearize_system(
     if not cells.where.size:
         raise ValueError(NONE_VALID)
     equations = equations_of_cells(cells, links)
-    solution = solve_equations(equations, tolerance, factor)
+    solution = solve_equations(equations, tolerance, depth, relaxation)
     table = labels.label(solution_table(cells, equations, solution), VARIABLES)
     described = ", ".join(structure.describe() for structure in structures)
     labels.raise_if_lone_failure(table, f"linearize_system([{described}], {ground.describe()})")
     if any(structure.yields for structure in structures):
         table = table.assign_attrs(comment=labels.CAUTION_SIGMA)
-    how = "" if factor is None else f"iteration='substitution', relaxation={factor:g}"
+    usual = iteration == ANDERSON and relaxation == 1
+    how = "" if usual else f"iteration={iteration!r}, relaxation={relaxation:g}"
     return labels.with_run_information(
         table,
         f"Stationary response of {len(structures)} structures by linearization, {ground.name} ground",
@@ -218,9 +220,9 @@ class SystemSolution(NamedTuple):
 
 @np.errstate(all="ignore")  # NaN is checked where it matters
 def solve_equations(
-    equations: Equations, tolerance: Tolerance, relaxation: float | None = None
+    equations: Equations, tolerance: Tolerance, depth: int = DEPTH, relaxation: float = 1.0
 ) -> SystemSolution:
-    """The equivalent coefficients of all elements, by mixing, or by plain substitution if relaxed."""
+    """The equivalent coefficients of all elements, by mixing so many rounds, or by substitution."""
     own = equations.yields
     check_stationary(equations.arrangement)
     problem, elastic = elastic_start(springs_of(equations))
@@ -229,7 +231,7 @@ def solve_equations(
     unique = (law.has_one_solution().to_numpy() for law in weak)
     one_solution = np.broadcast_to(reduce(and_, unique, np.array(True)), equations.cells)
     rule = tolerance.max_iterations, tolerance.rtol
-    solved, changes = solve_springs(problem, elastic, one_solution, *rule, relaxation)
+    solved, changes = solve_springs(problem, elastic, one_solution, *rule, depth, relaxation)
     slip, k, dashpots = linear_for(problem, solved.unknowns)
     still = (np.abs(slip) < ELASTIC) & (np.abs(k) < ELASTIC * problem.mechanics.frequency)
     c_eq, k_eq = np.full((equations.cells, own.size), -1.0), np.zeros((equations.cells, own.size))
@@ -267,16 +269,6 @@ def laws_of(equations: Equations, *, in_time: bool = False) -> list[Law]:
     if links.size:
         laws.append(Law(links, np.empty((0, cells, links.size)), gaussian))
     return laws
-
-
-def relaxation_of(iteration: str, relaxation: float) -> float | None:
-    """The relaxation factor of a substitution, None with mixing, which has none."""
-    if iteration == ANDERSON and relaxation != 1:
-        raise ValueError(
-            f"relaxation = {relaxation:g} with iteration = 'anderson', which finds its own steps; "
-            "allowed: 1, or iteration='substitution'"
-        )
-    return float(relaxation) if iteration == "substitution" else None
 
 
 def check_chain(models: Mapping[str, Model]) -> None:
