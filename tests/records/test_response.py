@@ -215,6 +215,15 @@ def test_limits_are_elastic(case):
     np.testing.assert_allclose(same, exact, rtol=0, atol=1e-10 * peak)
 
 
+def test_a_structure_that_falls_beyond_all_numbers_ends():
+    """Its stiffness after yielding is negative, so that it moves away with exp(w t) for 300 s."""
+    table = sl.response_spectrum(
+        synthetic(samples=15000), 0.3, 0.05, hardening=-0.9, yield_displacement=1e-3
+    )
+    assert float(table.displacement_max) == np.inf
+    assert np.isnan(table.velocity_max)
+
+
 # --- Pairs --------------------------------------------------------------------------------------------
 
 

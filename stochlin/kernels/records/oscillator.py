@@ -183,7 +183,7 @@ def _until_change(o, c, v, y, side, push, rise, end):
         else:
             curve = side * (rise + o.damping * a + stiffness * rate)
             step = _until(side * rate, -side * a, curve, snap, end - t)
-        if step >= end - t:
+        if not step < end - t:  # or the structure fell, beyond all numbers
             return end
         t += step
         if step <= SMALLEST:
