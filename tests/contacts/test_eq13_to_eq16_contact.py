@@ -10,7 +10,6 @@ import stochlin as sl
 from stochlin.charts import (
     contact_history_chart,
     contact_loop_chart,
-    restitution_chart,
 )
 
 pytestmark = pytest.mark.paper
@@ -83,20 +82,6 @@ def test_hertz_damp_has_its_known_values():
     np.testing.assert_allclose(sl.HertzDamp.damping_factor([0.5, 0.65]), [1.4328, 0.7931], atol=5.1e-5)
 
 
-def test_fig8_chart():
-    chart = restitution_chart(largest=1.5, points=31)
-    assert list(chart.element.values) == ["Kelvin", "NoTensionKelvin", "ImpactKelvin", "Jankowski"]
-    for kind in (*KELVINS, sl.Jankowski):
-        expected = kind.restitution(chart.damping_ratio.values)
-        np.testing.assert_array_equal(chart.restitution.sel(element=kind.__name__), expected)
-    # The paper's reading of the figure: at any damping the Impact Kelvin element leaves more.
-    inside = chart.restitution.isel(damping_ratio=slice(1, None))
-    assert (inside.sel(element="ImpactKelvin") > inside.sel(element="NoTensionKelvin")).all()
-    assert (inside.sel(element="NoTensionKelvin") > inside.sel(element="Kelvin")).all()
-    assert (chart.restitution.sel(element="Kelvin", damping_ratio=slice(1, None)) == 0).all()
-    assert (chart.restitution.diff("damping_ratio") <= 0).all()
-
-
 # --- Figs. 6 and 7 --------------------------------------------------------------------------------
 
 
@@ -139,10 +124,3 @@ def test_loops_begin_and_end_as_contacts_do(chart):
 def test_loop_area_is_the_energy_lost(chart):
     lost = (1 - chart.restitution**2) / 2
     assert (np.abs(loop_area(chart) - lost) < quadrature_error(chart)).all()
-
-
-def test_fig7_shows_what_the_paper_says():
-    chart = contact_history_chart(damping_ratio=0.5)
-    force = chart.scaled_force
-    assert float(force.sel(element="Kelvin").min()) < 0  # it opposes the separation
-    assert (force.drop_sel(element="Kelvin") >= 0).all()

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from cases import example_case, recorded_example
-from commands import answered, invoke, refused
+from commands import answered, invoke
 
 import stochlin as sl
 from stochlin.applications.cases.rows import gap_of, pair_of
@@ -117,18 +117,3 @@ def test_bumpers_that_would_be_crushed_and_forces_of_links_are_shown(tmp_path):
         assert float(bumpers.deepest_compression) > float(bumpers.bumper_thickness) == 0.004
         braced = saved.sel(measure="Braces in the office block", record="Taft 1952")
         assert float(braced.largest_link_force) > 0.6e6
-
-
-@pytest.mark.parametrize(
-    ("changes", "told"),
-    [
-        ([('existing = "5 cm"', "")], 'write existing = "5 cm" in [separation], "0 cm" for buildings'),
-        ([('mass = "3200 t"', "")], "measures['Dampers between both']: structure 1: mass is not given"),
-        (
-            [('bumper_thickness = "2 cm"', 'bumper_thickness = "50 mm"')],
-            "case.toml: measures['Rubber bumpers']: bumper_thickness = 0.05 m fills the gap of 0.05 m",
-        ),
-    ],
-)
-def test_cases_that_have_no_answer_are_refused_in_words(tmp_path, changes, told):
-    assert told in refused("mitigate", case_file(tmp_path, *changes))

@@ -56,9 +56,9 @@ class Element(Contact):
     stiffness: Parameter = parameter("N/m", "stiffness of the contact", POSITIVE)
 
     @property
-    def power(self) -> Any:
-        """Exponent of the penetration in the elastic force [-]."""
-        return getattr(self, "exponent", self.law.exponent)
+    def e(self) -> Any:
+        """Coefficient of restitution [-] of two free masses; 1 without a dashpot."""
+        return 1.0
 
     def damping_coefficient(self, reduced_mass: Any) -> Any:
         """Damping of the force law for a reduced mass [kg]; 0 for an element without a dashpot."""
@@ -71,9 +71,9 @@ class Element(Contact):
         are arrays that broadcast by dimension name.
         """
         mass = checked_value(type(self).__name__, "reduced_mass", reduced_mass, "kg", POSITIVE)
-        return self.law._replace(
-            stiffness=self.stiffness, exponent=self.power, damping=self.damping_coefficient(mass)
-        )
+        exponent = getattr(self, "exponent", self.law.exponent)
+        damping = self.damping_coefficient(mass)
+        return self.law._replace(stiffness=self.stiffness, exponent=exponent, damping=damping)
 
     def force(
         self, penetration: Any, velocity: Any, approach_velocity: Any, reduced_mass: Any
@@ -106,16 +106,6 @@ class Element(Contact):
             )
         result = result.where(self.valid() & POSITIVE.contains(mass) & POSITIVE.contains(v0))
         return result.rename("contact_force").assign_attrs(units="N", long_name="contact force")
-
-
-@dataclass(frozen=True)
-class Undamped(Element):
-    """A contact element without damping, which is a spring."""
-
-    @property
-    def e(self) -> float:
-        """Coefficient of restitution [-]: 1."""
-        return 1.0
 
 
 def checked_value(model: str, name: str, value: Any, units: str, allowed: Range) -> float | xr.DataArray:

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 from stochlin.kernels.simulation.contacts import ForceLaw
 from stochlin.models.contacts import restitution
-from stochlin.models.contacts.base import CONTACTS, DAMPING, Undamped
+from stochlin.models.contacts.base import CONTACTS, DAMPING, Element
 from stochlin.models.contacts.damped import Damped, WithRatio
 from stochlin.models.contacts.restitution import Relation
 from stochlin.models.parameters import POSITIVE, Parameter, Range, parameter
@@ -18,7 +18,7 @@ SPHERES = 1.5
 
 @CONTACTS.register("hertz", 5)
 @dataclass(frozen=True)
-class Hertz(Undamped):
+class Hertz(Element):
     """Hertz contact without damping, ``f = k d^n``; its coefficient of restitution is 1.
 
     Parameters

@@ -7,14 +7,14 @@ from typing import ClassVar
 
 from stochlin.kernels.simulation.contacts import ForceLaw
 from stochlin.models.contacts import restitution
-from stochlin.models.contacts.base import CONTACTS, Undamped
+from stochlin.models.contacts.base import CONTACTS, Element
 from stochlin.models.contacts.damped import WithRatio
 from stochlin.models.contacts.restitution import Relation
 
 
 @CONTACTS.register("linear_spring", 1)
 @dataclass(frozen=True)
-class LinearSpring(Undamped):
+class LinearSpring(Element):
     """Linear spring without damping, ``f = k d``; its coefficient of restitution is 1.
 
     Parameters
