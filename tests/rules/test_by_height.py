@@ -94,18 +94,6 @@ def test_colombia_by_hand(height, storeys, level, not_level, empty_plot):
     assert float(rule.gap(0.5, None, height, storeys_1=storeys)) == pytest.approx(empty_plot, rel=1e-12)
 
 
-@pytest.mark.oracle
-@pytest.mark.parametrize("height", [6.0, 12.0, 30.0])
-@pytest.mark.parametrize("align", [True, False])
-def test_new_zealand_by_hand(height, align):
-    """NZS 1170.5, 7.4.1: each keeps its own displacement from the boundary, whatever its height."""
-    rule = sl.rules.code_rule("nzs_1170_5")
-    assert float(rule.gap(0.03, None, height)) == 0.03
-    for same_property in (True, False):
-        gap = rule.gap(0.03, 0.04, height, 15.0, align, same_property=same_property)
-        assert float(gap) == pytest.approx(0.03 + 0.04, rel=1e-12)
-
-
 @pytest.mark.invariant
 def test_arrays_of_storeys_and_accelerations_are_cells_of_the_table():
     more = {"storeys_1": [3, 9], "storeys_2": 4, "design_pga": [2.0, -1.0]}

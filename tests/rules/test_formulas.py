@@ -1,7 +1,5 @@
 """Effective properties and separation rules: their formulas by other roads, limits and invariance."""
 
-import re
-
 import numpy as np
 import pytest
 import xarray as xr
@@ -10,8 +8,6 @@ from hypothesis import strategies as st
 
 import stochlin as sl
 from stochlin import rules
-from stochlin.models.rules.codes import CODE_RULES
-from stochlin.models.rules.effective_properties import EFFECTIVE_RULES
 
 pytestmark = pytest.mark.oracle
 
@@ -29,14 +25,6 @@ def test_elastic_structures_keep_their_period_and_damping(name):
     mu = np.array([1e-3, 0.5, 1.0])
     np.testing.assert_array_equal(rule.period_ratio(mu, 0.05), 1)
     np.testing.assert_array_equal(rule.damping(mu, 0.05, 0.02), 0.02)
-
-
-@pytest.mark.parametrize("name", EFFECTIVE)
-def test_rules_are_continuous_where_yielding_begins(name):
-    """Iwan's damping begins like the power 0.371 of the distance: 1e-12 of it is 3e-5 of 0.0587."""
-    rule = rules.effective_rule(name)
-    assert float(rule.period_ratio(1 + 1e-12, 0.05)) == pytest.approx(1, abs=1e-10)
-    assert float(rule.damping(1 + 1e-12, 0.05, 0.05)) == pytest.approx(0.05, abs=3e-6)
 
 
 def loop_area(mu, alpha, points=100_000):
@@ -94,21 +82,6 @@ def test_published_pieces_of_fema_440_jump(mu, period, damping):
     assert float(jump) == pytest.approx(period, rel=1e-3)
     jump = rule.damping(after, 0.05, 0.05) - rule.damping(before, 0.05, 0.05)
     assert float(jump) == pytest.approx(damping, rel=1e-3)
-
-
-@pytest.mark.parametrize("name", EFFECTIVE)
-@given(ductilities, st.floats(1.0001, 3), hardenings, dampings)
-def test_more_ductility_is_a_longer_period(name, mu, factor, alpha, xi):
-    rule = rules.effective_rule(name)
-    low, high = (float(rule.period_ratio(m, alpha)) for m in (mu, mu * factor))
-    assert high >= low * (1 - (0.104 / 1.774 if name == "fema_440" else 1e-14))  # its jump
-    assert float(rule.damping(mu, alpha, xi)) >= xi
-
-
-def test_every_mark_has_a_meaning():
-    """Those that the page explains; a share of a rule may have a mark of its own."""
-    for rule in (*CODE_RULES.values(), *EFFECTIVE_RULES.values()):
-        assert re.fullmatch(r"[SCP](, share [\d.]+ M)?|M( high| low)?", rule.mark), rule.name
 
 
 def test_unverified_rules_are_listed_on_request_and_say_why():
@@ -222,19 +195,6 @@ def test_mexico_city_halves_for_the_same_height_system_and_levels_only(name, who
         assert rule.gap(0.03, 0.04, 12.0, 12.0, zone="II", **told) == pytest.approx(whole, rel=1e-12)
 
 
-def test_codes_that_know_property_lines_sum_between_two_properties():
-    """IBC 2009 and Eurocode 8: the root of squares only "on the same property"."""
-    for name in ("asce_7", "ubc_97", "eurocode_8", "peru_e030"):
-        rule = rules.code_rule(name)
-        each = [rule.gap(peak, None, height) for peak, height in ((0.03, 12.0), (0.04, 20.0))]
-        assert float(rule.gap(0.03, 0.04, **SITE)) == pytest.approx(sum(each), rel=1e-14)
-    families = {
-        same: sl.code_gaps(0.03, 0.04, **SITE, same_property=same).family.sel(rule="eurocode_8").item()
-        for same in (False, True)
-    }
-    assert families == {False: "sum", True: "SRSS"}
-
-
 def test_every_code_is_in_the_table_by_hand():
     """So that no rule can be added without one."""
     (mark,) = [m for m in test_gaps_of_codes_are_those_by_hand.pytestmark if m.name == "parametrize"]
@@ -317,14 +277,6 @@ def test_codes_do_not_ask_which_building_is_first(one, two, h_1, h_2, aligned, l
         for safer in ((False, *told), (aligned, "III", False, system), (aligned, "III", lot, False)):
             # other rounding
             assert rule.gap(one, two, h_1, h_2, *safer, **as_is) >= here * (1 - 1e-14)
-
-
-@given(lengths, lengths)
-def test_what_is_a_combination_of_peaks_lies_between_srss_and_sum(one, two):
-    """For correlations from 0 to -1; the plain families of the paper."""
-    srss, total = (float(rules.code_rule(n).gap(one, two)) for n in ("srss", "share_of_sum"))
-    assert srss == float(sl.critical_gap(one, two, 0.0).gap)
-    assert total == float(sl.critical_gap(one, two, -1.0).gap)
 
 
 def test_rules_without_their_data_are_nan_and_say_what_is_missing():

@@ -277,22 +277,6 @@ def rendered(page: str, wide: int, tall: int, measure: str, folder: Path) -> lis
 
 
 @pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium to render the page in")
-@pytest.mark.parametrize(("wide", "tall"), [(1280, 720), (400, 800)])
-def test_the_drawing_and_the_four_lines_stand_on_the_first_screen(
-    wide: int, tall: int, example: Done, tmp_path: Path
-) -> None:
-    """The four lines beside the drawing, below it on a phone, where the drawing has the verdict."""
-    measure = """const below = e => e.getBoundingClientRect().bottom;
-          const drawn = inner.querySelector('svg');
-          const why = [...inner.querySelectorAll('p')].find(e => e.textContent.startsWith('Why'));
-          const found = [below(drawn), drawn.getBoundingClientRect().width, below(why)];"""
-    drawn, width, why = rendered(example.page, wide, tall, measure, tmp_path)
-    assert 0 < drawn <= tall
-    assert width >= 0.85 * min(wide, 440)
-    assert why <= tall or wide < 500
-
-
-@pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium to render the page in")
 @pytest.mark.parametrize(
     "name", with_slow(["example", "example at a desk", "site"], {"example at a desk", "site"})
 )

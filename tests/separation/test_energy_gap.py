@@ -54,45 +54,6 @@ def test_yielding_pair_takes_rho_by_the_rule_or_of_a_ground():
         assert float(on_ground.pseudo_energy_radius_1) == float(table.pseudo_energy_radius_1)
 
 
-@pytest.mark.filterwarnings("ignore::stochlin.messages.DoubtfulInput")  # hardly yields
-@pytest.mark.invariant
-def test_effective_properties_of_what_stays_elastic_are_its_own():
-    strong = [replace(one, yield_displacement=10.0) for one in WEAK]
-    by_rule = sl.energy_gap(*strong, noise(), "effective")
-    xr.testing.assert_allclose(
-        by_rule.critical_gap, sl.energy_gap(*strong, noise()).critical_gap, rtol=1e-12
-    )
-
-
-@pytest.mark.slow
-@pytest.mark.oracle
-@pytest.mark.parametrize("law", [sl.BoucWen, sl.Bilinear])
-def test_radius_of_another_law_is_that_of_its_history(law):
-    smooth = sl.BoucWen(0.6, 0.05, 0.1, yield_displacement=0.01)
-    other = law(1.0, 0.05, 0.1, yield_displacement=0.01)
-    table = sl.energy_gap(other, smooth, noise())
-    for n, one in enumerate((other, smooth), start=1):
-        history = sl.respond(one, noise(), refine=8)
-        assert float(table[f"pseudo_energy_radius_{n}"]) == pytest.approx(
-            float(history.radius.max()), rel=2e-3
-        )
-
-
-@pytest.mark.invariant
-def test_scales_order_and_records():
-    louder = 2 * noise()
-    one, two = (sl.energy_gap(FIRST, SECOND, motion) for motion in (noise(), louder))
-    assert float(two.critical_gap) == pytest.approx(2 * float(one.critical_gap), rel=1e-12)
-    turned = sl.energy_gap(SECOND, FIRST, -noise())
-    assert float(turned.critical_gap) == pytest.approx(float(one.critical_gap), rel=1e-12)
-    assert float(turned.separation) == pytest.approx(float(one.separation), rel=1e-12)
-    equal = sl.energy_gap(FIRST, FIRST, noise())
-    assert float(equal.critical_gap) == pytest.approx(0, abs=1e-12)
-    periods = xr.DataArray([0.4, 0.9], dims="period")
-    both = sl.energy_gap(sl.Bilinear(periods, 0.05), SECOND, {"a": noise(), "b": louder}, "effective")
-    assert dict(both.critical_gap.sizes) == {"record": 2, "period": 2}
-
-
 @pytest.mark.paper
 def test_least_damping_of_a_steady_hum_is_that_of_the_closed_form():
     """In a sinusoid, ``r_PER`` of a soft and of a stiff structure and eq. (4) are known."""

@@ -57,16 +57,6 @@ def test_each_answer_asks_for_the_gap_that_is_there(now, share):
 
 
 @pytest.mark.slow
-def test_intensity_of_linear_structures_goes_with_the_square_of_the_gap():
-    pair = sl.Bilinear(0.5, 0.05), sl.Bilinear(1.0, 0.05)
-    found = [
-        float(sl.existing_gap(*pair, GROUND, 25.0, gap, **OPTIONS).largest_intensity)
-        for gap in (0.05, 0.1)
-    ]
-    assert found[1] / found[0] == pytest.approx(4, rel=5e-3)
-
-
-@pytest.mark.slow
 @pytest.mark.extreme
 def test_hopeless_and_ample_gaps():
     pair = (

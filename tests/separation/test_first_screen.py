@@ -154,13 +154,6 @@ def test_floors_are_at_their_levels_and_slabs_on_columns_are_marked(answer: Any)
     assert marks == {(0.0, 3.5), (0.0, 7.0), (apart, 3.2), (apart, 6.4)}
 
 
-def test_floors_of_oscillators_are_dotted_where_their_number_is_known(answer: Any) -> None:
-    *_, buildings = drawn(answer("oscillators"))
-    floors = [[segment[0][1] for segment in lines.get_segments()] for lines in buildings.collections]
-    np.testing.assert_allclose(floors[0], np.arange(3, 25, 3))
-    assert all(lines.get_linestyle()[0][1] is not None for lines in buildings.collections)
-
-
 def test_the_line_stands_where_one_building_ends(answer: Any) -> None:
     *_, buildings = drawn(answer("set-back of an oscillator"))
     assert len(buildings.patches) == 1

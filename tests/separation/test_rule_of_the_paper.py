@@ -24,10 +24,6 @@ def elastic_peaks(*periods, ground, seconds=SECONDS):
     return [float(table.peak_mean + scale * reduced * table.peak_std) for table in tables]
 
 
-def std_of(structure):
-    return sl.linearize(structure, FIRM).displacement_std
-
-
 def gap_of(table, rule="eq_3_paper"):
     return float(table.gap.sel(rule=rule))
 
@@ -55,38 +51,6 @@ def test_an_envelope_shortens_it_to_the_stationary_motion_of_equal_energy():
     seconds = float(np.trapezoid(np.asarray(envelope.at(time)) ** 2, time))
     whole = sl.separation(*pair(), FIRM, seconds, **FEW)
     assert gap_of(table) == pytest.approx(gap_of(whole), rel=1e-4)
-
-
-@pytest.mark.paper
-def test_elastic_structures_need_the_gap_of_eq_3_with_the_exact_rho():
-    elastic = sl.Bilinear(1.6, 0.05), sl.Bilinear(2.4, 0.05)
-    table = sl.separation(*elastic, LAKEBED, 300.0, confidence=CONFIDENCE, paths=2048)
-    rho = sl.correlate(*elastic, LAKEBED).rho
-    peaks = elastic_peaks(1.6, 2.4, ground=LAKEBED, seconds=300.0)
-    assert rho < 0
-    assert gap_of(table) == pytest.approx(float(sl.critical_gap(*peaks, rho).gap), rel=1e-9)
-    # The same rule with simulated peaks; Vanmarcke's are good to a few per cent.
-    assert gap_of(table) == pytest.approx(gap_of(table, "eq_3_linearized"), rel=0.05)
-
-
-@pytest.mark.extreme
-@pytest.mark.paper
-def test_far_beyond_yield_d_and_rho_are_those_of_the_stiffness_after_yield():
-    hardening = 0.25
-    soft = [sl.Bilinear(period / 0.5, 0.05 / 0.5) for period in (1.0, 1.6)]
-    table = sl.separation(*pair(hardening=hardening, reduction_factor=1e7), FIRM, SECONDS, **FEW)
-    both = sl.correlate(*soft, FIRM)
-    amplified = [
-        peak * float(std_of(after) / std_of(before))
-        for peak, after, before in zip(
-            elastic_peaks(1.0, 1.6, ground=FIRM),
-            soft,
-            (sl.Bilinear(1.0, 0.05), sl.Bilinear(1.6, 0.05)),
-            strict=True,
-        )
-    ]
-    # What the linearized hysteresis still dissipates falls as R^(-2/3).
-    assert gap_of(table) == pytest.approx(float(sl.critical_gap(*amplified, both.rho).gap), rel=1e-3)
 
 
 @pytest.mark.oracle

@@ -97,27 +97,6 @@ def test_verdict_follows_the_interval(table):
             assert int(one.verdict) == VERDICTS[name]
 
 
-def test_linearization_alone_is_unsafe_where_structures_yield_and_right_where_they_do_not(table):
-    assert int(row(table, "linearization").verdict) == VERDICTS["less"]
-    assert float(row(table, "linearization").error) < -0.15
-    elastic = sl.separation(
-        sl.Bilinear(0.6, 0.05), sl.Bilinear(1.0, 0.05), sl.KanaiTajimi(0.4, 0.6, 0.01), 60.0, paths=2048
-    )
-    one = row(elastic, "linearization")
-    answer = row(elastic, "simulation")
-    error = float(answer.gap_upper - answer.gap_lower) / 4 / float(answer.gap)
-    # Motions start from rest, and Vanmarcke's quantile is good to a few per cent.
-    assert abs(float(one.error)) < 0.06 + 4 * error
-
-
-def test_gap_scales_with_the_motion(table):
-    strong = sl.named_ground("firm", intensity=0.04)  # twice the amplitude, and R keeps the ratio
-    other = sl.separation(building(0.6), building(1.0), strong, 30.0, confidence=0.8, **OF_SITE, **SHORT)
-    for rule in ("simulation", "srss", "linearization", "eq_3_iwan_1980", "eq_3_paper"):
-        ratio = float(row(other, rule).gap / row(table, rule).gap)
-        assert ratio == pytest.approx(2, rel=1e-9)
-
-
 def test_equal_buildings_ask_for_no_gap():
     equal = sl.separation(building(0.8), building(0.8), FIRM, 20.0, **SHORT)
     assert float(row(equal, "simulation").gap) == 0

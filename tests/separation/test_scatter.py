@@ -44,19 +44,3 @@ def test_rules_follow_by_their_peaks_and_those_without_say_that_they_do_not(tabl
         assert alone[0].gap == alone[1].gap
         assert "scatter" not in str(alone[0].assumptions.item())
         assert "without the scatter of 0.4" in str(alone[1].assumptions.item())
-
-
-@pytest.mark.slow
-@pytest.mark.invariant
-def test_every_answer_about_one_gap_is_of_the_same_motions(tables):
-    """The required gap, what there is, the measures, and the probability at the end."""
-    required = float(tables[1].gap[0])
-    options = {**OPTIONS, "scatter": SCATTER}
-    existing = sl.existing_gap(*ELASTIC, FIRM, gap=required, **options)
-    assert float(existing.required_gap) == pytest.approx(required, rel=1e-9)
-    assert float(existing.no_pounding_probability) == pytest.approx(0.9, abs=1 / 512)
-    measures = sl.mitigate(*ELASTIC, FIRM, gap=required, measures={}, **options)
-    assert float(measures.required_gap[0]) == pytest.approx(required, rel=1e-9)
-    chances = sl.pounding_probability(*ELASTIC, FIRM, required, **options, points=11)
-    # Its steps are other ones, so that a whole number goes between two instants: two per cent.
-    assert float(chances.required_gap_simulated) == pytest.approx(required, rel=0.05)

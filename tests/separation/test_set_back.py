@@ -9,7 +9,6 @@ import stochlin as sl
 GROUND = sl.named_ground("firm", intensity=0.01)
 QUAKE = {"duration": 20.0, "envelope": sl.AminAng(4.0, 15.0, 0.35), "paths": 256, "seed": 3}
 OFFICE = sl.Bilinear(1.0, 0.05, 0.05, reduction_factor=4)
-STIFF = sl.Bilinear(0.03, 0.05)  # moves by less than 0.2 mm
 TOWER = sl.ShearBuilding(
     [4e5] * 4, [3e8] * 4, [3.0] * 4, 0.05, hardening=0.05, yield_drifts=0.008, p_delta=True
 )
@@ -42,36 +41,6 @@ def test_it_is_the_largest_displacement_to_one_side(structure: object, scatter: 
     assert "property line" in table.gap.attrs["long_name"]
     if "input_factor" in motions:
         np.testing.assert_array_equal(table.input_factor, motions.input_factor)
-
-
-@pytest.mark.invariant
-def test_its_peak_is_that_beside_a_neighbour_on_the_same_motions() -> None:
-    """A softer neighbour leaves the steps as they are."""
-    beside = sl.separation(OFFICE, sl.Bilinear(1.7, 0.05), GROUND, **QUAKE)
-    alone = sl.separation(OFFICE, None, GROUND, **QUAKE)
-    for name in ("peak_1", "peak_mean_1", "ductility_1", "yield_displacement_1", "reduction_factor_1"):
-        assert float(alone[name]) == float(beside[name]), name
-
-
-@pytest.mark.slow
-@pytest.mark.oracle
-@pytest.mark.parametrize("structure", [OFFICE, TOWER])
-def test_it_is_the_gap_beside_a_neighbour_that_hardly_moves(structure: object) -> None:
-    """Other steps make other motions: means agree within their errors, formulas closely."""
-    beside = sl.separation(structure, STIFF, GROUND, **QUAKE)
-    alone = sl.separation(structure, None, GROUND, **QUAKE)
-    means, errors = zip(
-        *((float(t.separation_mean), float(t.separation_mean_standard_error)) for t in (alone, beside)),
-        strict=True,
-    )
-    assert abs(means[0] - means[1]) < 3 * np.hypot(*errors)
-    assert float(alone.gap_lower[0]) < float(beside.gap_upper[0])
-    assert float(beside.gap_lower[0]) < float(alone.gap_upper[0])
-    one, two = (float(table.gap.sel(rule="linearization")) for table in (alone, beside))
-    assert one == pytest.approx(two, rel=2e-3)
-    for table in (alone, beside):  # a code's sum with a peak of nearly nothing
-        share = float(table.gap.sel(rule="share_of_sum") / table.peak_1)
-        assert share == pytest.approx(1, rel=2e-3)
 
 
 @pytest.mark.invariant
@@ -148,22 +117,6 @@ def test_what_an_existing_set_back_allows_and_how_often_it_is_crossed() -> None:
     assert float(found.largest_intensity) == pytest.approx(0.01, rel=2e-3)
     assert not [name for name in found.variables if str(name).endswith("_2")]
     assert found.attrs["title"].startswith("What an existing set-back allows")
-
-
-@pytest.mark.slow
-@pytest.mark.oracle
-def test_the_risk_of_crossing_a_line_is_that_of_the_peaks_of_a_linear_building() -> None:
-    """Of motion ``i`` the line is reached at ``S0 (gap/x_i)^2``; what is beyond the hazard is little."""
-    quake = QUAKE | {"paths": 64}
-    linear, hazard = sl.Bilinear(0.7, 0.05), sl.PowerLawHazard(k0=1e-4, k=1.2, measure="intensity")
-    towards = sl.simulate([linear], GROUND, **quake).peak_positive.values[:, 0]
-    gap = 3 * float(np.median(towards))
-    by_hand = float(np.mean(hazard.frequency(xr.DataArray(0.01 * (gap / towards) ** 2))))
-    table = sl.pounding_risk(linear, None, GROUND, gap, hazard, **quake)
-    assert float(table.annual_rate) == pytest.approx(by_hand, rel=0.01)
-    needed = sl.required_gap(linear, None, GROUND, hazard, risk=by_hand, **quake)
-    assert float(needed.required_gap) == pytest.approx(gap, rel=0.01)
-    assert "crossing its property line" in table.attrs["title"]
 
 
 @pytest.mark.invariant
