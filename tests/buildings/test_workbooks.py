@@ -9,6 +9,7 @@ import pytest
 from commands import invoke
 
 import stochlin as sl
+from stochlin.applications.sheets.sheets import sheets_of
 
 SHEET, OTHER = "xl/worksheets/sheet1.xml", "xl/worksheets/sheet2.xml"
 BOOK, RELATIONS, TEXTS = "xl/workbook.xml", "xl/_rels/workbook.xml.rels", "xl/sharedStrings.xml"
@@ -137,3 +138,10 @@ def test_of_two_tables_of_modes_neither_is_taken(tmp_path: Path) -> None:
     done = invoke("building", tmp_path / "a.csv" / "a.csv")
     assert done.exit_code == 2
     assert "a.csv: there is no such file; check its name and its folder" in " ".join(done.output.split())
+
+
+def test_whole_numbers_have_no_decimals(tmp_path: Path) -> None:
+    """As a workbook shows them: names of storeys and points are read as they look."""
+    rows = with_rows("<row><c><v>7.0</v></c><c><v>7.5</v></c></row>")
+    (sheet,) = sheets_of(written(tmp_path, **rows))
+    assert sheet.row(6) == ("7", "7.5")

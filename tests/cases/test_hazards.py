@@ -87,13 +87,6 @@ def test_a_file_is_read_as_from_python(tmp_path):
     assert case.site.hazard == sl.read_hazard(tmp_path / "hazard.csv")
     assert case.site.hazard.intensities == pytest.approx([0.1 * G, 0.4 * G])
     assert tmp_path / "hazard.csv" in case.files
-    of_s0 = tmp_path / "s0.csv"
-    of_s0.write_text("S0,per year\n0.001,1e-2\n0.02,1e-3\n", encoding="utf-8")
-    assert sl.read_hazard(of_s0, "intensity").intensities == (0.001, 0.02)
-    again = read(tmp_path, f'{HAZARD.replace("pga", "intensity")}file = "s0.csv"\n')
-    assert again.site.hazard.measure == "intensity"
-    with pytest.raises(ValueError, match=r"units = 'g'; allowed with intensity: none"):
-        sl.read_hazard(of_s0, "intensity", units="g")
 
 
 @pytest.mark.filterwarnings("ignore::stochlin.messages.DoubtfulInput")  # a gap of 0.1 mm

@@ -150,19 +150,3 @@ def test_floors_that_are_said_to_align_and_do_not(tmp_path: Path) -> None:
     with pytest.warns(DoubtfulInput, match=said):
         case = read(tmp_path, of_levels(1, [4, 3]), of_levels(2, [3, 3]), align="true")
     assert not neighbours_of(case)["floors_align"]
-
-
-# --- Links ----------------------------------------------------------------------------------------
-
-MEASURE = "[measures.Link]\n{}\n"
-
-
-def test_links_have_floors_and_laws(tmp_path: Path) -> None:
-    lines = 'link_stiffness = "50 MN/m"\nlink_hardening = "2 %"\nlink_yield_displacement = "1 cm"\n'
-    more = MEASURE.format(lines + "link_floors = [4, 2]")
-    case = read(tmp_path, REGULAR, SINGLE, more=more)
-    yielding = sl.Link(5e7, hardening=0.02, yield_displacement=0.01, floors=(4, 2))
-    assert case.measures["Link"] == sl.Measure(link=yielding)
-
-
-# --- In words -------------------------------------------------------------------------------------

@@ -10,7 +10,6 @@ from cases import read_text as read
 import stochlin as sl
 from stochlin.applications.cases.probability import judge_gap
 from stochlin.applications.cases.separation import answer_case
-from stochlin.views.separation.report import report_page
 
 pytestmark = pytest.mark.invariant
 
@@ -125,7 +124,4 @@ def test_answers_contain_what_is_not_known(tmp_path):
     answer = answer_case(read(tmp_path, case_text(building)))
     assert answer.separation.input.values.tolist() == ["structure_1.period", "structure_1.damping"]
     assert answer.matters.attrs["paths"] == answer.separation.attrs["paths"] == 128  # as many, not 512
-    page = report_page(answer).replace("\N{NO-BREAK SPACE}", " ")
-    assert "0.72 to 1.39 s" in page  # exp of 1.645 times 0.2
-    assert "0.032 to 0.068" in page
     assert "input_factor" in judge_gap(answer.case, 0.05).whole()
