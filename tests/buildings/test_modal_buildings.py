@@ -173,6 +173,8 @@ def test_modes_yield_side_by_side(law: dict[str, Any]) -> None:
     np.testing.assert_allclose(
         linear.ductility_std[-2:], [float(one.ductility_std) for one in both], rtol=1e-6
     )
+    space = sl.statespace([building], GROUND, linear.c_eq.values, linear.k_eq.values)
+    np.testing.assert_allclose(sl.stationary_covariance(space), linear.covariance, rtol=1e-6, atol=1e-12)
 
 
 def test_a_corner_that_turns_takes_the_numbers_of_its_program() -> None:

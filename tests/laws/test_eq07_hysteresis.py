@@ -39,14 +39,6 @@ def gauss(borders):
     return (middle + half * x).ravel(), (half * w).ravel()
 
 
-def test_bouc_wen_at_exponent_one_is_wens_formula():
-    sv, sz, r, beta, gamma = 1.3, 0.8, -0.45, 0.6, -0.2
-    found = coefficients(bouc_wen.gaussian, (sv, sz, r), beta, gamma, 1)
-    root = np.sqrt(2 / np.pi)
-    expected = [root * sz * (beta * r + gamma) - 1, root * sv * (beta + gamma * r)]
-    np.testing.assert_allclose(found, expected, rtol=1e-14)
-
-
 @pytest.mark.parametrize(("latent", "c_e", "k_e"), cases.KNOWN_COEFFICIENTS)
 def test_coefficients_are_the_expected_derivatives_of_the_symbolic_law(latent, c_e, k_e):
     """For Gaussian ``(v, z)``: ``c_e = -E[dG/dv]``, ``k_e = -E[dG/dz]``; sympy differentiates G."""

@@ -1,7 +1,5 @@
 """Every cell of a large random table is solved, and what is called solved is a solution."""
 
-import time
-
 import cases
 import numpy as np
 import pytest
@@ -24,20 +22,13 @@ SOLVED = 1e-7  # mismatch of log sigma and atanh r before the last step: rtol = 
 every_domain = pytest.mark.parametrize("domain", DOMAINS.values(), ids=list(DOMAINS))
 
 
-def check(table, label, capsys, seconds, allowed=0.0):
+def check(table, allowed=0.0):
     """Hardly a cell fails, and a converged one has no mismatch left."""
     failed = int((table.status > 1).sum())
-    iterations = table.iterations.values
-    with capsys.disabled():
-        print(  # noqa: T201
-            f"\n{label}: {iterations.size} cells in {seconds:.1f} s, iterations mean "
-            f"{iterations.mean():.2f}, max {iterations.max()}, not solved {failed}",
-            end="",
-        )
-    assert failed <= allowed * iterations.size
+    assert failed <= allowed * table.status.size
     unsolved = int((table.residual.where(table.status == 0, 0) > SOLVED).sum())
     assert unsolved == 0, f"{unsolved} cells are called converged and are not"
-    assert int((table.displacement_std > 0).sum()) == iterations.size - failed
+    assert int((table.displacement_std > 0).sum()) == table.status.size - failed
 
 
 def slowest_pole(structure, table):
@@ -64,37 +55,31 @@ def slowest_pole(structure, table):
 
 @pytest.mark.slow
 @every_domain
-def test_every_pair_of_bilinear_structures_is_solved(domain, capsys):
+def test_every_pair_of_bilinear_structures_is_solved(domain):
     count, rng = 100_000, np.random.default_rng(90)
     pair = [sl.Bilinear(**cases.draw_structure(rng, domain, count)) for _ in range(2)]
     ground = sl.KanaiTajimi(**cases.draw_ground(rng, domain, count))
-    begin = time.perf_counter()
     table = sl.correlate(*pair, ground)
-    seconds = time.perf_counter() - begin
     assert int((table.status > 1).sum()) == 0
     assert bool((np.abs(table.rho) <= 1).all())
-    begin = time.perf_counter()
-    check(sl.linearize(pair[0], ground), "Gaussian closure", capsys, time.perf_counter() - begin)
-    with capsys.disabled():
-        print(f"; {count} pairs in {seconds:.1f} s", end="")  # noqa: T201
+    check(sl.linearize(pair[0], ground))
 
 
 @pytest.mark.slow
 @every_domain
-def test_every_bilinear_structure_is_solved_under_the_clipped_closure(domain, capsys):
+def test_every_bilinear_structure_is_solved_under_the_clipped_closure(domain):
     rng = np.random.default_rng(91)
     structure = sl.Bilinear(**cases.draw_structure(rng, domain, 20_000))
     ground = sl.KanaiTajimi(**cases.draw_ground(rng, domain, 20_000))
-    begin = time.perf_counter()
     table = sl.linearize(structure, ground, "clipped")
     # Hardening of .001 on a narrow band: displacements of a hundred times yield and more.
     rare = 2e-3 if domain is cases.BEYOND else 0.0
-    check(table, "clipped closure", capsys, time.perf_counter() - begin, rare)
+    check(table, rare)
 
 
 @pytest.mark.slow
 @every_domain
-def test_every_bouc_wen_structure_is_solved(domain, capsys):
+def test_every_bouc_wen_structure_is_solved(domain):
     """Hardening loops (gamma near -beta) to ones that slip as they unload, from smooth to sharp."""
     count, rng = 20_000, np.random.default_rng(92)
     beta = rng.uniform(0.05, 1, count)
@@ -105,11 +90,10 @@ def test_every_bouc_wen_structure_is_solved(domain, capsys):
     }
     structure = sl.BoucWen(**cases.draw_structure(rng, domain, count), **law)
     ground = sl.KanaiTajimi(**cases.draw_ground(rng, domain, count))
-    begin = time.perf_counter()
     table = sl.linearize(structure, ground)
     # Beyond practice a few branches of solutions end in a fold.
     rare = 1e-3 if domain is cases.BEYOND else 0.0
-    check(table, "Bouc-Wen law", capsys, time.perf_counter() - begin, rare)
+    check(table, rare)
     assert np.nanmax(slowest_pole(structure, table)) < 0
 
 
@@ -170,7 +154,7 @@ def solve_from(start, structure, ground, uy):
 
 
 @pytest.mark.slow
-def test_solution_does_not_depend_on_where_the_search_begins(capsys):
+def test_solution_does_not_depend_on_where_the_search_begins():
     """Five random densities to start from, far from each other: one solution."""
     count, rng = 4_000, np.random.default_rng(93)
     structure, ground = (
@@ -193,6 +177,4 @@ def test_solution_does_not_depend_on_where_the_search_begins(capsys):
         expected = reference.isel(case=found.converged)
         np.testing.assert_allclose(slip, expected.c_eq + 1, rtol=1e-8)
         np.testing.assert_allclose(relaxation, expected.k_eq, rtol=1e-8)
-    with capsys.disabled():
-        print(f"\nshare solved from a random start: {min(shares):.4f} or more", end="")  # noqa: T201
     assert min(shares) > 0.99
