@@ -17,7 +17,8 @@ def levels_chart(settings):
     values = np.linspace(.5, 2, settings.points)
     period = xr.DataArray(values, coords={"period": ("period", values, {"units": "s"})})
     first = sl.Bilinear(period, settings.damping, settings.hardening, reduction_factor=4)
-    return sl.amplification(first, settings.ground).assign_attrs(chart="curves")
+    table = sl.amplification(first, settings.ground).transpose("ground", ...)
+    return table.assign_attrs(chart="curves")
 
 @register_chart("area")
 def area_chart(_):

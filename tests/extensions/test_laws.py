@@ -67,14 +67,3 @@ def test_gap_of_a_case_with_a_law_from_outside(toy, tmp_path):
         ours = table.gap.sel(rule=expected.rule)  # without the rules from outside
         np.testing.assert_allclose(ours, expected.gap, rtol=ROUNDING)
         np.testing.assert_allclose(table.peak_mean_1, expected.peak_mean_1, rtol=ROUNDING)
-
-
-@pytest.mark.slow
-def test_buildings_of_the_law_ride_on_records(toy, tmp_path):
-    np.savetxt(tmp_path / "motion.txt", np.sin(np.arange(1000) / 7))
-    record = '[[site.records]]\npath = "motion.txt"\nunits = "m/s^2"\ndt = "0.01 s"\n'
-    (tmp_path / "case.toml").write_text(CASE.replace("[motion]", f"{record}[motion]"))
-    given = {"gap": (), "probability": ("--gap", "5 cm")}
-    said = {command: toy(command, "case.toml", *more).stdout for command, more in given.items()}
-    assert "The records:" in said["gap"]
-    assert "hybrid method: confidence" in " ".join(said["probability"].split())
