@@ -10,7 +10,7 @@ import xarray as xr
 
 from stochlin.applications.probability.axes import ResultAxes
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.parallel import Progress, cores
+from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.simulation.separation_histories import (
     Falls,
     Histories,
@@ -18,30 +18,27 @@ from stochlin.kernels.simulation.separation_histories import (
     infinite_if_fallen,
     separation_histories,
 )
-from stochlin.kernels.simulation.stepping import LANES
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import Gap
 from stochlin.models.systems import AnyStructure
 from stochlin.solver.linearization.transient_systems import TIME, TimeGrid
 from stochlin.solver.simulation.draws import draw
-from stochlin.solver.simulation.ensembles import SimulationRun, seconds_of
+from stochlin.solver.simulation.ensembles import SimulationRun
 from stochlin.solver.simulation.finite_motions import (
+    check_finite,
     finite_steps,
     quantile_intervals,
     share_interval,
 )
+from stochlin.solver.simulation.simulation import STEPS_PER_PERIOD
 from stochlin.solver.simulation.structures_in_motion import StructuresInMotion, structures_in_motion
 from stochlin.solver.simulation.views import displacements, drifts_of, pairs_of, view_of
 from stochlin.solver.tables import labels
-from stochlin.solver.tables.work import check_work
 
-STEPS_PER_PERIOD = 32
-STEP_OF_DISTANCE = 6e-8  # time to compare a distance with gaps at a step [s], approximately
 STDS = (
     *(f"displacement_std_simulated_{number}" for number in (1, 2)),
     *(f"difference_std_simulated{ending}" for ending in ("", "_standard_error")),
 )
-ENVELOPES, RESULTS = 6, 6  # numbers in memory at once for each step, and for each motion and height
 
 
 def by_simulation(
@@ -85,16 +82,7 @@ def _histories(
     run: SimulationRun, course: TimeGrid, watched: Watched, progress: Progress | None
 ) -> Histories:
     """Simulated histories of a run; the motions are those of `simulate` with the same seed."""
-    paths, steps = run.plan.groups * LANES, course.duration / run.plan.dt
-    count = len(watched.first.row)
-    check_work(
-        f"duration = {course.duration:g} s, in steps of {run.plan.dt:.2g} s and on {paths} paths, would "
-        "take",
-        "shorten it, lower paths, or leave out the shortest period",
-        numbers=ENVELOPES * steps + RESULTS * float(paths) * count,
-        seconds=seconds_of(run, steps) + STEP_OF_DISTANCE * steps * paths * count,
-        cores=cores(),
-    )
+    check_finite(run, course.duration, len(watched.first.row))
     crowd, shape = finite_steps(run, course.duration, course.envelope)
     instants = course.times[course.shown] / run.plan.dt
     instants[-1] = shape.size

@@ -145,25 +145,18 @@ def lognormal_fragility(motions: SeparationsByIntensity, gap: float) -> Fragilit
         fit = scipy.optimize.minimize(surprise, start, method="BFGS", options={"gtol": 1e-6})
         mean, log_b = fit.x
         b = float(np.exp(log_b))
-        spread = np.sqrt(np.diag(_inverse_curvature(surprise, fit.x)))
+        z, most = (known - mean) / b, (mean - top) / b
+        tail = never * np.exp(-0.5 * most**2 - log_ndtr(most)) / np.sqrt(2 * np.pi)
+        bend = tail * (most + tail / never)
+        mixed = (2 * z.sum() + tail - most * bend) / b
+        curvature = [
+            [(known.size + bend) / b**2, mixed],
+            [mixed, 2 * z @ z + most * (most * bend - tail)],
+        ]
+        spread = np.sqrt(np.diag(np.linalg.inv(curvature)))  # of the mean and the logarithm of b
         errors = float(spread[0]), float(b * spread[1])
     median = float(np.exp(mean))
     return Fragility(median, b, median * float(errors[0]), float(errors[1]))
-
-
-def _inverse_curvature(function: Callable[[Array], float], at: Array, step: float = 1e-3) -> Array:
-    """Covariance of the estimates, the inverse of the Hessian of the negative log likelihood."""
-    n = at.size
-    second = np.empty((n, n))
-    for i in range(n):
-        for j in range(n):
-            both = [
-                function(at + step * (si * np.eye(n)[i] + sj * np.eye(n)[j]))
-                for si, sj in ((1, 1), (1, -1), (-1, 1), (-1, -1))
-            ]
-            second[i, j] = (both[0] - both[1] - both[2] + both[3]) / (4 * step**2)
-    inverse: Array = np.linalg.inv(second)
-    return inverse
 
 
 def shares_of_rate(risk: xr.Dataset) -> tuple[Array, Array]:

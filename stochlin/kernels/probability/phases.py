@@ -13,16 +13,11 @@ from __future__ import annotations
 import numpy as np
 import scipy.optimize
 from scipy.special import i0e, i1e
+from scipy.stats import vonmises
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.linearization.quadrature import on_panels
 
 CERTAIN = 1e-9  # 1 - |rho| below which the phase difference counts as certain
-PANELS, ORDER = 18, 10  # panels of half of the range, and Gauss-Legendre nodes of each
-_GRADED = np.concatenate([[0.0], 0.3 ** np.arange(PANELS)[::-1]]) / 2  # edges from 0 to 1/2
-_EDGES = np.concatenate([_GRADED, 1 - _GRADED[-2::-1]])
-UNIT_NODES, UNIT_WEIGHTS = on_panels(_EDGES, ORDER)  # on (0, 1), dense at both ends
-CELLS = 2048  # cells computed together
 
 
 def concentration(rho: float) -> float:
@@ -48,24 +43,13 @@ def least_phase(radius_1: Array, radius_2: Array, gap: Array) -> Array:
 
 
 def beyond_phase(phase: Array, k: float) -> Array:
-    """Probability ``P(|D| > phase)`` for the concentration ``k``."""
+    """Probability ``P(|D| > phase)`` for the concentration ``k``, within 6e-6."""
     if np.isinf(k):
         return ((phase < np.pi) if k < 0 else (phase <= 0)).astype(float) * np.isfinite(phase)
-    start = np.minimum(phase, np.pi).ravel()
-    probability = np.empty_like(start)
-    for begin in range(0, start.size, CELLS):
-        cells = slice(begin, begin + CELLS)
-        _, weight = _nodes(start[cells], k)
-        probability[cells] = weight.sum(axis=1)
-    return np.clip(np.where(start <= 0, 1.0, probability), 0, 1).reshape(phase.shape)
-
-
-def _nodes(start: Array, k: float) -> tuple[Array, Array]:
-    """Nodes from ``start`` to pi, and weights, of integrals over the density of ``|D|``."""
-    length = (np.pi - start)[:, None]
-    d = start[:, None] + length * UNIT_NODES
-    # e^(k (cos D - 1)) for k >= 0, otherwise e^(k (cos D + 1)), by the half angle and without overflow.
-    exponent = -2 * k * np.sin(d / 2) ** 2 if k >= 0 else 2 * k * np.cos(d / 2) ** 2
-    with np.errstate(under="ignore"):
-        density = np.exp(exponent) / (np.pi * i0e(abs(k)))
-    return d, length * UNIT_WEIGHTS * density
+    within = np.minimum(phase, np.pi)
+    if k == 0:
+        return 1 - within / np.pi
+    if k < 0:  # D is pi and a phase of the concentration -k
+        return 1 - 2 * vonmises.sf(np.pi - within, -k)
+    beyond: Array = 2 * vonmises.sf(within, k)
+    return beyond
