@@ -110,6 +110,8 @@ def test_risks_that_are_none_or_outside_of_the_hazard_are_named():
     for risk, told in (
         (0.01, "allowed: between 0.001 and 0.005 a year"),
         ("2 %", "risk = "),
+        ("2 % in 0 years", "risk = "),
+        ("100 % in 5 years", "risk = "),
         (0, "risk = "),
     ):
         with pytest.raises(ValueError, match=told):

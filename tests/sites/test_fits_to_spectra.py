@@ -52,6 +52,14 @@ def test_options_that_do_not_go_with_the_target_are_refused(options, message):
         sl.fit_ground(**{"target": CODES["ASCE 7"]} | options)
 
 
+@pytest.mark.slow
+@pytest.mark.invariant
+def test_a_ground_has_as_many_filters_as_asked():
+    for filters in (1, 2):
+        ground = sl.fit_ground(CODES["ASCE 7"], duration=12.0, filters=filters)
+        assert len(getattr(ground, "grounds", [ground])) == filters
+
+
 @pytest.mark.oracle
 def test_a_simulated_spectrum_is_that_of_its_motions():
     """The same motions, followed by the exact solution for records."""
