@@ -8,22 +8,22 @@ from stochlin.kernels.simulation.laws import OTHER, by_number
 
 
 @entry
-def _run(law, states, x, turns, pieces, reached, work, least):
-    lanes, after = turns.shape[1], len(x) - states
+def _run(law, states, x, own, turns, pieces, reached, work, least):
+    lanes, pace, after = turns.shape[1], np.empty(turns.shape[1]), np.empty(x.shape)
     for n in range(1, len(turns)):
         for lane in range(lanes):
-            x[0, lane] = (turns[n, lane] - turns[n - 1, lane]) / pieces
+            pace[lane] = (turns[n, lane] - turns[n - 1, lane]) / pieces
         for _ in range(pieces):
-            law(OTHER, lanes, x, 0, 1, 1 + states, 1.0, after)
+            law(OTHER, lanes, pace, x, own, 1.0, after)
             for lane in range(lanes):
-                work[lane] += 0.5 * (x[1, lane] + x[after, lane]) * x[0, lane]
+                work[lane] += 0.5 * (x[0, lane] + after[0, lane]) * pace[lane]
                 least[lane] = min(least[lane], work[lane])
             for k in range(states):
                 for lane in range(lanes):
-                    x[1 + k, lane] = x[after + k, lane]
+                    x[k, lane] = after[k, lane]
         for k in range(states):
             for lane in range(lanes):
-                reached[n, k, lane] = x[1 + k, lane]
+                reached[n, k, lane] = x[k, lane]
 
 
 def by_steps(law, turns, pieces, own=()):
@@ -33,11 +33,11 @@ def by_steps(law, turns, pieces, own=()):
     least work of z so far, by the trapezoidal rule (lanes,).
     """
     states, lanes = law.states, turns.shape[1]
-    x = np.zeros((1 + 2 * states + len(own), lanes))
-    for row, values in enumerate(own, start=1 + states):
-        x[row] = values
+    x, values = np.zeros((states, lanes)), np.zeros((len(own), lanes))
+    for row, value in enumerate(own):
+        values[row] = value
     reached, work, least = np.zeros((len(turns), states, lanes)), np.zeros(lanes), np.zeros(lanes)
-    _run(by_number((law,)), states, x, turns, pieces, reached, work, least)
+    _run(by_number((law,)), states, x, values, turns, pieces, reached, work, least)
     return reached, least
 
 

@@ -106,7 +106,7 @@ def _states(structure: Structure, extension: Array) -> Array:
     """``z`` at these extensions over the yield displacement."""
     step = structure.step()
     law = BILINEAR_PATH if step == BILINEAR else step
-    own = np.array([float(array) for array in structure.law_parameters()])
+    own = np.array([float(array) for array in structure.law_parameters()]).reshape(-1, 1)
     z = np.empty(extension.size)
     follow(by_number((law,)), law.states, extension, own, z)
     return z

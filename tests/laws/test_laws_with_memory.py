@@ -7,6 +7,7 @@ from scipy.integrate import solve_ivp
 
 import stochlin as sl
 from stochlin.kernels.basics.compiled import not_kept
+from stochlin.kernels.simulation import time_step as moves
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.models.symbolic import SymbolicLaw
 from stochlin.models.systems import arrangement_of
@@ -76,12 +77,12 @@ def test_steps_have_the_values_of_another_integrator():
 
     @not_kept
     def run(extensions, dt):
-        states, x = np.zeros((extensions.size, 2)), np.zeros((5, LANES))
+        states, x, after = np.zeros((extensions.size, 2)), np.zeros((2, LANES)), np.empty((2, LANES))
         for s in range(1, extensions.size):
-            x[0] = (extensions[s] - extensions[s - 1]) / dt
-            advance(LANES, x, 0, 1, 0, dt, 3)
-            x[1:3] = x[3:5]
-            states[s] = x[1:3, 0]
+            pace = np.full(LANES, (extensions[s] - extensions[s - 1]) / dt)
+            advance(LANES, pace, x, np.zeros((0, LANES)), dt, after)
+            x[:] = after
+            states[s] = x[:, 0]
         return states
 
     errors = []
@@ -115,7 +116,7 @@ def test_an_oscillator_follows_an_ode_solver():
         mean = 0.5 * (forcing(t[1:]) + forcing(t[:-1]))
         f, x, out = np.repeat(mean[:, None], LANES, axis=1), part.at_rest(), np.empty((1, 1, LANES))
         part.block(3 / steps)(f, x, steps, out)
-        state = [x[part.places.z, 0] / uy, x[part.places.memory, 0]]
+        state = [x.elements[0, moves.Z, 0] / uy, x.memory[0, 0, 0]]
         errors.append(np.abs([(out[0, 0, 0] - exact[0]) / uy, *(state - exact[2:])]).max())
     assert exact[3] > 10  # it yields and wears
     assert errors[0] < 0.1

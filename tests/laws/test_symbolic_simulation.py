@@ -21,10 +21,10 @@ def test_step_of_a_law_is_that_of_the_compiled_one():
     rates, before = rng.normal(0, 8, LANES), rng.uniform(-1, 1, (1, LANES))
     own = np.repeat([[0.7], [-0.2], [2.0]], LANES, axis=1)
     written = sl.Hysteretic(1.0, 0.05, law=BOUC_WEN).step().advance
-    after = np.concatenate([rates[None], before, own, np.empty((2, LANES))])
-    for row, step in enumerate((written, KNOWN.advance), start=5):
-        step(LANES, after, 0, 1, 2, 1 / 32, row)
-    np.testing.assert_allclose(*after[5:], rtol=0, atol=1e-14)
+    after = np.empty((2, 1, LANES))
+    for new, step in zip(after, (written, KNOWN.advance), strict=True):
+        step(LANES, rates, before, own, 1 / 32, new)
+    np.testing.assert_allclose(*after, rtol=0, atol=1e-14)
 
 
 @pytest.mark.slow
@@ -113,11 +113,11 @@ GIVEN = {"period": 0.5, "damping": 0.05, "hardening": 0.1, "yield_displacement":
 
 def test_a_step_in_which_a_stage_overflows_is_divided():
     """Powers of 21 of a stage beyond z = 1 are not finite; the solution ends at its limit."""
-    x = np.zeros((3, 4))
-    x[0], x[1] = [40.0, -300.0, 1e3, -2e3], [0.0, 0.5, -0.6, 0.64]
+    rates, before = np.array([40.0, -300.0, 1e3, -2e3]), np.array([[0.0, 0.5, -0.6, 0.64]])
+    own, after = np.zeros((0, 4)), np.empty((1, 4))
     with np.errstate(all="ignore"):
-        sl.Hysteretic(**GIVEN, law=STEEP).step().advance(4, x, 0, 1, 3, 0.02, 2)
-    np.testing.assert_allclose(x[2], np.sign(x[0]) * 1e-4 ** (1 / 21), atol=5e-4)
+        sl.Hysteretic(**GIVEN, law=STEEP).step().advance(4, rates, before, own, 0.02, after)
+    np.testing.assert_allclose(after[0], np.sign(rates) * 1e-4 ** (1 / 21), atol=5e-4)
 
 
 @pytest.mark.slow

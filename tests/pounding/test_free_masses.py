@@ -34,9 +34,13 @@ from stochlin.kernels.pounding.impacts import (
     STORED,
 )
 from stochlin.kernels.simulation import contacts as forces
-from stochlin.kernels.simulation.account import Parts
+from stochlin.kernels.simulation.account import ENTERING, IMBALANCE, Parts
 from stochlin.kernels.simulation.laws import LINEAR, by_number
+<<<<<<< HEAD
 from stochlin.kernels.simulation.time_step import Elements, lanes_at_rest, steps_of
+=======
+from stochlin.kernels.simulation.time_step import CLOSE, MEETS, SLOW, Elements, Q, V, steps_of
+>>>>>>> 282cac3a (What moves is arrays of coordinates, elements and contacts by name)
 
 pytestmark = pytest.mark.oracle
 
@@ -65,47 +69,44 @@ def free_row(masses, contact, gap=0.0, sides=None, owners=None, springs=0.0):
     elements = Elements(system, np.full(n, LINEAR), np.ones(n, np.int64), np.zeros((n, 0)))
     none = np.zeros(0, np.int64)
     shear = Rows.of(np.diag(post)), Rows.of(np.zeros((n, n)))
+    watched = Rows.of(np.vstack([np.eye(n), np.eye(n)]))
     parts = Parts(
-        *(mass, structure, structure, np.zeros((n, n)), shear, np.full(n, np.inf)),
+        *(mass, structure, n, np.zeros((n, n)), shear, watched, np.full(n, np.inf)),
         *(none, none, np.zeros(0)),
     )
     contacts = forces.Contacts.of(laws, n, left, right, space, e)
-    return kernel.BuildingRow(elements, by_number(()), contacts, parts, int(structure.max()) + 1)
+    return kernel.BuildingRow(elements, by_number(()), contacts, parts)
 
 
 class Flight:
     """The run of masses (n,), or of many lanes of them (n, lanes), from places and velocities."""
 
     def __init__(self, row, velocities, dt, duration, places=0.0, substeps=1, slow=0.0):
-        at, to = row.places
         mass, n = row.parts.mass, row.parts.mass.size
         v = np.array(velocities, float).reshape(n, -1)
         lanes, intervals = v.shape[1], int(np.ceil(duration / (dt * substeps)))
-        x = np.zeros((to.rows, lanes))
-        x[: at.rows] = lanes_at_rest(at, [row.elements], lanes)
-        x[at.slow], x[to.failed], x[to.begin : to.end] = slow, np.inf, np.nan
-        x[at.v : at.v + n] = v
-        x[at.q : at.q + n] = np.broadcast_to(np.array(places, float).T, v.T.shape).T
+        x, y, old, none = (row.at_rest(count) for count in (lanes, lanes, lanes, 0))
+        self.q, self.v = x.moving.coordinates[:, Q], x.moving.coordinates[:, V]
+        self.v[:], self.q[:] = v, np.broadcast_to(np.array(places, float).T, v.T.shape).T
+        x.moving.motions[SLOW], x.moving.motions[MEETS] = slow, 1.0
 
         def energies():
-            springs = row.elements.system.post[:, None] * x[at.q : at.q + n] ** 2
-            return 0.5 * mass[:, None] * x[at.v : at.v + n] ** 2 + 0.5 * springs
+            return 0.5 * mass[:, None] * self.v**2 + 0.5 * row.elements.system.post[:, None] * self.q**2
 
         start = energies()
-        np.add.at(x, to.entering + row.parts.structure, start)  # as if the ground had done it
+        entering = x.account.structures[:, ENTERING]
+        np.add.at(entering, row.parts.structure, start)  # as if the ground had done it
         ground = np.zeros((intervals + 1, lanes))
         counts, rates = np.full(lanes, intervals), np.full(lanes, slow)
         motions = kernel.GroundMotions(ground, substeps * dt, counts, rates, np.ones(lanes))
-        x[at.meets] = 1.0
         long = steps_of(row.elements, substeps * dt)
         short = steps_of(row.elements, dt, row.contacts)
         table, *_ = kernel._run(
-            *(row.law, long, short, row.parts, at, to, x, motions, 1, substeps),
-            np.empty((0, to.rows)),
+            row.law, long, short, row.parts, x, old.moving, y, motions, 1, substeps, none
         )
         self.impacts = table[np.argsort(table[:, LANE], kind="stable")]
-        self.q, self.v = x[at.q : at.q + n], x[at.v : at.v + n]
-        self.imbalance, self.duration = x[to.imbalance], intervals * substeps * dt
+        self.imbalance = x.account.motions[IMBALANCE]
+        self.duration = intervals * substeps * dt
         self.gained = energies() - start
 
 

@@ -1,7 +1,6 @@
 """Damping devices and dashpots with an exponent, simulated: another integrator, limits, energy."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,7 +9,7 @@ import sympy
 
 import stochlin as sl
 from stochlin.kernels.simulation.stepping import LANES
-from stochlin.kernels.simulation.time_step import _dashpot
+from stochlin.kernels.simulation.time_step import CHANGE, LEAST, MORE, SLIP, STILL, _dashpot
 from stochlin.models.systems import arrangement_of
 from stochlin.solver.simulation.connected_structures import all_connected
 
@@ -183,9 +182,9 @@ def test_a_dashpot_has_a_root_however_small_its_motion_is(exponent):
     random, lanes, relief = np.random.default_rng(2), 20_000, 0.26637989156433006
     before = 10.0 ** random.uniform(-320, -2, lanes)
     alone = before * 10.0 ** random.uniform(-40, 1, lanes) * random.choice([-1, 0, 1], lanes)
-    x = np.zeros((8, lanes))
-    x[0], x[1], x[5], x[6] = relief * before + alone, before, 6e3, exponent
-    at = SimpleNamespace(change=0, slip=1, more=2, least=3, widest=4)
+    elements, motions = np.zeros((1, LEAST + 1, lanes)), np.zeros((STILL + 1, lanes))
+    motions[CHANGE], elements[0, SLIP] = relief * before + alone, before
+    own = np.broadcast_to(np.array([[6e3], [exponent]]), (1, 2, lanes))
     with np.errstate(under="ignore", over="ignore", invalid="ignore"):
-        _dashpot(2e5, relief, 0.005, 0, 5, at, x, lanes)
-    assert np.isfinite(x[2]).all()
+        _dashpot(2e5, relief, 0.005, 0, elements, own, motions, lanes)
+    assert np.isfinite(motions[MORE]).all()

@@ -18,18 +18,12 @@ def lanes(*parameters):
     return np.repeat(np.array(parameters, float)[:, None], LANES, axis=1)
 
 
-def stepped(step, rates, before, own, dt):
-    """States after one step; ``step`` takes rows of one array."""
-    k = len(before)
-    x = np.concatenate([rates[None], before, own, np.empty_like(before)])
-    step(LANES, x, 0, 1, 1 + k, dt, 1 + k + len(own))
-    return x[1 + k + len(own) :]
-
-
 def after(step, dt, steps=1, *, own, rates=RATES, before=BEFORE):
-    new = before.copy()
+    """States after so many steps."""
+    old, new = np.empty_like(before), before.copy()
     for _ in range(steps):
-        new = stepped(step, rates, new, own, dt / steps)
+        old[:] = new
+        step(LANES, rates, old, own, dt / steps, new)
     return new
 
 

@@ -65,10 +65,11 @@ def one_storey(kind):
         part = SteppedStructures(
             Elements(system, np.array([kind]), np.array([1]), np.array([own])), by_number((BOUC_WEN,))
         )
-        x, at = part.at_rest(), part.places
-        x[at.q], x[at.v], x[at.z] = u, v, z
-        part.block(dt)(scale * f, x, *rest)
-        u[:], v[:], z[:] = x[at.q], x[at.v], x[at.z]
+        moving = part.at_rest()
+        [(q, rate, *_)], [(elastic, *_)] = moving.coordinates, moving.elements
+        q[:], rate[:], elastic[:] = u, v, z
+        part.block(dt)(scale * f, moving, *rest)
+        u[:], v[:], z[:] = q, rate, elastic
 
     return block
 

@@ -13,7 +13,19 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.pounding import impacts
 from stochlin.kernels.pounding.run import RowResponse
 from stochlin.kernels.records.runs import SampledMotion
+from stochlin.kernels.simulation.account import DRAINED, ENTERING, MISSING, MOST, VISCOUS_LOSS
 from stochlin.kernels.simulation.contacts import ForceLaw, forces
+from stochlin.kernels.simulation.time_step import (
+    DISSIPATED,
+    FORCE,
+    HELD,
+    SLOW,
+    SPEED,
+    SPENT,
+    Q,
+    V,
+    Z,
+)
 from stochlin.models.links import Link
 from stochlin.solver.tables.floors import FLOOR, LINK, link_coordinates
 
@@ -63,10 +75,12 @@ def floor_coords(standing: Standing) -> dict[str, Any]:
 
 def _course(standing: Standing, response: RowResponse, ground: SampledMotion) -> Quantities:
     """Displacements, velocities, accelerations, forces and energies in the history of a response."""
-    course = response.over_time
+    moving, account, _ = response.history
     row, arrangement, floors = standing.row, standing.arrangement, standing.first[:-1]
     system, first, n = row.elements.system, arrangement.first_coordinate[:-1], row.parts.mass.size
-    q, v, z = map(course, "qvz")
+    q, v = (moving.coordinates[:, column].T for column in (Q, V))
+    z, spent = (moving.elements[:, column].T for column in (Z, SPENT))
+    entering, viscous = (account.structures[:, column].T for column in (ENTERING, VISCOUS_LOSS))
     extension, rate = _products(q, system.extensions), _products(v, system.extensions)
     force = system.post * extension + system.couple * z
     stored = 0.5 * (system.post * extension**2 + system.couple * z**2)
@@ -74,7 +88,7 @@ def _course(standing: Standing, response: RowResponse, ground: SampledMotion) ->
     pushed, squeezed = _contact_forces(standing, response, q, v)
     load = _products(v, system.damping) + _products(force + drag, system.extensions.T)
     shear = _products(force[:, :n], arrangement.shear_shares)
-    most, missing = course("most"), np.abs(course("missing"))
+    most, missing = account.motions[MOST], np.abs(account.motions[MISSING])
     imbalance = np.divide(missing, most, out=np.zeros_like(most), where=most > 0)
     kinetic = np.add.reduceat(0.5 * system.mass * v**2, first, axis=1)
     # A floor moves with the ground as far as the modes of a building leave out mass.
@@ -86,21 +100,21 @@ def _course(standing: Standing, response: RowResponse, ground: SampledMotion) ->
         "acceleration": (FLOOR, _products(sped, system.shapes) + carried),
         "storey_shear": (FLOOR, shear),
         "base_shear": (STRUCTURE, shear[:, floors]),
-        "input_energy": (STRUCTURE, course("entering")),
+        "input_energy": (STRUCTURE, entering),
         "kinetic_energy": (STRUCTURE, kinetic),
         "elastic_energy": (STRUCTURE, np.add.reduceat(stored[:, :n], first, axis=1)),
-        "viscous_energy": (STRUCTURE, course("viscous")),
-        "hysteretic_energy": (STRUCTURE, np.add.reduceat(course("spent")[:, :n], first, axis=1)),
+        "viscous_energy": (STRUCTURE, viscous),
+        "hysteretic_energy": (STRUCTURE, np.add.reduceat(spent[:, :n], first, axis=1)),
     }
     linked: Quantities = {}
     if row.parts.spring.size:
         values["link_force"] = LINK, _link_forces(standing, force, rate, drag)
         linked["link_stored_energy"] = OF_ROW, stored[:, n:].sum(axis=1)
-        linked["link_lost_energy"] = OF_ROW, course("drained").sum(axis=1)
+        linked["link_lost_energy"] = OF_ROW, account.links[:, DRAINED].sum(axis=0)
     return values | {
         "contact_stored_energy": (OF_ROW, squeezed),
-        "contact_lost_energy": (OF_ROW, course("lost").sum(axis=1)),
-        "energy_balance_error": (OF_ROW, imbalance[:, 0]),
+        "contact_lost_energy": (OF_ROW, moving.contacts[:, DISSIPATED].sum(axis=0)),
+        "energy_balance_error": (OF_ROW, imbalance),
         **linked,
         "contact_force": (CONTACT, pushed),
     }
@@ -128,14 +142,14 @@ def _contact_forces(
     standing: Standing, response: RowResponse, u: Array, v: Array
 ) -> tuple[Array, Array]:
     """Forces of the contacts [N] (times, c), and the energy stored in all of them [J] (times,)."""
-    contacts = standing.row.contacts
+    contacts, known = standing.row.contacts, response.history.moving.contacts
     if contacts.jumps:
-        return response.over_time("force") * response.over_time("held"), np.zeros(len(u))
+        return (known[:, FORCE] * known[:, HELD]).T, np.zeros(len(u))
     depth, rate = _products(u, contacts.weights) - contacts.gap, _products(v, contacts.weights)
-    approach = response.over_time("approach")
+    approach, slow = known[:, SPEED].T, response.moving.motions[SLOW]
     fields: dict[str, Any] = {name: contacts.law[name] for name in ForceLaw._fields}
     law = ForceLaw(**fields)
-    pushed = forces(law, depth, rate, np.where(approach > response.at_end("slow"), approach, 0.0))
+    pushed = forces(law, depth, rate, np.where(approach > slow, approach, 0.0))
     power = law.exponent + 1.0
     return pushed, (law.stiffness * np.maximum(depth, 0.0) ** power / power).sum(axis=1)
 

@@ -12,6 +12,8 @@ from stochlin.kernels.basics.parallel import Progress, cores, in_order
 from stochlin.kernels.pounding import run as kernel
 from stochlin.kernels.pounding.run import RowResponse
 from stochlin.kernels.records.runs import SampledMotion
+from stochlin.kernels.simulation.account import FAILED
+from stochlin.kernels.simulation.time_step import Q
 from stochlin.models.contacts import Contact, Element
 from stochlin.solver.simulation.connected_structures import modes_of, shortest_mode
 from stochlin.solver.tables.work import check_work
@@ -83,7 +85,7 @@ def _check_runs(
         f"{len(grounds)} motions, {seconds:g} s of motion, in steps near contact of {finest:.3g} s, "
         "would take",
         "take softer structures, a softer contact, or fewer and shorter motions",
-        numbers=(standing.row.places[1].rows + 2.0) * max(samples),
+        numbers=(standing.row.numbers + 2.0) * max(samples),
         seconds=2 * float(np.dot(near, samples)) * (1e-9 * operations + 3e-6 / lanes),
         cores=min(cores(), len(grounds)),
     )
@@ -150,12 +152,12 @@ def _motions(runs: Sequence[RowRun], shortest: float) -> kernel.GroundMotions:
 
 def failure(standing: Standing, response: RowResponse) -> str:
     """Why a motion was ended before its end: a building falls, or numbers do; empty if it was not."""
-    failed = float(response.at_end("failed")[0])
+    failed = float(response.account.motions[FAILED])
     if failed == np.inf:
         return ""
     firsts = standing.arrangement.first_coordinate
     for number, stack in enumerate(standing.arrangement.stacks, start=1):
-        u, limits = response.at_end("q")[firsts[number - 1] : firsts[number]], stack.limits
+        u, limits = response.moving.coordinates[:, Q][firsts[number - 1] : firsts[number]], stack.limits
         drifts = np.nan_to_num(np.abs(stack.system.extensions @ u), nan=np.inf)
         beyond = np.flatnonzero((drifts > limits) & np.isfinite(limits))
         if beyond.size:

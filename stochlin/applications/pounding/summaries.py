@@ -15,6 +15,7 @@ from stochlin.applications.pounding.rows import Standing
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.pounding import impacts
 from stochlin.kernels.pounding.run import RowResponse
+from stochlin.kernels.simulation.account import ACCELERATION, DRAINED, IMBALANCE, PULL, SHEAR
 from stochlin.solver.tables.floors import FLOOR, LINK
 
 
@@ -53,10 +54,10 @@ def _peaks(standing: Standing, response: RowResponse, alone: RowResponse) -> Qua
     first = standing.first
     for ending, own in (("", response), ("_alone", alone)):
         known = np.isfinite(standing.arrangement.shear_shares).all(axis=1)
-        shear = np.where(known, own.at_end("shear"), np.nan)
+        shear = np.where(known, own.account.floors[:, SHEAR], np.nan)
         values |= {
             f"peak{ending}": (FLOOR, own.peaks),
-            f"peak_acceleration{ending}": (FLOOR, own.at_end("acceleration")),
+            f"peak_acceleration{ending}": (FLOOR, own.account.floors[:, ACCELERATION]),
             f"peak_storey_shear{ending}": (FLOOR, shear),
             f"peak_base_shear{ending}": (STRUCTURE, shear[first[:-1]]),
         }
@@ -65,10 +66,10 @@ def _peaks(standing: Standing, response: RowResponse, alone: RowResponse) -> Qua
     values["amplification"] = FLOOR, growth
     springs = standing.row.parts.spring
     if springs.size:
-        values["peak_link_force"] = LINK, response.at_end("pull")
-        values["peak_link_stroke"] = LINK, response.at_end("stretch")[springs]
-        values["link_energy"] = LINK, response.at_end("drained")
-    return values | {"energy_balance_error": (OF_ROW, response.at_end("imbalance")[0])}
+        values["peak_link_force"] = LINK, response.account.links[:, PULL]
+        values["peak_link_stroke"] = LINK, response.strokes[springs]
+        values["link_energy"] = LINK, response.account.links[:, DRAINED]
+    return values | {"energy_balance_error": (OF_ROW, response.account.motions[IMBALANCE])}
 
 
 def _tallies(standing: Standing, response: RowResponse) -> Quantities:

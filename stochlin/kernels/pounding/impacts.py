@@ -11,13 +11,33 @@ from __future__ import annotations
 import numpy as np
 
 from stochlin.kernels.basics.compiled import called_often, compiled
+from stochlin.kernels.simulation.account import ENTERING, HIGHEST, LOWEST, VISCOUS_LOSS
 from stochlin.kernels.simulation.contacts import force as force_at
 from stochlin.kernels.simulation.contacts import mean_force, separation_margin, stored_in
 from stochlin.kernels.simulation.laws import VISCOUS
-from stochlin.kernels.simulation.time_step import KIND
+from stochlin.kernels.simulation.time_step import (
+    DEPTH,
+    DISSIPATED,
+    DQ,
+    FORCE,
+    GAIN,
+    HELD,
+    RATE,
+    SLOW,
+    SPEED,
+    WAY,
+    F,
+    Q,
+    V,
+    Z,
+)
 
+# Columns of the table of impacts, and of the present impact of each contact (c, columns, lanes), whose
+# begin is NaN if there is none. Of this the force at the end of the last step is known too, with the
+# rate at which it rose in that step, and the duration of contact in it.
 LANE, CONTACT, BEGIN, APPROACH, LARGEST, END, LOST, HANDED, STORED, DEEPEST = range(10)
 COLUMNS = 10
+LAST, RISE, SPAN = range(10, 13)
 FIRST_LINES = 256  # initial length of the table
 REST = 2.0  # time steps that a rebound takes at least
 CALM = 1e-12  # rate of penetration that may be rounding, over the largest velocity
@@ -25,11 +45,11 @@ MOST_BLOWS = 200  # of all contacts after one time step; then all sides that sti
 
 
 @called_often
-def row_product(column, weight, i, x, of, lane):
-    """Row ``i`` of `Rows` times the rows of ``x`` from ``of`` on, in one lane."""
+def row_product(column, weight, i, values, of, lane):
+    """Row ``i`` of `Rows` times a column of the values, in one lane."""
     total = 0.0
     for place in range(column.shape[1]):
-        total += weight[i, place] * x[of + column[i, place], lane]
+        total += weight[i, place] * values[column[i, place], of, lane]
     return total
 
 
@@ -44,17 +64,16 @@ def twice_as_long(table):
 
 
 @compiled
-def _begin_impact(j, time, speed, largest, to, x, lane):
-    """Begin an impact of contact ``j``."""
-    x[to.begin + j, lane] = x[to.end + j, lane] = time
-    x[to.speed + j, lane], x[to.largest + j, lane] = speed, largest
-    x[to.last + j, lane], x[to.rise + j, lane], x[to.span + j, lane] = largest, 0.0, 0.0
-    x[to.before + j, lane] = x[to.lost + j, lane]
-    x[to.handed + j, lane] = x[to.deepest + j, lane] = 0.0
+def _begin_impact(impact, time, speed, largest, lane):
+    """Begin the impact of a contact."""
+    for column in range(BEGIN, impact.shape[0]):
+        impact[column, lane] = 0.0
+    impact[BEGIN, lane] = impact[END, lane] = time
+    impact[APPROACH, lane], impact[LARGEST, lane], impact[LAST, lane] = speed, largest, largest
 
 
 @compiled
-def end_impact(j, number, stored, to, x, lane, table, used):
+def end_impact(j, number, stored, impact, lane, table, used):
     """End the impact of contact ``j`` and write its line; returns the table and its lines in use.
 
     ``number`` is that of the motion in this lane.
@@ -62,112 +81,119 @@ def end_impact(j, number, stored, to, x, lane, table, used):
     if used == len(table):
         table = twice_as_long(table)
     line = table[used]
-    line[LANE], line[CONTACT], line[BEGIN] = number, j, x[to.begin + j, lane]
-    line[APPROACH], line[LARGEST] = x[to.speed + j, lane], x[to.largest + j, lane]
-    line[END], line[LOST] = x[to.end + j, lane], x[to.lost + j, lane] - x[to.before + j, lane]
-    line[HANDED], line[STORED] = x[to.handed + j, lane], stored
-    line[DEEPEST] = x[to.deepest + j, lane]
-    x[to.begin + j, lane] = np.nan
+    for column in range(BEGIN, COLUMNS):
+        line[column] = impact[column, lane]
+    line[LANE], line[CONTACT], line[STORED] = number, j, stored
+    impact[BEGIN, lane] = np.nan
     return table, used + 1
 
 
 @called_often
-def _watch_force(j, now, span, to, x, lane):
+def _watch_force(impact, now, span, lane):
     """Update the largest force by that at the end of a step, ``span`` [s] after the one before.
 
     Between steps the force is a parabola through three of its values.
     """
-    rise, largest = (now - x[to.last + j, lane]) / span, now
-    if x[to.rise + j, lane] > 0.0 > rise:
-        before = x[to.span + j, lane]
-        bend = (rise - x[to.rise + j, lane]) / (before + span)
+    last, rose, before = impact[LAST, lane], impact[RISE, lane], impact[SPAN, lane]
+    rise, largest = (now - last) / span, now
+    if rose > 0.0 > rise:
+        bend = (rise - rose) / (before + span)
         slope = rise - bend * span
         # Between equal steps it rises by an eighth of the larger difference at most.
-        rises = min(
-            -0.25 * slope * slope / bend, 0.125 * max(x[to.rise + j, lane] * before, -rise * span)
-        )
-        largest = x[to.last + j, lane] + rises
-    x[to.largest + j, lane] = max(x[to.largest + j, lane], largest)
-    x[to.last + j, lane], x[to.rise + j, lane], x[to.span + j, lane] = now, rise, span
+        largest = last + min(-0.25 * slope * slope / bend, 0.125 * max(rose * before, -rise * span))
+    impact[LARGEST, lane] = max(impact[LARGEST, lane], largest)
+    impact[LAST, lane], impact[RISE, lane], impact[SPAN, lane] = now, rise, span
 
 
 @compiled
-def watch_contact(contacts, j, dt, time, number, at, to, x, lane, table, used):
+def watch_contact(contacts, j, dt, time, number, moving, impact, lane, table, used):
     """Update the impact of an element ``j`` by a time step that began at ``time`` [s].
 
-    Returns the table of impacts and the number of its lines in use.
+    ``number`` is that of the motion in this lane. Returns the table of impacts and the number of its
+    lines in use.
     """
     (column, weight), (right, share), law = contacts.rows, contacts.right, contacts.law[j]
-    change = row_product(column, weight, j, x, at.dq, lane)
-    before, force = x[at.depth + j, lane], x[at.force + j, lane]
-    after, speed = before + change, x[at.approach + j, lane]
+    coordinates, contact = moving.coordinates, moving.contacts[j]
+    change = row_product(column, weight, j, coordinates, DQ, lane)
+    before, force, speed = contact[DEPTH, lane], contact[FORCE, lane], contact[SPEED, lane]
+    after = before + change
     if before <= 0.0 and after <= 0.0:
         return table, used
-    if np.isnan(x[to.begin + j, lane]):
+    if np.isnan(impact[BEGIN, lane]):
         touch = time + (dt * -before / change if before < 0.0 else 0.0)
         at_once = law.damping * speed if law.damping_exponent == 0.0 and not law.over_approach else 0.0
-        _begin_impact(j, touch, speed, at_once, to, x, lane)
-    v0 = speed if speed > x[at.slow, lane] else 0.0
+        _begin_impact(impact, touch, speed, at_once, lane)
+    v0 = speed if speed > moving.motions[SLOW, lane] else 0.0
     total, elastic = mean_force(law, v0, before, change, dt)
-    x[to.lost + j, lane] += (total - elastic) * change
-    x[to.handed + j, lane] -= force * row_product(right, share, j, x, at.dq, lane)
-    rate = x[at.rate + j, lane]
+    _lose(contact, impact, (total - elastic) * change, lane)
+    impact[HANDED, lane] -= force * row_product(right, share, j, coordinates, DQ, lane)
+    rate = contact[RATE, lane]
     now = force_at(law, after, 2.0 * change / dt - rate, v0)
-    _watch_force(j, now, dt * min(1.0, after / change) if before < 0.0 else dt, to, x, lane)
+    _watch_force(impact, now, dt * min(1.0, after / change) if before < 0.0 else dt, lane)
     fall = 2.0 * (rate - change / dt)  # of the rate in the step
     turn = before + 0.5 * dt * rate * rate / fall if rate > 0.0 and rate < fall else after
-    x[to.deepest + j, lane] = max(x[to.deepest + j, lane], after, turn)
+    impact[DEEPEST, lane] = max(impact[DEEPEST, lane], after, turn)
     if total != 0.0:
         margin = separation_margin(law, before, change / dt)
         left = separation_margin(law, after, change / dt)
-        x[to.end + j, lane] = time + dt * (margin / (margin - left) if left < 0.0 < margin else 1.0)
+        impact[END, lane] = time + dt * (margin / (margin - left) if left < 0.0 < margin else 1.0)
     if after <= 0.0:
-        table, used = end_impact(j, number, 0.0, to, x, lane, table, used)
+        table, used = end_impact(j, number, 0.0, impact, lane, table, used)
     return table, used
 
 
-@compiled
-def strike(steps, parts, time, number, at, to, x, lane, table, used):
+@called_often
+def _lose(contact, impact, energy, lane):
+    """Add an energy to what the contact and its present impact have dissipated."""
+    contact[DISSIPATED, lane] += energy
+    impact[LOST, lane] += energy
+
+
+@called_often
+def strike(steps, parts, time, number, moving, account, impacts, lane, table, used):
     """Stereomechanical blows after a time step that began at ``time`` [s], until no sides approach.
 
     Returns the table of impacts and the number of its lines in use.
     """
-    contacts, mass, dt = steps.contacts, parts.mass, steps.dt
+    contacts, mass, dt, coordinates = steps.contacts, parts.mass, steps.dt, moving.coordinates
+    (column, weight), (right, share) = contacts.rows, contacts.right
     for k in range(mass.size):
-        x[to.gain + k, lane] = 2.0 * (x[at.v + k, lane] - x[at.dq + k, lane] / dt) / dt
+        change = coordinates[k, V, lane] - coordinates[k, DQ, lane] / dt
+        coordinates[k, GAIN, lane] = 2.0 * change / dt
     for j in range(contacts.gap.size):
-        if x[at.held + j, lane] != 0.0:
-            x[to.end + j, lane] = time + dt
-            (column, weight), (right, share) = contacts.rows, contacts.right
-            force = x[at.force + j, lane]
-            x[to.handed + j, lane] -= force * row_product(right, share, j, x, at.dq, lane)
-            x[to.lost + j, lane] += force * row_product(column, weight, j, x, at.dq, lane)
-            if force == 0.0 and row_product(column, weight, j, x, at.v, lane) < 0.0:
-                x[at.held + j, lane] = 0.0
-                table, used = end_impact(j, number, 0.0, to, x, lane, table, used)
+        contact, impact = moving.contacts[j], impacts[j]
+        if contact[HELD, lane] != 0.0:
+            impact[END, lane] = time + dt
+            force = contact[FORCE, lane]
+            impact[HANDED, lane] -= force * row_product(right, share, j, coordinates, DQ, lane)
+            _lose(contact, impact, force * row_product(column, weight, j, coordinates, DQ, lane), lane)
+            if force == 0.0 and row_product(column, weight, j, coordinates, V, lane) < 0.0:
+                contact[HELD, lane] = 0.0
+                table, used = end_impact(j, number, 0.0, impact, lane, table, used)
     calm = 0.0
     for k in range(mass.size):
-        calm = max(calm, CALM * abs(x[at.v + k, lane]))
+        calm = max(calm, CALM * abs(coordinates[k, V, lane]))
     for blow in range(MOST_BLOWS):
         struck, fastest, pressed = -1, calm, 0.0
         for j in range(contacts.gap.size):
-            column, weight = contacts.rows
-            rate = row_product(column, weight, j, x, at.v, lane)
-            depth = row_product(column, weight, j, x, at.q, lane) - contacts.gap[j]
+            contact = moving.contacts[j]
+            rate = row_product(column, weight, j, coordinates, V, lane)
+            depth = row_product(column, weight, j, coordinates, Q, lane) - contacts.gap[j]
             if depth < 0.0:
                 continue
-            gain = row_product(column, weight, j, x, to.gain, lane)
-            pressed = max(pressed, gain + x[at.force + j, lane] * _mobility(contacts, mass, j))
+            gain = row_product(column, weight, j, coordinates, GAIN, lane)
+            pressed = max(pressed, gain + contact[FORCE, lane] * _mobility(contacts, mass, j))
             # Sides that are held have no rate but for a neighbour's blow, and the rounding of the step.
-            if rate > fastest and (blow > 0 or x[at.held + j, lane] == 0.0):
+            if rate > fastest and (blow > 0 or contact[HELD, lane] == 0.0):
                 struck, fastest = j, rate
         if struck < 0:
             break
         if blow > MOST_BLOWS // 2:
             pressed = np.inf
-        table, used = _blow(
-            steps, parts, struck, fastest, pressed, time, number, at, to, x, lane, table, used
-        )
+        impact = impacts[struck]
+        rests = _blow(steps, parts, struck, fastest, pressed, time, moving, account, impact, lane)
+        if not rests:
+            table, used = end_impact(struck, number, 0.0, impact, lane, table, used)
     return table, used
 
 
@@ -181,19 +207,18 @@ def _mobility(contacts, mass, j):
 
 
 @compiled
-def _blow(steps, parts, j, rate, pressed, time, number, at, to, x, lane, table, used):
+def _blow(steps, parts, j, rate, pressed, time, moving, account, impact, lane):
     """One blow of contact ``j``, with this rate of penetration at the end of the step.
 
     It takes place at the time of touch, from which velocities and displacements follow at the end of
     the step. ``pressed`` is the largest acceleration with which sides that touch are pressed together:
-    a neighbour that is pressed against both ends a rebound too. Returns the table of impacts and the
-    number of its lines in use.
+    a neighbour that is pressed against both ends a rebound too. Returns whether both sides rest.
     """
     contacts, mass, dt = steps.contacts, parts.mass, steps.dt
-    (column, weight), (right, share) = contacts.rows, contacts.right
-    depth = row_product(column, weight, j, x, at.q, lane) - contacts.gap[j]
-    since, mobility = 0.0, _mobility(contacts, mass, j)
-    gain = row_product(column, weight, j, x, to.gain, lane)
+    (column, weight), (right, share), coordinates = contacts.rows, contacts.right, moving.coordinates
+    depth = row_product(column, weight, j, coordinates, Q, lane) - contacts.gap[j]
+    since, mobility, contact = 0.0, _mobility(contacts, mass, j), moving.contacts[j]
+    gain = row_product(column, weight, j, coordinates, GAIN, lane)
     at_touch = np.sqrt(max(rate * rate - 2.0 * gain * depth, 0.0))
     if at_touch > 0.0:  # the penetration is a parabola
         since = min(2.0 * depth / (rate + at_touch), dt)
@@ -202,70 +227,67 @@ def _blow(steps, parts, j, rate, pressed, time, number, at, to, x, lane, table, 
     if 2.0 * e * rate < REST * dt * pressed:
         e = 0.0
     impulse = (1.0 + e) * rate / mobility
-    if x[at.held + j, lane] == 0.0:
-        _begin_impact(j, time + dt - since, rate, np.nan, to, x, lane)
-    moved = row_product(right, share, j, x, at.v, lane)
-    sped = row_product(right, share, j, x, to.gain, lane)
-    _watch_touch(steps, since, at, to, x, lane)
+    if contact[HELD, lane] == 0.0:
+        _begin_impact(impact, time + dt - since, rate, np.nan, lane)
+    moved = row_product(right, share, j, coordinates, V, lane)
+    sped = row_product(right, share, j, coordinates, GAIN, lane)
+    _watch_touch(parts, since, coordinates, account.displacements, lane)
     for k in range(mass.size):
-        x[to.way + k, lane] = 0.0
+        coordinates[k, WAY, lane] = 0.0
     for place in range(column.shape[1]):
         k = column[j, place]
         jump = -weight[j, place] * impulse / mass[k]
-        x[at.v + k, lane] += jump
-        x[to.way + k, lane] = jump * since
-    moved = 0.5 * (moved + row_product(right, share, j, x, at.v, lane)) - since * sped
-    _displace(steps, parts, at, to, x, lane)
-    x[to.handed + j, lane] -= impulse * moved
-    x[to.lost + j, lane] += 0.5 * (1.0 - e) * (1.0 + e) * rate * rate / mobility
-    x[at.held + j, lane] = 1.0 if e == 0.0 else 0.0
-    if e != 0.0:
-        table, used = end_impact(j, number, 0.0, to, x, lane, table, used)
-    return table, used
+        coordinates[k, V, lane] += jump
+        coordinates[k, WAY, lane] = jump * since
+    moved = 0.5 * (moved + row_product(right, share, j, coordinates, V, lane)) - since * sped
+    _displace(steps, parts, moving, account.structures, lane)
+    impact[HANDED, lane] -= impulse * moved
+    _lose(contact, impact, 0.5 * (1.0 - e) * (1.0 + e) * rate * rate / mobility, lane)
+    contact[HELD, lane] = 1.0 if e == 0.0 else 0.0
+    return e == 0.0
 
 
 @compiled
-def _watch_touch(steps, since, at, to, x, lane):
+def _watch_touch(parts, since, coordinates, extremes, lane):
     """Update the largest and smallest displacements by those at a blow, ``since`` [s] before the end."""
-    column, weight = steps.shapes
+    column, weight = parts.watched
     for i in range(column.shape[0]):
-        end = row_product(column, weight, i, x, at.q, lane)
-        touch = end - since * row_product(column, weight, i, x, at.v, lane)
-        x[to.highest + i, lane] = max(x[to.highest + i, lane], touch)
-        x[to.lowest + i, lane] = min(x[to.lowest + i, lane], touch)
+        end = row_product(column, weight, i, coordinates, Q, lane)
+        touch = end - since * row_product(column, weight, i, coordinates, V, lane)
+        extremes[i, HIGHEST, lane] = max(extremes[i, HIGHEST, lane], touch)
+        extremes[i, LOWEST, lane] = min(extremes[i, LOWEST, lane], touch)
 
 
 @compiled
-def _displace(steps, parts, at, to, x, lane):
+def _displace(steps, parts, moving, structures, lane):
     """Displace the coordinates after a blow within the step, and the springs with them.
 
     The works on this way are those of the forces at the end of the step.
     """
-    column, weight = steps.extensions
+    (column, weight), coordinates = steps.extensions, moving.coordinates
     for i in range(column.shape[0]):
-        if steps.info[i, KIND] == VISCOUS:
-            continue
-        x[at.z + i, lane] += row_product(column, weight, i, x, to.way, lane)
+        if steps.kind[i] != VISCOUS:
+            moving.elements[i, Z, lane] += row_product(column, weight, i, coordinates, WAY, lane)
     for k in range(parts.mass.size):
-        moved, structure = x[to.way + k, lane], parts.structure[k]
+        moved, energies = coordinates[k, WAY, lane], structures[parts.structure[k]]
         if moved != 0.0:
-            x[at.q + k, lane] += moved
-            x[to.entering + structure, lane] += parts.mass[k] * x[at.f, lane] * moved
+            coordinates[k, Q, lane] += moved
+            energies[ENTERING, lane] += parts.mass[k] * moving.motions[F, lane] * moved
             drag = 0.0
             for m in range(parts.mass.size):
-                drag += parts.damping[k, m] * x[at.v + m, lane]
-            x[to.viscous + structure, lane] += drag * moved
+                drag += parts.damping[k, m] * coordinates[m, V, lane]
+            energies[VISCOUS_LOSS, lane] += drag * moved
 
 
 @compiled
-def end_all(contacts, number, at, to, x, lane, table, used):
+def end_all(contacts, number, moving, impacts, lane, table, used):
     """End the impacts that go on at the end of the motion."""
     for j in range(contacts.gap.size):
-        if not np.isnan(x[to.begin + j, lane]):
+        if not np.isnan(impacts[j, BEGIN, lane]):
             stored = 0.0
             if not contacts.jumps:
                 column, weight = contacts.rows
-                depth = row_product(column, weight, j, x, at.q, lane) - contacts.gap[j]
+                depth = row_product(column, weight, j, moving.coordinates, Q, lane) - contacts.gap[j]
                 stored = stored_in(contacts.law[j], depth)
-            table, used = end_impact(j, number, stored, to, x, lane, table, used)
+            table, used = end_impact(j, number, stored, impacts[j], lane, table, used)
     return table, used

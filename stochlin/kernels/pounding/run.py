@@ -8,31 +8,54 @@ the same buildings move each alone.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.compiled import compiled, entry
+from stochlin.kernels.basics.arrays import Array, on_arrays
+from stochlin.kernels.basics.compiled import called_often, compiled, entry
 from stochlin.kernels.pounding.impacts import (
     BEGIN,
     COLUMNS,
     CONTACT,
     FIRST_LINES,
     LANE,
+    SPAN,
     end_all,
     strike,
     watch_contact,
 )
-from stochlin.kernels.simulation.account import Account, Parts, balance, watch, watch_displacements
+from stochlin.kernels.simulation.account import (
+    COUNTS,
+    FAILED,
+    FIRST,
+    HIGHEST,
+    LOWEST,
+    MISSING,
+    MOST,
+    SECOND,
+    THIRD,
+    Account,
+    Parts,
+    balance,
+    watch,
+    watch_displacements,
+)
 from stochlin.kernels.simulation.contacts import Contacts
 from stochlin.kernels.simulation.time_step import (
+    CHANGE,
+    DQ,
+    MEETS,
+    OF_CONTACTS,
+    OF_COORDINATES,
+    OF_ELEMENTS,
+    SLOW,
     Elements,
-    Places,
+    F,
+    Moving,
+    Q,
+    V,
     fill,
-    lanes_at_rest,
-    named_rows,
     steps_of,
     take_step,
     times_row,
@@ -47,15 +70,27 @@ class BuildingRow(NamedTuple):
     law: Any  # the result of `laws.by_number`
     contacts: Contacts
     parts: Parts
-    structures: int  # their number
+
+    def at_rest(self, lanes: int) -> Motions:
+        """Motions before their beginning."""
+        count = self.contacts.gap.size
+        moving = Moving.at_rest([self.elements], lanes, count)
+        impacts = np.full((count, SPAN + 1, lanes), np.nan)
+        return Motions(moving, Account.of(self.parts, lanes), impacts)
 
     @property
-    def places(self) -> tuple[Places, Account]:
-        """The rows of the array ``x`` of all numbers of every motion."""
-        c = self.contacts.gap.size
-        places = Places.of(self.elements, c)
-        links = self.parts.spring.size
-        return places, Account.of(places, self.elements, self.structures, links, c)
+    def numbers(self) -> int:
+        """How many numbers are known of a motion."""
+        moving, account, impacts = self.at_rest(1)
+        return sum(values.size for values in (*moving, *account, impacts))
+
+
+class Motions(NamedTuple):
+    """All that is known of every motion (the last axis)."""
+
+    moving: Moving
+    account: Account
+    impacts: Array  # (c, columns, lanes): the present impact of each contact, see `impacts`
 
 
 class StepCounts(NamedTuple):
@@ -78,199 +113,232 @@ class GroundMotions(NamedTuple):
 class RowResponse(NamedTuple):
     """Response of a row of buildings to one motion."""
 
-    numbers: Array  # (rows,) at its end
+    moving: Moving  # at its end
+    account: Account
     impacts: Array  # (impacts, COLUMNS): the table of `impacts`, as they begin
-    history: Array  # (samples, rows): those of the first motion of a run, if they were asked for
-    rows: Mapping[str, slice]  # by the names in `Places` and `Account`
-
-    def at_end(self, name: str) -> Array:
-        """The numbers of this name at the end."""
-        return self.numbers[self.rows[name]]
-
-    def over_time(self, name: str) -> Array:
-        """The history of the numbers of this name (samples, n)."""
-        return self.history[:, self.rows[name]]
+    history: Motions  # over its samples, in place of motions, if they were asked for
 
     @property
     def peaks(self) -> Array:
         """Largest absolute displacement of each floor [m]."""
-        return np.maximum(self.at_end("highest"), -self.at_end("lowest"))
+        return self._largest[: len(self.account.floors)]
+
+    @property
+    def strokes(self) -> Array:
+        """Largest absolute extension of each element [m]."""
+        return self._largest[len(self.account.floors) :]
+
+    @property
+    def _largest(self) -> Array:
+        extremes = self.account.displacements
+        return np.maximum(extremes[:, HIGHEST], -extremes[:, LOWEST])
 
 
 @compiled
-def _copy_lanes(source, of, target, to, count, first, last):
-    """Copy rows from ``first`` to ``last`` in the lanes ``of`` to another array, in the lanes ``to``."""
-    for row in range(first, last):
-        for k in range(count):
-            target[row, to[k]] = source[row, of[k]]
+def _copy(source, of, target, to, count, columns):
+    """Copy the first columns of values (things, columns, lanes) from the lanes ``of`` to ``to``."""
+    for thing in range(source.shape[0]):
+        for column in range(columns):
+            for k in range(count):
+                target[thing, column, to[k]] = source[thing, column, of[k]]
 
 
 @compiled
-def _near(contacts, dt, at, to, x, lanes, near):
+def _copy_state(source, of, target, to, count):
+    """Copy the state of what moves, without what is of one step only."""
+    _copy(source.coordinates, of, target.coordinates, to, count, OF_COORDINATES)
+    _copy(source.elements, of, target.elements, to, count, OF_ELEMENTS)
+    _copy(source.contacts, of, target.contacts, to, count, OF_CONTACTS)
+    _copy(source.memory, of, target.memory, to, count, source.memory.shape[1])
+
+
+@compiled
+def _copy_account(source, of, target, to, count):
+    """Copy what is watched of each floor, element, link, structure and contact."""
+    account, other = source.account, target.account
+    _copy(account.displacements, of, other.displacements, to, count, 2)
+    _copy(account.floors, of, other.floors, to, count, 2)
+    _copy(account.links, of, other.links, to, count, 2)
+    _copy(account.structures, of, other.structures, to, count, 2)
+    _copy(source.impacts, of, target.impacts, to, count, SPAN + 1)
+
+
+@called_often
+def _near(contacts, dt, x, lanes, near):
     """Find the lanes that are in contact in the step taken without it, or may be.
 
     Within a step the penetration is a parabola, which rises above the ends by an eighth of the change of
     the rate times ``dt`` at most. Lanes are written to ``near``, and do not count; returns their number.
     """
     count, gap, (column, weight) = 0, contacts.gap, contacts.rows
-    fill(x, to.scratch_3, -1.0, lanes)
+    coordinates, meets, motions = x.moving.coordinates, x.moving.motions, x.account.motions
+    fill(motions, THIRD, -1.0, lanes)
     for j in range(gap.size):
-        times_row(column, weight, j, x, at.q, to.scratch_1, lanes)
-        times_row(column, weight, j, x, at.dq, at.change, lanes)
-        times_row(column, weight, j, x, at.v, to.scratch_2, lanes)
+        times_row(column, weight, j, coordinates, Q, motions, FIRST, lanes)
+        times_row(column, weight, j, coordinates, DQ, meets, CHANGE, lanes)
+        times_row(column, weight, j, coordinates, V, motions, SECOND, lanes)
         for lane in range(lanes):
-            bulge = 0.25 * abs(dt * x[to.scratch_2, lane] - x[at.change, lane])
-            highest = x[to.scratch_1, lane] + max(-x[at.change, lane], 0.0) + bulge - gap[j]
-            open_now = np.isnan(x[to.begin + j, lane])
-            reach = highest if open_now else 1.0
-            x[to.scratch_3, lane] = max(x[to.scratch_3, lane], reach)
+            change = meets[CHANGE, lane]
+            bulge = 0.25 * abs(dt * motions[SECOND, lane] - change)
+            highest = motions[FIRST, lane] + max(-change, 0.0) + bulge - gap[j]
+            reach = highest if np.isnan(x.impacts[j, BEGIN, lane]) else 1.0
+            motions[THIRD, lane] = max(motions[THIRD, lane], reach)
     for lane in range(lanes):
-        if x[to.scratch_3, lane] > 0.0 and x[to.counts, lane] * x[at.meets, lane] > 0.0:
-            x[to.counts, lane] = 0.0
+        if motions[THIRD, lane] > 0.0 and motions[COUNTS, lane] * meets[MEETS, lane] > 0.0:
+            motions[COUNTS, lane] = 0.0
             near[count] = lane
             count += 1
     return count
 
 
 @compiled
-def _end_failed(steps, limit, time, at, to, x, lanes):
+def _end_failed(steps, limit, time, coordinates, motions, lanes):
     """End the motions in which an extension is beyond its limit, or not a number."""
     column, weight = steps.extensions
     for i in range(limit.size):
-        times_row(column, weight, i, x, at.q, to.scratch_1, lanes)
+        times_row(column, weight, i, coordinates, Q, motions, FIRST, lanes)
         for lane in range(lanes):
-            if not abs(x[to.scratch_1, lane]) <= limit[i] and x[to.failed, lane] == np.inf:
-                x[to.failed, lane] = time
+            if not abs(motions[FIRST, lane]) <= limit[i] and motions[FAILED, lane] == np.inf:
+                motions[FAILED, lane] = time
 
 
 @compiled
-def _keep(x, state):
-    """Write the numbers of the first lane to a line of a history."""
-    for row in range(len(x)):
-        state[row] = x[row, 0]
+def _keep(x, history, sample):
+    """Keep what is known of the first motion at a sample."""
+    first, place = np.zeros(1, np.int64), np.full(1, sample)
+    _copy_state(x.moving, first, history.moving, place, 1)
+    _copy_account(x, first, history, place, 1)
+    for row in (MISSING, MOST):
+        history.account.motions[row, sample] = x.account.motions[row, 0]
 
 
 @compiled
-def _set_forcing(ground, sample, share, of, f, x, lanes):
+def _set_forcing(ground, sample, share, of, motions, lanes):
     """Write the forcing at a share of an interval of the motion, in the lanes ``of``."""
     for k in range(lanes):
         lane = of[k]
         rise = ground[sample + 1, lane] - ground[sample, lane]
-        x[f, k] = -(ground[sample, lane] + share * rise)
+        motions[F, k] = -(ground[sample, lane] + share * rise)
 
 
 @compiled
-def _count_going(intervals, sample, to, x, lanes):
+def _count_going(intervals, sample, motions, lanes):
     """Mark the motions that go on, in which steps count; returns their number."""
     going = 0
     for lane in range(lanes):
-        goes = sample < intervals[lane] and x[to.failed, lane] == np.inf
-        x[to.counts, lane] = 1.0 if goes else 0.0
+        goes = sample < intervals[lane] and motions[FAILED, lane] == np.inf
+        motions[COUNTS, lane] = 1.0 if goes else 0.0
         going += goes
     return going
 
 
-@compiled
-def _keep_ended(old, at, to, x, lanes, ended):
+@called_often
+def _keep_ended(old, x, lanes, ended):
     """Leave motions that have ended as they were before the step."""
     count = 0
     for lane in range(lanes):
-        if x[to.counts, lane] == 0.0:
+        if x.account.motions[COUNTS, lane] == 0.0:
             ended[count] = lane
             count += 1
-    _copy_lanes(old, ended, x, ended, count, 0, at.work)
+    _copy_state(old, ended, x.moving, ended, count)
 
 
-@compiled
-def _watch_impacts(short, parts, time, near, count, at, to, y, table, used):
+@called_often
+def _watch_impacts(short, parts, time, near, count, y, table, used):
     """Update the impacts in all lanes near contact by a step; returns the table and its lines in use."""
     for k in range(count):
         if short.contacts.jumps:
-            table, used = strike(short, parts, time, near[k], at, to, y, k, table, used)
+            table, used = strike(
+                *(short, parts, time, near[k], y.moving, y.account, y.impacts, k, table, used)
+            )
         else:
             for j in range(short.contacts.gap.size):
                 table, used = watch_contact(
-                    short.contacts, j, short.dt, time, near[k], at, to, y, k, table, used
+                    *(short.contacts, j, short.dt, time, near[k]),
+                    *(y.moving, y.impacts[j], k, table, used),
                 )
     return table, used
 
 
 @entry
-def _run(law, steps, short, parts, at, to, x, motions, cuts, substeps, history):
-    """All motions from their beginning, see `run`; ``steps`` are without contacts, ``short`` with.
+def _run(law, steps, short, parts, x, old, y, ground, cuts, substeps, history):
+    """All motions ``x`` from their beginning, see `run`; ``steps`` are without contacts, ``short`` with.
 
-    The first motion's states at the samples are written to ``history``, if it has lines. Returns the
-    table of impacts and the number of these lines.
+    ``old`` and ``y`` are for what moves before a step and near contact. The first motion is kept at the
+    samples in ``history``, if it has any. Returns the table of impacts and the number of samples kept.
     """
-    ground, dt, contacts = motions.acceleration, steps.dt, short.contacts
-    lanes = ground.shape[1]
-    old, y = np.empty((at.work, lanes)), np.zeros(x.shape)
+    dt, contacts, acceleration = steps.dt, short.contacts, ground.acceleration
+    lanes, samples = acceleration.shape[1], history.account.motions.shape[1]
+    moving, account = x.moving, x.account
     every, near = np.arange(lanes), np.empty(lanes, np.int64)
     table, used, kept = np.empty((FIRST_LINES, COLUMNS)), 0, 1
-    tolerances(steps.spring, steps.info, at, x, lanes)
-    tolerances(short.spring, short.info, at, y, lanes)
-    if len(history) > 0:
-        _keep(x, history[0])
-    for s in range(cuts * (len(ground) - 1)):
+    tolerances(steps.spring, steps.kind, moving.elements, lanes)
+    tolerances(short.spring, short.kind, y.moving.elements, lanes)
+    if samples > 0:
+        _keep(x, history, 0)
+    for s in range(cuts * (len(acceleration) - 1)):
         sample, cut, time = s // cuts, s % cuts, s * dt
-        going = _count_going(motions.intervals, sample, to, x, lanes)
+        going = _count_going(ground.intervals, sample, account.motions, lanes)
         if going == 0:
             break
-        _copy_lanes(x, every, old, every, lanes, 0, at.work)
-        _set_forcing(ground, sample, (cut + 0.5) / cuts, every, at.f, x, lanes)
-        take_step(law, steps, at, x, lanes)
+        _copy_state(moving, every, old, every, lanes)
+        _set_forcing(acceleration, sample, (cut + 0.5) / cuts, every, moving.motions, lanes)
+        take_step(law, steps, moving, lanes)
         if going < lanes:
-            _keep_ended(old, at, to, x, lanes, near)
-        count = _near(contacts, dt, at, to, x, lanes, near)
-        watch(steps, parts, at, to, x, lanes)
-        watch_displacements(steps, at, to, x, lanes)
+            _keep_ended(old, x, lanes, near)
+        count = _near(contacts, dt, x, lanes, near)
+        watch(steps, parts, moving, account, lanes)
+        watch_displacements(dt, parts, moving, account, lanes)
         if count > 0:
-            _copy_lanes(old, near, y, every, count, 0, at.work)
-            _copy_lanes(x, near, y, every, count, to.first, to.work)
-            fill(y, to.counts, 1.0, count)
+            _copy_state(old, near, y.moving, every, count)
+            _copy_account(x, near, y, every, count)
+            for k in range(count):
+                y.moving.motions[SLOW, k] = moving.motions[SLOW, near[k]]
+            fill(y.account.motions, COUNTS, 1.0, count)
             for part in range(substeps):
                 now = time + part * short.dt
                 within = (cut + (part + 0.5) / substeps) / cuts
-                _set_forcing(ground, sample, within, near, at.f, y, count)
-                take_step(law, short, at, y, count)
-                watch(short, parts, at, to, y, count)
-                table, used = _watch_impacts(short, parts, now, near, count, at, to, y, table, used)
-                watch_displacements(short, at, to, y, count)
-            _copy_lanes(y, every, x, near, count, 0, at.work)
-            _copy_lanes(y, every, x, near, count, to.first, to.work)
+                _set_forcing(acceleration, sample, within, near, y.moving.motions, count)
+                take_step(law, short, y.moving, count)
+                watch(short, parts, y.moving, y.account, count)
+                table, used = _watch_impacts(short, parts, now, near, count, y, table, used)
+                watch_displacements(short.dt, parts, y.moving, y.account, count)
+            _copy_state(y.moving, every, moving, near, count)
+            _copy_account(y, every, x, near, count)
             for k in range(count):
-                x[to.counts, near[k]] = 1.0
+                account.motions[COUNTS, near[k]] = 1.0
         if cut == cuts - 1:
-            balance(steps, contacts, parts, at, to, x, lanes)
-            _end_failed(steps, parts.limit, time + dt, at, to, x, lanes)
-            if len(history) > 0:
-                _keep(x, history[sample + 1])
+            balance(steps, contacts, parts, moving, account, lanes)
+            _end_failed(steps, parts.limit, time + dt, moving.coordinates, account.motions, lanes)
+            if samples > 0:
+                _keep(x, history, sample + 1)
                 kept = sample + 2
     for lane in range(lanes):
-        table, used = end_all(contacts, lane, at, to, x, lane, table, used)
+        table, used = end_all(contacts, lane, moving, x.impacts, lane, table, used)
     return table[:used], kept
 
 
 def run(
-    row: BuildingRow, motions: GroundMotions, pace: StepCounts, keep: bool = False
+    row: BuildingRow, ground: GroundMotions, pace: StepCounts, keep: bool = False
 ) -> list[RowResponse]:
     """Responses of a row of buildings to motions from rest; states are kept of the first motion only.
 
     They are those at the samples of the motion, up to the end of one that fails.
     """
-    at, to = row.places
-    lanes = motions.acceleration.shape[1]
-    x = np.concatenate([lanes_at_rest(at, [row.elements], lanes), np.zeros((to.rows - at.rows, lanes))])
-    x[at.slow], x[at.meets], x[to.failed] = motions.slow, motions.meets, np.inf
-    x[to.begin : to.end] = np.nan
-    dt = motions.dt / pace.cuts
+    samples, lanes = ground.acceleration.shape
+    x, y, history = (row.at_rest(count) for count in (lanes, lanes, samples if keep else 0))
+    x.moving.motions[SLOW], x.moving.motions[MEETS] = ground.slow, ground.meets
+    dt = ground.dt / pace.cuts
     steps = steps_of(row.elements, dt)
     short = steps_of(row.elements, dt / pace.substeps, row.contacts)
-    history = np.empty((len(motions.acceleration) if keep else 0, to.rows))
+    old = Moving.at_rest([row.elements], lanes, row.contacts.gap.size)
     table, kept = _run(
-        *(row.law, steps, short, row.parts, at, to, x, motions, pace.cuts, pace.substeps), history
+        row.law, steps, short, row.parts, x, old, y, ground, pace.cuts, pace.substeps, history
     )
     table = table[np.lexsort((table[:, CONTACT], table[:, BEGIN]))]
-    lines = (table[table[:, LANE] == lane] for lane in range(lanes))
-    rows = named_rows(at, to)
-    return [RowResponse(x[:, n], own, history[:kept], rows) for n, own in enumerate(lines)]
+    history = on_arrays(lambda values: values[..., :kept], history)
+    ends = (on_arrays(lambda values, n=n: values[..., n], x) for n in range(lanes))
+    return [
+        RowResponse(end.moving, end.account, table[table[:, LANE] == lane], history)
+        for lane, end in enumerate(ends)
+    ]

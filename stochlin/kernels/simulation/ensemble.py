@@ -32,9 +32,10 @@ from stochlin.kernels.simulation.stepping import (
 )
 from stochlin.kernels.simulation.time_step import (
     Elements,
-    Places,
+    Moving,
+    Q,
     Steps,
-    lanes_at_rest,
+    Z,
     sampled_block,
     sampled_steps,
     steps_of,
@@ -96,14 +97,9 @@ class SteppedStructures:
         """Number of displacements."""
         return len(self.elements.system.shapes)
 
-    @property
-    def places(self) -> Places:
-        """Where the numbers of a motion stand in its state."""
-        return Places.of(self.elements)
-
     def at_rest(self, lanes: int = LANES, group: int = 0) -> Any:
-        """The state before a motion of this group (rows, lanes)."""
-        return lanes_at_rest(self.places, self._of(group) or [self.elements], lanes)
+        """The state before a motion of this group."""
+        return Moving.at_rest(self._of(group) or [self.elements], lanes)
 
     def _of(self, group: int) -> Sequence[Elements]:
         """The samples of a group."""
@@ -117,18 +113,16 @@ class SteppedStructures:
             if dt not in self._steps:
                 self._steps[dt] = steps_of(self.elements, dt)
             steps, step = self._steps[dt], system_block
-        places = self.places
 
-        def block(f: Array, x: Any, every: int, out: Array, at: int = 0) -> None:
-            step(f, self.law, steps, places, x, every, out, at)
+        def block(f: Array, moving: Any, every: int, out: Array, at: int = 0) -> None:
+            step(f, self.law, steps, moving, every, out, at)
 
         return block
 
-    def plastic(self, x: Any) -> Array:
+    def plastic(self, moving: Any) -> Array:
         """The plastic parts of the extensions that the displacements show (w, lanes)."""
-        at, n = self.places, self.elements.system.mass.size
-        extensions = self.elements.system.extensions[:n]
-        plastic: Array = extensions @ x[at.q : at.v] - x[at.z : at.z + n]
+        n, extensions = self.elements.system.mass.size, self.elements.system.extensions
+        plastic: Array = extensions[:n] @ moving.coordinates[:, Q] - moving.elements[:n, Z]
         return plastic if self.element is None else self.element @ plastic
 
 

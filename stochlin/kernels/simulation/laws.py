@@ -27,8 +27,8 @@ SIXTH = 1.0 / 6.0
 MOST_SUBSTEPS = 1024  # of a step
 FEW = 8  # substeps of all lanes
 LOST = 1e3  # extension of a lane that has run away in a step, over the yield extension
-_ROWS = nb.types.Array(nb.float64, 2, "C")
-ADVANCE = nb.void(nb.int64, nb.int64, _ROWS, nb.int64, nb.int64, nb.int64, nb.float64, nb.int64)
+_LANES, _ROWS = (nb.types.Array(nb.float64, dimensions, "C") for dimensions in (1, 2))
+ADVANCE = nb.void(nb.int64, nb.int64, _LANES, _ROWS, _ROWS, nb.float64, _ROWS)
 
 
 def named(name: str, function: Any) -> Any:
@@ -52,13 +52,12 @@ class RateLaw:
 
 
 def advance_of(rates: Any, states: int, name: str) -> Any:
-    """The function ``advance(lanes, x, v, w, own, dt, new)`` that integrates a law over ``dt`` [s].
+    """The function ``advance(lanes, v, w, own, dt, new)`` that integrates a law over ``dt`` [s].
 
     Each law has a ``name`` of its own. ``rates(v, w, own, lane)`` gives the rates of the ``states`` of a
-    law, a tuple as ``w`` is, with the parameters ``own`` (k, lanes). For ``advance`` ``v``, ``w``,
-    ``own`` and ``new`` are rows of the array ``x`` (rows, lanes): the rate of the extension over the
-    yield extension [1/s], the first of the states before, the first parameter, and the first of the
-    states after the step, which are written.
+    law, a tuple as ``w`` is, with the parameters ``own`` (k, lanes). For ``advance``, ``v`` (lanes,) is
+    the rate of the extension over the yield extension [1/s], ``w`` (states, lanes) are the states before
+    the step, and the states after it are written to ``new``.
     Each stage has a loop of its own: where rates have powers, processors wait for each stage of a lane,
     and work on several lanes of a short loop meanwhile.
     """
@@ -79,29 +78,29 @@ def advance_of(rates: Any, states: int, name: str) -> Any:
 
     @compiled
     @of_law
-    def advance(lanes, x, v, w, own, dt, new):
-        parameters, rough, stages = x[own:], 0, np.empty((3 * states, lanes))
+    def advance(lanes, v, w, own, dt, new):
+        rough, stages = 0, np.empty((3 * states, lanes))
         for lane in range(lanes):
-            write(stages, 0, lane, rates_of(x[v, lane], read(x, w, lane), parameters, lane))
+            write(stages, 0, lane, rates_of(v[lane], read(w, 0, lane), own, lane))
         for lane in range(lanes):
-            middle = moved(read(x, w, lane), 0.5 * dt, read(stages, 0, lane))
-            write(stages, states, lane, rates_of(x[v, lane], middle, parameters, lane))
+            middle = moved(read(w, 0, lane), 0.5 * dt, read(stages, 0, lane))
+            write(stages, states, lane, rates_of(v[lane], middle, own, lane))
         for lane in range(lanes):
-            middle = moved(read(x, w, lane), 0.5 * dt, read(stages, states, lane))
-            write(stages, 2 * states, lane, rates_of(x[v, lane], middle, parameters, lane))
+            middle = moved(read(w, 0, lane), 0.5 * dt, read(stages, states, lane))
+            write(stages, 2 * states, lane, rates_of(v[lane], middle, own, lane))
         for lane in range(lanes):
-            before, first = read(x, w, lane), read(stages, 0, lane)
+            before, first = read(w, 0, lane), read(stages, 0, lane)
             second, third = read(stages, states, lane), read(stages, 2 * states, lane)
-            fourth = rates_of(x[v, lane], moved(before, dt, third), parameters, lane)
+            fourth = rates_of(v[lane], moved(before, dt, third), own, lane)
             after = moved(before, dt, mean(first, second, third, fourth))
-            write(x, new, lane, after)
+            write(new, 0, lane, after)
             rough += not apart(after, moved(before, dt, second)) <= 0.0
         if rough:
-            again(lanes, x, v, w, parameters, dt, new)
+            again(lanes, v, w, own, dt, new)
 
     @compiled
     @of_law
-    def again(lanes, x, v, w, parameters, dt, new):
+    def again(lanes, v, w, own, dt, new):
         """Integrate the lanes in which both rules differ, in as many substeps as each needs.
 
         In few substeps all lanes are integrated, which takes less time than to choose; the others are
@@ -109,28 +108,26 @@ def advance_of(rates: Any, states: int, name: str) -> Any:
         """
         tried, apart, good = np.empty((states, lanes)), np.empty(lanes), np.empty(lanes)
         for lane in range(lanes):  # a lane that is lost stays as it is
-            good[lane] = 0.0 if abs(x[v, lane]) * dt < LOST else 1.0
+            good[lane] = 0.0 if abs(v[lane]) * dt < LOST else 1.0
             for k in range(states):
-                good[lane] = good[lane] if np.isfinite(x[w + k, lane]) else 1.0
+                good[lane] = good[lane] if np.isfinite(w[k, lane]) else 1.0
         substeps, rough = 1, 1
         while rough and substeps <= MOST_SUBSTEPS:
             for lane in range(lanes):
                 apart[lane] = 0.0
             for k in range(states):
                 for lane in range(lanes):
-                    tried[k, lane] = x[w + k, lane]
+                    tried[k, lane] = w[k, lane]
             for _ in range(substeps):
                 for lane in range(lanes):
                     if substeps > FEW and good[lane] > 0.0:
                         continue
-                    after, differ = step(
-                        x[v, lane], read(tried, 0, lane), parameters, lane, dt / substeps
-                    )
+                    after, differ = step(v[lane], read(tried, 0, lane), own, lane, dt / substeps)
                     write(tried, 0, lane, after)
                     apart[lane] = apart[lane] if differ <= 0.0 else 1.0
             for k in range(states):
                 for lane in range(lanes):
-                    x[new + k, lane] = x[new + k, lane] if good[lane] > 0.0 else tried[k, lane]
+                    new[k, lane] = new[k, lane] if good[lane] > 0.0 else tried[k, lane]
             rough = 0
             for lane in range(lanes):
                 good[lane] = 1.0 if good[lane] > 0.0 or not apart[lane] > 0.0 else 0.0
@@ -192,15 +189,15 @@ _with_powers = advance_of(_bouc_wen, 1, "Bouc-Wen")
 
 
 @compiled
-def _bouc_wen_of_any_power(lanes, x, v, w, own, dt, new):
+def _bouc_wen_of_any_power(lanes, v, w, own, dt, new):
     """`advance_of` the Bouc-Wen law, which needs no power if ``n = 1`` in all lanes."""
     others = 0
     for lane in range(lanes):
-        others += x[own + 2, lane] != 1.0
+        others += own[2, lane] != 1.0
     if others:
-        _with_powers(lanes, x, v, w, own, dt, new)
+        _with_powers(lanes, v, w, own, dt, new)
     else:
-        _without_powers(lanes, x, v, w, own, dt, new)
+        _without_powers(lanes, v, w, own, dt, new)
 
 
 BOUC_WEN = RateLaw(_bouc_wen_of_any_power, 1, "Bouc-Wen")
@@ -208,7 +205,7 @@ BOUC_WEN = RateLaw(_bouc_wen_of_any_power, 1, "Bouc-Wen")
 
 @cache
 def by_number(laws: tuple[RateLaw, ...]) -> Any:
-    """One function ``law(kind, lanes, x, v, w, own, dt, new)`` for the laws of the kinds from OTHER on.
+    """One function ``law(kind, lanes, v, w, own, dt, new)`` for the laws of the kinds from OTHER on.
 
     The ``laws`` have the kinds OTHER, OTHER + 1 and so on. The function is a C function, so that a new
     law compiles no time step.
@@ -217,17 +214,17 @@ def by_number(laws: tuple[RateLaw, ...]) -> Any:
     for number, law in enumerate(laws):
         chosen = _either(number, law.advance, chosen, f"{number} of {names}")
 
-    def of_kind(kind, lanes, x, v, w, own, dt, new):
-        chosen(kind, lanes, x, v, w, own, dt, new)
+    def of_kind(kind, lanes, v, w, own, dt, new):
+        chosen(kind, lanes, v, w, own, dt, new)
 
     return of_kind if UNCOMPILED else compiled_law(named(names, of_kind), ADVANCE)
 
 
 @compiled
-def _no_law(kind, lanes, x, v, w, own, dt, new):
+def _no_law(kind, lanes, v, w, own, dt, new):
     """An unknown kind: the state z after the step is NaN."""
     for lane in range(lanes):
-        x[new, lane] = np.nan
+        new[0, lane] = np.nan
 
 
 def _either(number: int, law: Any, others: Any, name: str) -> Any:
@@ -236,10 +233,10 @@ def _either(number: int, law: Any, others: Any, name: str) -> Any:
 
     @compiled
     @partial(named, name)
-    def chosen(kind, lanes, x, v, w, own, dt, new):
+    def chosen(kind, lanes, v, w, own, dt, new):
         if kind == kind_of_law:
-            law(lanes, x, v, w, own, dt, new)
+            law(lanes, v, w, own, dt, new)
         else:
-            others(kind, lanes, x, v, w, own, dt, new)
+            others(kind, lanes, v, w, own, dt, new)
 
     return chosen

@@ -1,6 +1,6 @@
 """Hysteresis laws of straight branches, followed exactly along the extension of a step; loops of laws.
 
-Each law is ``advance(lanes, x, v, w, own, dt, new)`` as made by `laws.advance_of`. Its second state is
+Each law is ``advance(lanes, v, w, own, dt, new)`` as made by `laws.advance_of`. Its second state is
 the extension ``mu`` over the yield extension, which moves in one direction within a step.
 """
 
@@ -14,29 +14,29 @@ from stochlin.kernels.simulation.laws import OTHER, RateLaw
 
 
 @called_often
-def _backbone(mu, x, own, lane):
+def _backbone(mu, own, lane):
     """``z`` of the first loading at a mu from that of cracking on; ``own`` as in `_modified_clough`."""
-    crack, limit, rise = x[own + 1, lane], x[own + 2, lane], x[own + 3, lane]
-    cap, softening, residual = x[own + 4, lane], x[own + 5, lane], x[own + 6, lane]
+    crack, limit, rise = own[1, lane], own[2, lane], own[3, lane]
+    cap, softening, residual = own[4, lane], own[5, lane], own[6, lane]
     falling = max(1.0 - softening * (mu - cap), residual)
     return min(crack + rise * (mu - limit), 1.0, falling)
 
 
 @called_often
-def _unloading(peak, x, own, lane):
+def _unloading(peak, own, lane):
     """Stiffness in unloading from the side whose largest mu is ``peak``, over the stiffness to yield.
 
     Before yielding the way leads to the point of cracking on the other side. Then the stiffness falls
     with the exponent.
     """
-    crack, limit, rise = x[own + 1, lane], x[own + 2, lane], x[own + 3, lane]
+    crack, limit, rise = own[1, lane], own[2, lane], own[3, lane]
     chord = min(crack + rise * (peak - limit), 1.0) + crack
-    worn = exponential(-x[own, lane] * logarithm(max(peak, 1.0)))
+    worn = exponential(-own[0, lane] * logarithm(max(peak, 1.0)))
     return chord / (min(peak, 1.0) + limit) * worn
 
 
 @compiled
-def _modified_clough(lanes, x, v, w, own, dt, new):
+def _modified_clough(lanes, v, w, own, dt, new):
     """Peak-oriented branches.
 
     own: the exponent of the unloading stiffness; z and mu of cracking, and the slope from there to
@@ -47,43 +47,43 @@ def _modified_clough(lanes, x, v, w, own, dt, new):
     upward motion; others are mirrored.
     """
     for lane in range(lanes):
-        move, limit = x[v, lane] * dt, x[own + 2, lane]
+        move, limit = v[lane] * dt, own[2, lane]
         side = 1.0 if move >= 0.0 else -1.0
-        up, down = x[w + 3, lane], x[w + 4, lane]
+        up, down = w[3, lane], w[4, lane]
         ahead, behind = (up, down) if move >= 0.0 else (down, up)
-        z, mu, zero = side * x[w, lane], side * x[w + 1, lane], side * x[w + 2, lane]
+        z, mu, zero = side * w[0, lane], side * w[1, lane], side * w[2, lane]
         end, least = mu + abs(move), 1.0 if limit + max(up, down) > 1.0 else 0.0
         peak = max(limit + ahead, least)
         unloads = z <= 0.0  # from the side behind; else it may be on an unloading branch of this side
-        stiffness = _unloading(max(limit + (behind if unloads else ahead), least), x, own, lane)
+        stiffness = _unloading(max(limit + (behind if unloads else ahead), least), own, lane)
         crossing, along = mu - z / stiffness, z + stiffness * abs(move)
         crosses = unloads and end >= crossing
         zero = crossing if crosses else zero
-        way = _backbone(peak, x, own, lane) * ((end - zero) / (peak - zero))  # to the largest mu so far
-        way = way if end < peak else _backbone(end, x, own, lane)
+        way = _backbone(peak, own, lane) * ((end - zero) / (peak - zero))  # to the largest mu so far
+        way = way if end < peak else _backbone(end, own, lane)
         after = way if crosses or (not unloads and way < along) else along
         beyond = max(ahead, end - limit)
-        x[new, lane], x[new + 1, lane], x[new + 2, lane] = side * after, side * end, side * zero
-        x[new + 3, lane] = beyond if move >= 0.0 else up
-        x[new + 4, lane] = down if move >= 0.0 else beyond
+        new[0, lane], new[1, lane], new[2, lane] = side * after, side * end, side * zero
+        new[3, lane] = beyond if move >= 0.0 else up
+        new[4, lane] = down if move >= 0.0 else beyond
 
 
 @compiled
-def _flag(lanes, x, v, w, own, dt, new):
+def _flag(lanes, v, w, own, dt, new):
     """Flag-shaped branches; own: the width of the flag. States: z; mu."""
     for lane in range(lanes):
-        move, low = x[v, lane] * dt, 1.0 - x[own, lane]
-        mu, z = x[w + 1, lane] + move, x[w, lane] + move
-        x[new + 1, lane] = mu
+        move, low = v[lane] * dt, 1.0 - own[0, lane]
+        mu, z = w[1, lane] + move, w[0, lane] + move
+        new[1, lane] = mu
         lowest, highest = min(max(mu, -1.0), low), min(max(mu, -low), 1.0)
-        x[new, lane] = min(max(z, lowest), highest)
+        new[0, lane] = min(max(z, lowest), highest)
 
 
 @compiled
-def _bilinear(lanes, x, v, w, own, dt, new):
+def _bilinear(lanes, v, w, own, dt, new):
     """The bilinear law, which time steps have in closed form; its state is z."""
     for lane in range(lanes):
-        x[new, lane] = min(max(x[w, lane] + x[v, lane] * dt, -1.0), 1.0)
+        new[0, lane] = min(max(w[0, lane] + v[lane] * dt, -1.0), 1.0)
 
 
 MODIFIED_CLOUGH = RateLaw(_modified_clough, 5, "modified Clough")
@@ -97,14 +97,11 @@ def follow(law, states, extension, own, z):
 
     ``law`` is the result of `by_number` for this law alone.
     """
-    n, after = own.size, 1 + states + own.size
-    x = np.zeros((after + states, 1))
-    for k in range(n):
-        x[1 + states + k, 0] = own[k]
+    pace, w, after = np.empty(1), np.zeros((states, 1)), np.empty((states, 1))
     z[0] = 0.0
     for point in range(1, extension.size):
-        x[0, 0] = extension[point] - extension[point - 1]
-        law(OTHER, 1, x, 0, 1, 1 + states, 1.0, after)
+        pace[0] = extension[point] - extension[point - 1]
+        law(OTHER, 1, pace, w, own, 1.0, after)
         for k in range(states):
-            x[1 + k, 0] = x[after + k, 0]
-        z[point] = x[1, 0]
+            w[k, 0] = after[k, 0]
+        z[point] = w[0, 0]

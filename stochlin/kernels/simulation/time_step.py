@@ -23,10 +23,8 @@ The passes minimize a convex energy, element by element, and converge.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from functools import cache
-from itertools import pairwise
-from typing import Annotated, Any, NamedTuple, get_type_hints
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -46,7 +44,12 @@ HARDLY = 1e-6  # increment of a dashpot's extension, over the largest of the ste
 CLOSE = 1e-8  # change of a slip, over the strength of the element, at which the passes end
 CLOSE_BY_LAW = 1e-5  # the same for laws with rates; extensions change by less than 1e-7 of theirs
 POST, COUPLE, STRENGTH, RELIEF = range(4)  # columns of `Steps.spring`
-KIND, STATES, MEMORY, OWN = range(4)  # columns of `Steps.info`
+# Columns of the arrays of `Moving`, see there.
+Q, V, DQ, GAIN, WAY = range(5)
+Z, SLIP, SPENT, EXTENSION, LEAST = range(5)
+FORCE, SPEED, HELD, DISSIPATED, DEPTH, RATE = range(6)
+F, SLOW, MEETS, CHANGE, MORE, WIDEST, MOVING, STILL = range(8)
+OF_COORDINATES, OF_ELEMENTS, OF_CONTACTS = 2, 3, 4  # how many of these columns are the state
 
 
 class Elements(NamedTuple):
@@ -62,70 +65,56 @@ class Elements(NamedTuple):
     own: Array  # (e, k): parameters of the law
 
 
-class Places(NamedTuple):
-    """The rows of the array ``x`` (rows, lanes), where the numbers of every motion stand.
+class Moving(NamedTuple):
+    """All that moves: coordinates, elements and contacts, in every motion (the last axis).
 
-    Each field is the first row of as many as its annotation says: n coordinates, e elements with m
-    further states, k states of a law at most, c contacts. The state comes first. What follows ``work``
-    is of one step only.
+    What is known of each has a column in the second axis:
+
+    ===========  ==============================================================================
+    coordinates  ``Q`` [m], its rate ``V`` [m/s], and its increment ``DQ`` in the step; of a
+                 stereomechanical blow, the acceleration without it ``GAIN`` and the way ``WAY``
+    elements     ``Z``, the elastic part of the extension [m]; the ``SLIP`` in the step [m]; the
+                 energy ``SPENT`` by slips so far [J]; the ``EXTENSION`` at the beginning of the
+                 step [m]; ``LEAST``, the change of a slip at which the passes end [m]
+    contacts     mean ``FORCE`` in the step [N]; rate of penetration ``SPEED`` at the beginning of
+                 the contact [m/s]; ``HELD``, 1 if both sides move together after a blow, else 0;
+                 energy ``DISSIPATED`` so far [J]; penetration ``DEPTH`` [m] and its ``RATE`` [m/s] at
+                 the beginning of the step
+    motions      (rows, lanes): mean forcing ``F`` of the step [m/s^2]; rate of approach ``SLOW``
+                 below which a contact is elastic [m/s]; ``MEETS``, 1 if contacts act, else 0; for
+                 one element at a time, the ``CHANGE`` of its extension and ``MORE`` slip [m]; the
+                 ``WIDEST`` change [m]; ``MOVING``, 1 if the passes go on, else 0, and ``STILL``, the
+                 same for the next pass
+    ===========  ==============================================================================
     """
 
-    q: Annotated[int, "n"]  # coordinates [m]
-    v: Annotated[int, "n"]  # their rates [m/s]
-    z: Annotated[int, "e"]  # elastic parts of the extensions [m], first states of the laws
-    memory: Annotated[int, "m"]  # further states of the laws
-    own: Annotated[int, "parameters"]  # parameters of the laws
-    slip: Annotated[int, "e"]  # slips in the step [m]
-    force: Annotated[int, "c"]  # mean forces in the step [N]
-    approach: Annotated[int, "c"]  # rate of penetration at the beginning of the present contact [m/s]
-    held: Annotated[int, "c"]  # 1 if both sides move together, after a stereomechanical impact; else 0
-    slow: Annotated[int, 1]  # rate of approach below which a contact is elastic [m/s]
-    meets: Annotated[int, 1]  # 1 if contacts act in this motion; 0 if each structure moves alone
-    spent: Annotated[int, "e"]  # energies dissipated by slips so far [J]
-    f: Annotated[int, 1]  # mean forcing of the step [m/s^2]
-    work: Annotated[int, 0]
-    known: Annotated[int, "n + e"]  # velocities and element forces at the beginning
-    dq: Annotated[int, "n"]  # increments of the coordinates [m]
-    extension: Annotated[int, "e"]  # at the beginning [m]
-    remembered: Annotated[int, "m"]  # further states of the laws at the end
-    depth: Annotated[int, "c"]  # penetrations at the beginning [m]
-    rate: Annotated[int, "c"]  # rates of penetration at the beginning [m/s]
-    least: Annotated[int, "e"]  # change of a slip at which the passes of a lane end [m]
-    change: Annotated[int, 1]  # increment of an extension [m]
-    pace: Annotated[int, 1]  # its rate, over the yield extension [1/s]
-    before: Annotated[int, "k"]  # states of a law at the beginning
-    after: Annotated[int, "k"]  # states of a law at the end
-    more: Annotated[int, 1]  # change of a slip in a pass [m]
-    widest: Annotated[int, 1]  # largest increment of an extension [m]
-    moving: Annotated[int, 1]  # 1 if the passes of the lane go on, else 0; no lane depends on another
-    still: Annotated[int, 1]  # the same for the next pass
-    rows: Annotated[int, 0]  # number of rows
+    coordinates: Array  # (n, columns, lanes)
+    elements: Array  # (e, columns, lanes)
+    contacts: Array  # (c, columns, lanes)
+    memory: Array  # (e, k - 1, lanes): further states of the laws, with k states at most
+    remembered: Array  # the same at the end of the step
+    own: Array  # (e, parameters, lanes): parameters of the laws
+    known: Array  # (n + e, 1, lanes): velocities and element forces at the beginning
+    states: Array  # (3, k, lanes): the pace of an extension, and states before and after, of one law
+    motions: Array
 
     @classmethod
-    def of(cls, elements: Elements, contacts: int = 0) -> Places:
-        """The rows for these elements and so many contacts."""
-        states, n, e = elements.states, elements.system.mass.size, elements.kind.size
-        counts = {"n": n, "e": e, "n + e": n + e, "c": contacts, "parameters": elements.own.size}
-        counts |= {"m": int((states - 1).sum()), "k": int(states.max(initial=1))}
-        return cls(*first_rows(cls, 0, counts))
-
-
-def first_rows(kind: Any, first: int, counts: Mapping[str, int]) -> list[int]:
-    """The first row of each field of ``kind``, from the row ``first`` on, by its annotated number."""
-    sizes = [counts.get(size, size) for size in _annotated(kind)]
-    rows: list[int] = np.cumsum([first, *sizes])[:-1].tolist()
-    return rows
-
-
-@cache
-def _annotated(kind: Any) -> list[Any]:
-    return [hint.__metadata__[0] for hint in get_type_hints(kind, include_extras=True).values()]
-
-
-def named_rows(*kinds: Any) -> dict[str, slice]:
-    """The rows of each field of some `Places` and of what follows them."""
-    firsts = [pair for kind in kinds for pair in zip(kind._fields, kind, strict=True)]
-    return {name: slice(first, end) for (name, first), (_, end) in pairwise(firsts)}
+    def at_rest(cls, elements: Sequence[Elements], lanes: int, contacts: int = 0) -> Moving:
+        """Motions from rest; the ``elements`` are those of each lane, or one set of all lanes."""
+        like = elements[0]
+        n, e, k = like.system.mass.size, like.kind.size, int(like.states.max(initial=1))
+        sizes = (
+            (n, WAY + 1),
+            (e, LEAST + 1),
+            (contacts, RATE + 1),
+            (e, k - 1),
+            (e, k - 1),
+            like.own.shape,
+        )
+        arrays = [zeros_on_a_line(*size, lanes) for size in (*sizes, (n + e, 1), (3, k))]
+        moving = cls(*arrays, zeros_on_a_line(STILL + 1, lanes))
+        moving.own[:] = np.stack([each.own for each in elements], axis=-1)
+        return moving
 
 
 class Steps(NamedTuple):
@@ -142,7 +131,8 @@ class Steps(NamedTuple):
     # (e, 4): post, couple (of a dashpot with an exponent that of its spring), strength, and the effect
     # of the slip on the extension of its own element
     spring: Array
-    info: Array  # (e, 4): kind, number of states, and rows of its memory and parameters after the first
+    kind: Array  # (e,): kinds of the elements
+    states: Array  # (e,): numbers of states of their laws
     extensions: Rows
     shapes: Rows
     passes: int  # largest number of passes
@@ -153,7 +143,7 @@ class Steps(NamedTuple):
 
 def steps_of(elements: Elements, dt: float, contacts: Contacts | None = None) -> Steps:
     """The elements for time steps ``dt`` [s]."""
-    system, kind, states, own = elements
+    system, kind, states, _ = elements
     contacts = Contacts.of([], system.mass.size) if contacts is None else contacts
     mass, b, w = np.diag(system.mass), system.extensions, contacts.weights
     resisting = 2 / dt * mass + system.damping + 0.5 * dt * system.stiffness
@@ -166,14 +156,14 @@ def steps_of(elements: Elements, dt: float, contacts: Contacts | None = None) ->
     of_forces, apart = dt * flexible @ b.T, -dt * flexible @ w.T
     ease = 0.5 * of_forces * couple
     relief = np.einsum("en,ne->e", b, ease)
-    memory, parameters = np.cumsum(states - 1) - (states - 1), own.shape[1] * np.arange(kind.size)
     return Steps(
         dt,
         np.hstack([2 * flexible @ mass, -of_forces]),
         dt * flexible @ system.mass,
         ease,
         np.stack([system.post, couple, system.strength, relief], axis=1),
-        np.stack([kind, states, memory, parameters], axis=1),
+        kind,
+        states,
         Rows.of(b),
         Rows.of(system.shapes),
         MOST_VISCOUS if viscous.any() else MOST_PASSES,
@@ -193,127 +183,108 @@ def sampled_steps(elements: Sequence[Elements], dt: float) -> Steps:
     return each[0]._replace(**columns)
 
 
-def lanes_at_rest(places: Places, elements: Sequence[Elements], lanes: int) -> Array:
-    """The array ``x`` (rows, lanes) before a motion.
-
-    ``elements`` are those of each lane, or one set of all lanes.
-    """
-    x = zeros_on_a_line(places.rows, lanes)
-    own = np.stack([each.own.ravel() for each in elements], axis=1)
-    x[places.own : places.own + len(own)] = own
-    return x
-
-
 # The functions below take arrays one by one: of a tuple of arrays that is passed on, numba would count
 # the references in every call and loop, which takes most of the time of a step.
 
 
 @called_often
-def times_row(column, weight, i, x, of, out, lanes):
-    """Write row ``i`` of `Rows` times the rows of ``x`` from ``of`` on to row ``out``."""
-    first, row = weight[i, 0], of + column[i, 0]
+def times_row(column, weight, i, values, of, out, to, lanes):
+    """Write row ``i`` of `Rows` times the column ``of`` of the values to the row ``to`` of ``out``."""
+    first, row = weight[i, 0], column[i, 0]
     for lane in range(lanes):
-        x[out, lane] = first * x[row, lane]
+        out[to, lane] = first * values[row, of, lane]
     for place in range(1, column.shape[1]):
-        more, row = weight[i, place], of + column[i, place]
+        more, row = weight[i, place], column[i, place]
         for lane in range(lanes):
-            x[out, lane] += more * x[row, lane]
+            out[to, lane] += more * values[row, of, lane]
 
 
 @called_often
-def multiply(matrix, i, x, of, out, lanes):
-    """Add row ``i`` of a matrix times the rows of ``x`` from ``of`` on to row ``out``, by fours."""
+def multiply(matrix, i, values, of, out, to, lanes):
+    """Add row ``i`` of a matrix times the column ``of`` of the values to a row of ``out``, by fours."""
     m = matrix.shape[1]
     j = 0
     while j + 4 <= m:
         a, b, c, d = matrix[i, j], matrix[i, j + 1], matrix[i, j + 2], matrix[i, j + 3]
-        r = of + j
         for lane in range(lanes):
-            x[out, lane] += (of_lane(a, lane) * x[r, lane] + of_lane(b, lane) * x[r + 1, lane]) + (
-                of_lane(c, lane) * x[r + 2, lane] + of_lane(d, lane) * x[r + 3, lane]
+            first = of_lane(a, lane) * values[j, of, lane] + of_lane(b, lane) * values[j + 1, of, lane]
+            out[to, lane] += first + (
+                of_lane(c, lane) * values[j + 2, of, lane] + of_lane(d, lane) * values[j + 3, of, lane]
             )
         j += 4
     for k in range(j, m):
-        a, r = matrix[i, k], of + k
+        a = matrix[i, k]
         for lane in range(lanes):
-            x[out, lane] += of_lane(a, lane) * x[r, lane]
+            out[to, lane] += of_lane(a, lane) * values[k, of, lane]
 
 
 @called_often
-def fill(x, row, value, lanes):
+def fill(values, row, value, lanes):
     """Set a row to a number in all lanes."""
     for lane in range(lanes):
-        x[row, lane] = value
+        values[row, lane] = value
 
 
 @called_often
-def copy(x, row, to, lanes):
-    """Copy a row to another in all lanes."""
-    for lane in range(lanes):
-        x[to, lane] = x[row, lane]
-
-
-@called_often
-def any_of(x, row, lanes):
+def any_of(values, row, lanes):
     """Whether a number of the row is not zero."""
     for lane in range(lanes):  # noqa: SIM110 - compiled
-        if x[row, lane] != 0.0:
+        if values[row, lane] != 0.0:
             return True
     return False
 
 
 @called_often
-def _add_slip(ease, i, row, at, x, lanes):
+def _add_slip(ease, i, slip, row, coordinates, lanes):
     """Add the effect of a slip of element ``i``, or of a change of it, to the increments."""
     for k in range(ease.shape[0]):
-        of_slip, dq = ease[k, i], at.dq + k
+        of_slip = ease[k, i]
         for lane in range(lanes):
-            x[dq, lane] += of_lane(of_slip, lane) * x[row, lane]
+            coordinates[k, DQ, lane] += of_lane(of_slip, lane) * slip[row, lane]
 
 
 @called_often
-def _bilinear(strength, relief, i, at, x, lanes):
+def _bilinear(strength, relief, i, elements, motions, lanes):
     """Write `_more_slip` of the bilinear law."""
-    z, slip, change, more = at.z + i, at.slip + i, at.change, at.more
     for lane in range(lanes):
         g, uy = of_lane(relief, lane), of_lane(strength, lane)
-        y = x[z, lane] + (x[change, lane] - g * x[slip, lane])
-        x[more, lane] = (y - min(max(y, -uy), uy)) * (1.0 / (1.0 - g)) - x[slip, lane]
+        y = elements[i, Z, lane] + (motions[CHANGE, lane] - g * elements[i, SLIP, lane])
+        slip = (y - min(max(y, -uy), uy)) * (1.0 / (1.0 - g))
+        motions[MORE, lane] = slip - elements[i, SLIP, lane]
 
 
 @compiled
-def _by_law(law, info, strength, relief, dt, i, at, x, lanes):
-    """Write `_more_slip` of an element whose law has rates.
+def _by_law(
+    law, kind, count, strength, relief, dt, i, elements, memory, after, own, states, motions, lanes
+):
+    """Write `_more_slip` of an element whose law has rates and a ``count`` of states.
 
     The slip that belongs to the increment of the extension changes that increment, by ``g``. With the
     share of the increment that slips for a derivative, the next slip is that of Newton's method.
     """
-    change, pace, before, after, more = at.change, at.pace, at.before, at.after, at.more
-    memory, remembered = at.memory + info[i, MEMORY], at.remembered + info[i, MEMORY]
+    pace, old, new = states[0, 0], states[1], states[2]
     for lane in range(lanes):
-        x[pace, lane] = x[change, lane] / (dt * of_lane(strength, lane))
+        pace[lane] = motions[CHANGE, lane] / (dt * of_lane(strength, lane))
     for lane in range(lanes):
-        x[before, lane] = x[at.z + i, lane] / of_lane(strength, lane)
-    for k in range(1, info[i, STATES]):
-        copy(x, memory + k - 1, before + k, lanes)
-    law(info[i, KIND], lanes, x, pace, before, at.own + info[i, OWN], dt, after)
-    for lane in range(lanes):
-        x[more, lane] = x[change, lane] - of_lane(strength, lane) * (x[after, lane] - x[before, lane])
-    for lane in range(lanes):
-        moved = x[change, lane]
-        share = min(max(x[more, lane] / moved if moved != 0.0 else 0.0, 0.0), 1.0)
-        x[pace, lane] = 1.0 / (1.0 - of_lane(relief, lane) * share)
-    for lane in range(lanes):
-        x[more, lane] = (x[more, lane] - x[at.slip + i, lane]) * x[pace, lane]
-    for k in range(1, info[i, STATES]):
+        old[0, lane] = elements[i, Z, lane] / of_lane(strength, lane)
+    for k in range(1, count):
         for lane in range(lanes):
-            new, old = x[after + k, lane], x[remembered + k - 1, lane]
-            x[remembered + k - 1, lane] = new if x[at.moving, lane] != 0.0 else old
+            old[k, lane] = memory[i, k - 1, lane]
+    law(kind, lanes, pace, old, own[i], dt, new)
+    for lane in range(lanes):
+        moved, g = motions[CHANGE, lane], of_lane(relief, lane)
+        slip = moved - of_lane(strength, lane) * (new[0, lane] - old[0, lane])
+        share = min(max(slip / moved if moved != 0.0 else 0.0, 0.0), 1.0)
+        motions[MORE, lane] = (slip - elements[i, SLIP, lane]) * (1.0 / (1.0 - g * share))
+    for k in range(1, count):
+        for lane in range(lanes):
+            going = motions[MOVING, lane] != 0.0
+            after[i, k - 1, lane] = new[k, lane] if going else after[i, k - 1, lane]
 
 
 @compiled
-def _dashpot(couple, relief, dt, i, own, at, x, lanes):
-    """Write `_more_slip` of a dashpot with an exponent, with its parameters from the row ``own`` on.
+def _dashpot(couple, relief, dt, i, elements, own, motions, lanes):
+    """Write `_more_slip` of a dashpot with an exponent; ``own`` are its constant and the exponent.
 
     Its rate ``r`` solves ``(1 - g) dt r + g y r^a = alone``, with ``y = 2 c/couple``, the relief ``g``
     by its own slip, and the increment ``alone`` of the extension without slip. It slips by
@@ -321,14 +292,14 @@ def _dashpot(couple, relief, dt, i, own, at, x, lanes):
     least 1; Newton's method then approaches the root of a convex function from above.
     """
     for lane in range(lanes):
-        g, c, a = of_lane(relief, lane), x[own, lane], x[own + 1, lane]
+        g, c, a = of_lane(relief, lane), own[i, 0, lane], own[i, 1, lane]
         of_rate, of_force = dt, 2.0 * c / of_lane(couple, lane)
         slow = a <= 1.0
         power = 1.0 / a if slow else a
         first, second = g * of_force, (1.0 - g) * of_rate
         if not slow:
             first, second = second, first
-        moved, before = x[at.change, lane], x[at.slip + i, lane]
+        moved, before = motions[CHANGE, lane], elements[i, SLIP, lane]
         alone = moved - g * before
         size = abs(alone)
         root = 0.0
@@ -351,218 +322,227 @@ def _dashpot(couple, relief, dt, i, own, at, x, lanes):
             steep = root ** (power - 1.0)
         rate, force = (root * steep, root) if slow else (root, root * steep)
         total = of_rate * rate - of_force * force
-        x[at.more, lane] = (total if alone > 0.0 else -total) - before
-        x[at.least + i, lane] = CLOSE * max(HARDLY * x[at.widest, lane], size)
+        motions[MORE, lane] = (total if alone > 0.0 else -total) - before
+        elements[i, LEAST, lane] = CLOSE * max(HARDLY * motions[WIDEST, lane], size)
 
 
 @called_often
-def _more_slip(law, spring, info, dt, i, at, x, lanes):
-    """Find how much element ``i`` slips beyond its slip, for given slips and forces of all others.
-
-    It is written to the row ``at.more``. The increment of its extension is in the row ``at.change``.
-    """
-    kind, strength, relief = info[i, KIND], spring[i, STRENGTH], spring[i, RELIEF]
-    if kind == BILINEAR:
-        _bilinear(strength, relief, i, at, x, lanes)
-    elif kind == VISCOUS:
-        _dashpot(spring[i, COUPLE], relief, dt, i, at.own + info[i, OWN], at, x, lanes)
-    else:
-        _by_law(law, info, strength, relief, dt, i, at, x, lanes)
-
-
-@compiled
-def _pass_springs(law, column, weight, spring, ease, info, dt, at, x, lanes):
+def _pass_springs(law, steps, moving, lanes):
     """One pass over all elements that can slip."""
-    more, moving, still = at.more, at.moving, at.still
-    for i in range(info.shape[0]):
-        if info[i, KIND] == LINEAR:
+    (column, weight), spring, ease, dt = steps.extensions, steps.spring, steps.ease, steps.dt
+    coordinates, elements, motions = moving.coordinates, moving.elements, moving.motions
+    memory, remembered, own, states = moving.memory, moving.remembered, moving.own, moving.states
+    for i in range(steps.kind.size):
+        kind, strength, relief = steps.kind[i], spring[i, STRENGTH], spring[i, RELIEF]
+        if kind == LINEAR:
             continue
-        times_row(column, weight, i, x, at.dq, at.change, lanes)
-        _more_slip(law, spring, info, dt, i, at, x, lanes)
+        times_row(column, weight, i, coordinates, DQ, motions, CHANGE, lanes)
+        if kind == BILINEAR:
+            _bilinear(strength, relief, i, elements, motions, lanes)
+        elif kind == VISCOUS:
+            _dashpot(spring[i, COUPLE], relief, dt, i, elements, own, motions, lanes)
+        else:
+            count, old, new = steps.states[i], memory, remembered
+            _by_law(
+                law,
+                kind,
+                count,
+                strength,
+                relief,
+                dt,
+                i,
+                elements,
+                old,
+                new,
+                own,
+                states,
+                motions,
+                lanes,
+            )
         for lane in range(lanes):
-            x[more, lane] *= x[moving, lane]
-        if not any_of(x, more, lanes):
+            motions[MORE, lane] *= motions[MOVING, lane]
+        if not any_of(motions, MORE, lanes):
             continue
         for lane in range(lanes):
-            beyond = 1.0 if abs(x[more, lane]) > x[at.least + i, lane] else 0.0
-            x[still, lane] = max(x[still, lane], beyond)
+            beyond = 1.0 if abs(motions[MORE, lane]) > elements[i, LEAST, lane] else 0.0
+            motions[STILL, lane] = max(motions[STILL, lane], beyond)
         for lane in range(lanes):
-            x[at.slip + i, lane] += x[more, lane]
-        _add_slip(ease, i, more, at, x, lanes)
+            elements[i, SLIP, lane] += motions[MORE, lane]
+        _add_slip(ease, i, motions, MORE, coordinates, lanes)
 
 
 @compiled
-def _find_widest(column, weight, at, x, lanes):
+def _find_widest(column, weight, coordinates, motions, lanes):
     """Write the largest increment of all extensions, which dashpots with an exponent need."""
-    fill(x, at.widest, 0.0, lanes)
+    fill(motions, WIDEST, 0.0, lanes)
     for i in range(column.shape[0]):
-        times_row(column, weight, i, x, at.dq, at.change, lanes)
+        times_row(column, weight, i, coordinates, DQ, motions, CHANGE, lanes)
         for lane in range(lanes):
-            x[at.widest, lane] = max(x[at.widest, lane], abs(x[at.change, lane]))
+            motions[WIDEST, lane] = max(motions[WIDEST, lane], abs(motions[CHANGE, lane]))
 
 
-@compiled
-def _pass_contacts(law, jumps, column, weight, apart, parting, dt, at, x, lanes):
+@called_often
+def _pass_contacts(steps, moving, lanes):
     """One pass over all contacts, lane by lane: most have no force."""
-    for j in range(parting.size):
-        times_row(column, weight, j, x, at.dq, at.change, lanes)
+    (column, weight), jumps, apart, dt = steps.contacts.rows, steps.contacts.jumps, steps.apart, steps.dt
+    coordinates, motions = moving.coordinates, moving.motions
+    for j in range(steps.parting.size):
+        contact, law, g = moving.contacts[j], steps.contacts.law[j], steps.parting[j]
+        times_row(column, weight, j, coordinates, DQ, motions, CHANGE, lanes)
         for lane in range(lanes):
-            if x[at.moving, lane] == 0.0:
+            if motions[MOVING, lane] == 0.0:
                 continue
-            force, depth, g = x[at.force + j, lane], x[at.depth + j, lane], parting[j]
-            alone = x[at.change, lane] + g * force
+            force, depth, rate = contact[FORCE, lane], contact[DEPTH, lane], contact[RATE, lane]
+            alone = motions[CHANGE, lane] + g * force
             new = 0.0
             if jumps:
-                if x[at.held + j, lane] != 0.0:  # the rate at the end is 0
-                    new = max((alone - 0.5 * dt * x[at.rate + j, lane]) / g, 0.0)
+                if contact[HELD, lane] != 0.0:  # the rate at the end is 0
+                    new = max((alone - 0.5 * dt * rate) / g, 0.0)
             elif depth > 0.0 or depth + alone > 0.0:
                 if depth <= 0.0:  # the contact begins; in a step the rate changes linearly
-                    rate = x[at.rate + j, lane]
                     touch = rate - depth / alone * 2.0 * (alone / dt - rate)
-                    x[at.approach + j, lane] = max(touch, 0.0)
-                v0 = x[at.approach + j, lane]
-                v0 = v0 if v0 > x[at.slow, lane] else 0.0
-                new = solve_force(law[j], v0, depth, alone, g, dt)
+                    contact[SPEED, lane] = max(touch, 0.0)
+                v0 = contact[SPEED, lane]
+                v0 = v0 if v0 > motions[SLOW, lane] else 0.0
+                new = solve_force(law, v0, depth, alone, g, dt)
             if new != force:
                 more = new - force
                 if g * abs(more) > CLOSE * (abs(depth) + abs(alone)):
-                    x[at.still, lane] = 1.0
-                x[at.force + j, lane] = new
+                    motions[STILL, lane] = 1.0
+                contact[FORCE, lane] = new
                 for k in range(apart.shape[0]):
-                    x[at.dq + k, lane] += apart[k, j] * more
+                    coordinates[k, DQ, lane] += apart[k, j] * more
 
 
-@compiled
-def _begin_contacts(gap, column, weight, apart, at, x, lanes):
+@called_often
+def _begin_contacts(gap, column, weight, apart, coordinates, contacts, lanes):
     """Penetrations and their rates at the beginning.
 
     Forces start from those of the last step.
     """
     for j in range(gap.size):
-        times_row(column, weight, j, x, at.q, at.depth + j, lanes)
-        times_row(column, weight, j, x, at.v, at.rate + j, lanes)
+        times_row(column, weight, j, coordinates, Q, contacts[j], DEPTH, lanes)
+        times_row(column, weight, j, coordinates, V, contacts[j], RATE, lanes)
         for lane in range(lanes):
-            x[at.depth + j, lane] -= gap[j]
+            contacts[j, DEPTH, lane] -= gap[j]
     for j in range(gap.size):
         for lane in range(lanes):
-            force = x[at.force + j, lane]
+            force = contacts[j, FORCE, lane]
             if force != 0.0:
                 for k in range(apart.shape[0]):
-                    x[at.dq + k, lane] += apart[k, j] * force
+                    coordinates[k, DQ, lane] += apart[k, j] * force
 
 
-@compiled
-def _begin(column, weight, move, push, spring, ease, info, at, x, lanes):
+@called_often
+def _begin(steps, moving, lanes):
     """Find the increments without slips and contact forces, but for slips that start from the last step.
 
     These are the slips of dashpots and of laws with rates.
     """
-    n = push.shape[0]
+    (column, weight), spring, n = steps.extensions, steps.spring, steps.push.shape[0]
+    coordinates, elements, known = moving.coordinates, moving.elements, moving.known
     for i in range(n):
-        of_forcing = push[i]
-        copy(x, at.v + i, at.known + i, lanes)
+        of_forcing = steps.push[i]
         for lane in range(lanes):
-            x[at.dq + i, lane] = of_lane(of_forcing, lane) * x[at.f, lane]
-    for i in range(info.shape[0]):
-        post, couple, extension = spring[i, POST], spring[i, COUPLE], at.extension + i
-        times_row(column, weight, i, x, at.q, extension, lanes)
+            known[i, 0, lane] = coordinates[i, V, lane]
         for lane in range(lanes):
-            x[at.known + n + i, lane] = (
-                of_lane(post, lane) * x[extension, lane] + of_lane(couple, lane) * x[at.z + i, lane]
-            )
+            coordinates[i, DQ, lane] = of_lane(of_forcing, lane) * moving.motions[F, lane]
+    for i in range(steps.kind.size):
+        post, couple = spring[i, POST], spring[i, COUPLE]
+        times_row(column, weight, i, coordinates, Q, elements[i], EXTENSION, lanes)
+        for lane in range(lanes):
+            elastic = of_lane(post, lane) * elements[i, EXTENSION, lane]
+            known[n + i, 0, lane] = elastic + of_lane(couple, lane) * elements[i, Z, lane]
     for i in range(n):
-        multiply(move, i, x, at.known, at.dq + i, lanes)
-    for i in range(info.shape[0]):
-        if info[i, KIND] < VISCOUS:
-            fill(x, at.slip + i, 0.0, lanes)
+        multiply(steps.move, i, known, 0, coordinates[i], DQ, lanes)
+    for i in range(steps.kind.size):
+        if steps.kind[i] < VISCOUS:
+            fill(elements[i], SLIP, 0.0, lanes)
         else:
-            _add_slip(ease, i, at.slip + i, at, x, lanes)
+            _add_slip(steps.ease, i, elements[i], SLIP, coordinates, lanes)
 
 
-@compiled
-def _end(column, weight, spring, info, n, dt, at, x, lanes):
+@called_often
+def _end(steps, moving, lanes):
     """Change the state by the increments and slips, and add the energies that the slips dissipate."""
-    twice = 2.0 / dt
-    for i in range(n):
+    (column, weight), twice = steps.extensions, 2.0 / steps.dt
+    coordinates, elements, motions = moving.coordinates, moving.elements, moving.motions
+    for i in range(coordinates.shape[0]):
         for lane in range(lanes):
-            x[at.q + i, lane] += x[at.dq + i, lane]
+            coordinates[i, Q, lane] += coordinates[i, DQ, lane]
         for lane in range(lanes):
-            x[at.v + i, lane] = twice * x[at.dq + i, lane] - x[at.v + i, lane]
-    for i in range(info.shape[0]):
-        kind, couple, z, slip = info[i, KIND], spring[i, COUPLE], at.z + i, at.slip + i
+            coordinates[i, V, lane] = twice * coordinates[i, DQ, lane] - coordinates[i, V, lane]
+    for i in range(elements.shape[0]):
+        kind, couple, element = steps.kind[i], steps.spring[i, COUPLE], elements[i]
         if kind == VISCOUS:  # the spring of a dashpot exists for one step only
             continue
-        times_row(column, weight, i, x, at.dq, at.change, lanes)
-        if kind != LINEAR:
-            spent = at.spent + i
-            for lane in range(lanes):
-                middle = x[z, lane] + 0.5 * (x[at.change, lane] - x[slip, lane])
-                x[spent, lane] += of_lane(couple, lane) * middle * x[slip, lane]
+        times_row(column, weight, i, coordinates, DQ, motions, CHANGE, lanes)
         for lane in range(lanes):
-            x[z, lane] += x[at.change, lane] - x[slip, lane]
-    for k in range(at.own - at.memory):
-        copy(x, at.remembered + k, at.memory + k, lanes)
+            slip = element[SLIP, lane]
+            middle = element[Z, lane] + 0.5 * (motions[CHANGE, lane] - slip)
+            element[SPENT, lane] += of_lane(couple, lane) * middle * slip
+            element[Z, lane] += motions[CHANGE, lane] - slip
+        for k in range(1, steps.states[i]):
+            for lane in range(lanes):
+                moving.memory[i, k - 1, lane] = moving.remembered[i, k - 1, lane]
 
 
 @compiled
-def take_step(law, steps, at, x, lanes):
-    """One time step of all lanes, under the mean forcing in the row ``at.f``; changes the state.
+def take_step(law, steps, moving, lanes):
+    """One time step of all lanes, under the mean forcing in the row ``F``; changes the state.
 
     ``law`` is the result of `by_number`. The increments, slips and mean forces of contacts, and the
     extensions and penetrations at the beginning of the step, can be read afterwards.
     """
-    dt, contacts = steps.dt, steps.contacts
-    (column, weight), (facing, share) = steps.extensions, contacts.rows
-    spring, info, ease, parting = steps.spring, steps.info, steps.ease, steps.parting
-    _begin(column, weight, steps.move, steps.push, spring, ease, info, at, x, lanes)
-    if parting.size > 0:
-        _begin_contacts(contacts.gap, facing, share, steps.apart, at, x, lanes)
+    (column, weight), (facing, share), contacts = steps.extensions, steps.contacts.rows, moving.contacts
+    coordinates, motions = moving.coordinates, moving.motions
+    _begin(steps, moving, lanes)
+    if steps.parting.size > 0:
+        gap, apart = steps.contacts.gap, steps.apart
+        _begin_contacts(gap, facing, share, apart, coordinates, contacts, lanes)
     if steps.passes == MOST_VISCOUS:
-        _find_widest(column, weight, at, x, lanes)
-    fill(x, at.moving, 1.0, lanes)
+        _find_widest(column, weight, coordinates, motions, lanes)
+    fill(motions, MOVING, 1.0, lanes)
     for _ in range(steps.passes):
-        fill(x, at.still, 0.0, lanes)
-        _pass_springs(law, column, weight, spring, ease, info, dt, at, x, lanes)
-        if parting.size > 0:
-            _pass_contacts(
-                contacts.law, contacts.jumps, facing, share, steps.apart, parting, dt, at, x, lanes
-            )
-        if not any_of(x, at.still, lanes):
+        fill(motions, STILL, 0.0, lanes)
+        _pass_springs(law, steps, moving, lanes)
+        if steps.parting.size > 0:
+            _pass_contacts(steps, moving, lanes)
+        if not any_of(motions, STILL, lanes):
             break
-        copy(x, at.still, at.moving, lanes)
-    _end(column, weight, spring, info, ease.shape[0], dt, at, x, lanes)
+        for lane in range(lanes):
+            motions[MOVING, lane] = motions[STILL, lane]
+    _end(steps, moving, lanes)
 
 
 @compiled
-def tolerances(spring, info, at, x, lanes):
+def tolerances(spring, kind, elements, lanes):
     """Write the changes of the slips at which the passes of a lane end."""
-    for i in range(info.shape[0]):
-        kind, strength = info[i, KIND], spring[i, STRENGTH]
-        close = CLOSE if kind <= VISCOUS else CLOSE_BY_LAW
+    for i in range(kind.size):
+        strength = spring[i, STRENGTH]
+        close = CLOSE if kind[i] <= VISCOUS else CLOSE_BY_LAW
         for lane in range(lanes):
-            x[at.least + i, lane] = close * of_lane(strength, lane)
+            elements[i, LEAST, lane] = close * of_lane(strength, lane)
 
 
-def _system_block(f, law, steps, at, x, every, out, first):
-    """Steps of a system under the forcing ``f`` (steps, lanes), from its state in ``x``; see `Places`.
+def _system_block(f, law, steps, moving, every, out, first):
+    """Steps of a system under the forcing ``f`` (steps, lanes), which change its state.
 
     The displacements of the floors after every ``every``-th step [m] are written to the rows of ``out``
     (samples, rows, lanes) from ``first`` on.
     """
     lanes, (column, weight) = f.shape[1], steps.shapes
-    tolerances(steps.spring, steps.info, at, x, lanes)
-    for i in range(steps.info.shape[0]):
-        fill(x, at.slip + i, 0.0, lanes)
+    tolerances(steps.spring, steps.kind, moving.elements, lanes)
+    for i in range(steps.kind.size):
+        fill(moving.elements[i], SLIP, 0.0, lanes)
     sample = 0
     for s in range(f.shape[0]):
         for lane in range(lanes):
-            x[at.f, lane] = f[s, lane]
-        take_step(law, steps, at, x, lanes)
+            moving.motions[F, lane] = f[s, lane]
+        take_step(law, steps, moving, lanes)
         if (s + 1) % every == 0:
             for i in range(column.shape[0]):
-                times_row(column, weight, i, x, at.q, at.change, lanes)
-                for lane in range(lanes):
-                    out[sample, first + i, lane] = x[at.change, lane]
+                times_row(column, weight, i, moving.coordinates, Q, out[sample], first + i, lanes)
             sample += 1
 
 

@@ -31,15 +31,16 @@ def row_of(system: Arrangement, contacts: Contacts) -> BuildingRow:
     parts = Parts(
         mass=storeys.mass,
         structure=structure,
-        owner=np.append(structure, np.full(others, -1)),
+        elements=n,
         damping=storeys.damping,
         shear=(
             Rows.of(shares @ (storeys.post[:, None] * storeys.extensions)),
             Rows.of(shares * storeys.couple),
         ),
+        watched=Rows.of(np.concatenate([elements.system.shapes, elements.system.extensions])),
         limit=np.concatenate([*(s.limits for s in system.stacks), np.full(others, np.inf)]),
         spring=n + np.arange(len(ties)),
         dashpot=dashpot.astype(np.int64),
         constant=np.array(constant, float),
     )
-    return BuildingRow(elements, law, contacts, parts, len(system.stacks))
+    return BuildingRow(elements, law, contacts, parts)
