@@ -10,7 +10,7 @@ from loops import by_steps, random_turns
 
 import stochlin as sl
 from stochlin.kernels.simulation.laws import BILINEAR
-from stochlin.kernels.simulation.paths import BILINEAR_PATH
+from stochlin.kernels.simulation.paths import BILINEAR_PATH, FLAG, MODIFIED_CLOUGH
 
 pytestmark = pytest.mark.invariant
 
@@ -96,3 +96,10 @@ def test_work_from_the_virgin_state_is_never_negative(name, data, seed, legs, si
     piece, kinks = np.abs(np.diff(turns, axis=0)) / PIECES, KINKS.get(name, 0)
     assert (least > -(kinks / 8) * (piece**2).sum(axis=0) - (0.0 if kinks else 1e-4)).all()
     assert (np.abs(reached[:, 0]) <= 1.0 + (1e-12 if kinks else 1e-6)).all()
+
+
+@pytest.mark.parametrize(("law", "own"), [(MODIFIED_CLOUGH, (0.5, 1, 1, 0, 9, 0, 0)), (FLAG, (0.6,))])
+def test_an_extension_that_stays_changes_nothing(law, own):
+    turns = np.array([0.0, 3.0, 3.0, -1.5, -1.5, 0.5, 0.5, 2.0, 2.0])[:, None]
+    reached, _ = by_steps(law, turns, 1, own)
+    np.testing.assert_array_equal(reached[2::2], reached[1::2])

@@ -7,13 +7,6 @@ from hypothesis import given, settings
 from motions import shaking
 
 import stochlin as sl
-<<<<<<< HEAD
-=======
-from stochlin.applications.pounding.rows import build_row
-from stochlin.kernels.pounding import run as kernel
-from stochlin.kernels.simulation.contacts import Contacts, ForceLaw
-from stochlin.kernels.simulation.time_step import Q
->>>>>>> 282cac3a (What moves is arrays of coordinates, elements and contacts by name)
 
 pytestmark = [pytest.mark.oracle, pytest.mark.extreme]
 
@@ -59,49 +52,6 @@ def test_where_slabs_meet_columns_is_told():
     )
 
 
-<<<<<<< HEAD
-=======
-@pytest.mark.parametrize("name", ["kelvin", "no tension", "jankowski"])
-def test_a_column_met_at_its_floor_is_that_floor(name):
-    """As the place on the column comes to the floor above, slab to slab is left."""
-    pair, record = [building([3.0] * 3), building([3.0] * 2, 5e8)], shaking(200).to_numpy()
-    standing = build_row(pair, np.array([0.005]), CONTACTS[name], ())
-    motions = kernel.GroundMotions(
-        record[:, None], 0.02, np.array([record.size - 1]), np.zeros(1), np.ones(1)
-    )
-    assert [m.kind for m in standing.places] == ["slab to slab"] * 2
-
-    def run(row):
-        [response] = kernel.run(row, motions, kernel.StepCounts(10, 4), keep=True)
-        return response.history.moving.coordinates[:, Q].T, len(response.impacts)
-
-    slabs, impacts = run(standing.row)
-    assert impacts > 3
-    known = standing.row.contacts
-    laws = [ForceLaw(*(row[field] for field in ForceLaw._fields)) for row in known.law]
-    for share in (1e-7, 1e-9):  # of the floor below, floor 3, in the place of the second contact
-        right = np.minimum(known.weights, 0.0)
-        right[1, 3:] = -share, share - 1.0
-        left = np.maximum(known.weights, 0.0)
-        met = Contacts.of(laws, 5, left, right, known.gap)
-        columns, _ = run(standing.row._replace(contacts=met))
-        assert_near(columns, slabs, 1e3 * share)
-
-
-def test_a_mirrored_pair_with_columns_moves_as_the_mirror_image():
-    record, gap = shaking(300), 0.005
-    for name in ("kelvin", "no tension", "hertz"):
-        table = sl.pound([TALL, LOW], gap, CONTACTS[name], record)
-        mirror = sl.pound([LOW, TALL], gap, CONTACTS[name], -record)
-        assert table.sizes["impact"] == mirror.sizes["impact"] > 5
-        there = -mirror.displacement.isel(structure=[1, 0])
-        assert_near(there, table.displacement, 1e-6)
-        np.testing.assert_allclose(mirror.column_force, table.column_force, rtol=1e-4)
-        handed = mirror.energy_transferred.isel(side=[1, 0])
-        assert_near(table.energy_transferred, handed, 1e-4)
-
-
->>>>>>> 282cac3a (What moves is arrays of coordinates, elements and contacts by name)
 @pytest.mark.slow
 @settings(max_examples=20)
 @given(

@@ -36,11 +36,7 @@ from stochlin.kernels.pounding.impacts import (
 from stochlin.kernels.simulation import contacts as forces
 from stochlin.kernels.simulation.account import ENTERING, IMBALANCE, Parts
 from stochlin.kernels.simulation.laws import LINEAR, by_number
-<<<<<<< HEAD
-from stochlin.kernels.simulation.time_step import Elements, lanes_at_rest, steps_of
-=======
-from stochlin.kernels.simulation.time_step import CLOSE, MEETS, SLOW, Elements, Q, V, steps_of
->>>>>>> 282cac3a (What moves is arrays of coordinates, elements and contacts by name)
+from stochlin.kernels.simulation.time_step import MEETS, SLOW, Elements, Q, V, steps_of
 
 pytestmark = pytest.mark.oracle
 

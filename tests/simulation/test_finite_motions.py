@@ -133,19 +133,20 @@ def test_envelopes_match_their_formulas():
         ({"duration": 5.0, "quantiles": ()}, "quantiles"),
         ({"duration": 5.0, "envelope": 3}, "envelope = 3"),
         ({"envelope": QUAKE}, "envelope is given without a duration"),
+        ({"scatter": 0.4}, r"scatter = 0\.4 is given without a duration"),
+        ({"duration": 20, "paths": 10**9}, r"in steps of .* and on 1000000000 paths, would take"),
+        ({"structures": []}, "structures is empty; allowed: at least one"),
+        (
+            {"structures": [elastic([0.5, 1.0])]},
+            r"structures\[0\]: period is an array",
+        ),
+        ({"structures": [elastic(sl.Uncertain(1.0, 0.2))]}, "structure_1: period is uncertain"),
     ],
     ids=str,
 )
 def test_bad_motions_are_refused(change, message):
     with pytest.raises((TypeError, ValueError), match=message):
-        sl.simulate([elastic(1.0)], FIRM, paths=32, **change)
-
-
-def test_too_many_paths_are_refused_by_their_number():
-    with pytest.raises(
-        ValueError, match=r"duration = 20 s, in steps of .* and on 1000000000 paths, would"
-    ):
-        sl.simulate([sl.Bilinear(1.0, 0.05)], sl.WhiteNoise(0.01), paths=10**9, duration=20)
+        sl.simulate(**{"structures": [elastic(1.0)], "ground": FIRM, "paths": 32} | change)
 
 
 V, Z = sympy.symbols("v z")
@@ -155,28 +156,6 @@ OF_ALL_LAWS = [
     sl.BoucWen(1.1, 0.05, **GIVEN, exponent=1.7),
     sl.Hysteretic(0.9, 0.05, **GIVEN, law=V - (abs(V) * abs(Z) ** 0.4 * Z + V * abs(Z) ** 1.4) / 2),
 ]
-
-
-@pytest.fixture
-def of_cores(monkeypatch):
-    """Results of a function by one thread, and by two."""
-
-    def each(function):
-        found = []
-        for count in (1, 2):
-            monkeypatch.setattr("os.sched_getaffinity", lambda _, n=count: range(n), raising=False)
-            found.append(function())
-        return found
-
-    return each
-
-
-@pytest.mark.slow
-def test_peaks_have_the_same_bits_by_one_thread_and_by_two(of_cores):
-    one, two = of_cores(lambda: sl.simulate(OF_ALL_LAWS, FIRM, paths=96, duration=6.0, seed=4))
-    for name in ("peak", "separation"):
-        np.testing.assert_array_equal(one[name], two[name])
-    assert (one.peak.max("path") > 0.02).all()  # each yields
 
 
 def test_a_motion_has_the_same_bits_among_few_and_many_and_beside_other_structures():

@@ -125,11 +125,6 @@ def test_the_interval_of_a_gap_with_uncertain_periods_contains_it_as_often_as_it
     assert abs(covered - 0.95) < 3 * np.sqrt(0.95 * 0.05 / 200)
 
 
-def test_a_stationary_response_is_of_one_structure():
-    with pytest.raises(ValueError, match="structure_1: period is uncertain"):
-        sl.simulate([sl.Bilinear(sl.Uncertain(1.0, 0.2), 0.05)], GROUND)
-
-
 @pytest.mark.parametrize(
     ("make", "told"),
     [

@@ -30,16 +30,6 @@ def test_factors_are_lognormal_with_median_1_and_independent():
     assert abs(np.corrcoef(logarithm[1:], logarithm[:-1])[0, 1]) < 4 / np.sqrt(logarithm.size)
 
 
-@pytest.mark.oracle
-def test_variances_of_the_logarithm_of_an_elastic_peak_add_up():
-    """``ln peak`` of a motion and ``ln`` of its factor are independent; its median stays."""
-    one, none = (np.log(simulated(scatter=s, paths=8192).peak.values[:, 0]) for s in (SCATTER, 0.0))
-    # The standard error of a variance that is nearly normal.
-    error = one.var(ddof=1) * np.sqrt(2 / one.size)
-    assert abs(one.var(ddof=1) - none.var(ddof=1) - SCATTER**2) < 4 * error
-    assert abs(np.median(one) - np.median(none)) < 4 * 1.25 * SCATTER / np.sqrt(one.size)
-
-
 @pytest.mark.invariant
 def test_elastic_structures_and_ground_go_by_one_factor_a_motion():
     """Whatever the structures, their number, the steps and the quantity."""
@@ -85,9 +75,3 @@ def test_scatter_out_of_range_is_refused_by_all(wrong):
             ValueError, match=r"scatter = .* is (no number|out of range); allowed: a number from 0 to 2"
         ):
             call()
-
-
-@pytest.mark.invariant
-def test_scatter_needs_a_duration():
-    with pytest.raises(ValueError, match=r"scatter = 0\.4 is given without a duration"):
-        sl.simulate(ELASTIC, FIRM, scatter=SCATTER)

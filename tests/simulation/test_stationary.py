@@ -9,7 +9,7 @@ import scipy.stats
 import stochlin as sl
 from stochlin.solver.simulation import simulation
 from stochlin.solver.simulation.ensembles import cells_of, join_cells, prepare
-from stochlin.solver.simulation.run_lengths import with_length
+from stochlin.solver.simulation.run_lengths import _time_constant, with_length
 from stochlin.solver.simulation.simulation import NOT_STATIONARY, simulate_moments
 from stochlin.solver.tables import labels
 
@@ -106,15 +106,6 @@ def test_elastic_structures_have_their_exact_moments_at_any_step(kind, seed, ste
     np.testing.assert_array_equal(table.rho.values, table.rho.values.T)
 
 
-def test_bouc_wen_structures_without_strength_are_elastic_too():
-    pair = [sl.BoucWen(1.0, 0.05), sl.Bilinear(0.8, 0.05)]
-    table = sl.simulate(pair, NOISE, paths=128, seed=3, relaxation_times=40)
-    exact = float(sl.rho_white_noise(1.0, 0.8, 0.05, 0.05).rho)
-    assert abs(table.rho[0, 1] - exact) < ERRORS * table.rho_standard_error[0, 1]
-    assert np.isinf(sl.linearize(pair[0], NOISE).yield_displacement)
-    assert (table.ductility_std == 0).all()
-
-
 # ---- (3) The errors that a run states, and its drift ----
 
 REPEATS, PATHS = 2400, 64
@@ -182,17 +173,6 @@ SHORT = {"paths": 96, "relaxation_times": 2.0, "steps_per_period": 12}
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("threads", [2, pytest.param(5, marks=pytest.mark.slow)])
-def test_one_seed_gives_one_answer_whatever_the_number_of_threads(monkeypatch, threads):
-    tables = []
-    for cores in (1, threads):
-        monkeypatch.setattr("os.sched_getaffinity", lambda _, cores=cores: range(cores), raising=False)
-        tables.append(sl.simulate(MIXED, sl.KanaiTajimi(1.0, 0.2), seed=7, **SHORT))
-    for name in STATISTICS:
-        np.testing.assert_array_equal(tables[0][name], tables[1][name], err_msg=name)
-
-
-@pytest.mark.slow
 def test_structures_keep_their_order_whatever_their_laws():
     table = sl.simulate(MIXED, NOISE, seed=5, **SHORT)
     order = [4, 2, 0, 3, 1]
@@ -209,33 +189,9 @@ def test_paths_come_in_whole_groups_and_progress_ends_at_one():
     np.testing.assert_allclose(shares, [1 / 3, 2 / 3, 1])
 
 
-def test_run_stops_when_progress_raises():
-    shares = []
-
-    def stop(share):
-        shares.append(share)
-        raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        sl.simulate(MIXED, NOISE, **SHORT | {"paths": 3200}, progress=stop)
-    assert shares == [1 / 100]
-
-
 # ---- (5) Bad input ----
 
 PLAIN = yielding(1.0, 1.0)
-
-
-@pytest.mark.parametrize("empty", [[], ()], ids=["list", "tuple"])
-def test_no_structure_is_refused(empty):
-    with pytest.raises(ValueError, match="structures is empty; allowed: at least one"):
-        sl.simulate(empty, NOISE)
-
-
-def test_arrays_are_refused_by_the_name_of_the_parameter():
-    several = sl.Bilinear([0.5, 1.0], damping=0.05)
-    with pytest.raises(ValueError, match=r"structures\[1\]: period is an array; allowed: scalars"):
-        sl.simulate([PLAIN, several], NOISE)
 
 
 def test_run_that_does_not_fit_into_memory_is_refused_before_it_starts(monkeypatch):
@@ -304,3 +260,21 @@ def test_floors_and_linked_structures_are_not_resolved_where_one_storey_is_not(m
     pairs = sl.correlate(tower, other, NOISE, "simulation", **options)
     assert int(pairs.status) == labels.NOT_RESOLVED
     assert np.isfinite(pairs.rho).all()
+
+
+@pytest.mark.parametrize(
+    ("signs", "motions", "constant"),
+    [
+        # At lag 1 the autocorrelation is -1, of 64 independent products: 0 + 2/8.
+        ("+-+-+-+-", 16, -1 / np.log(0.25)),
+        # It is 1/2 and 1/3 at lags 1 and 2, each with two standard errors above 0.6; then 0, of 25.
+        ("++++-", 25, -3 / np.log(0.4)),
+        # No two of the products differ: nothing decays.
+        ("++++++++", 16, np.inf),
+    ],
+)
+def test_a_time_constant_is_that_of_the_autocorrelation_two_standard_errors_above(
+    signs, motions, constant
+):
+    history = np.repeat([[1.0 if sign == "+" else -1.0] for sign in signs], motions, axis=1)
+    assert _time_constant(0.3 * history) == pytest.approx(constant, rel=1e-12)

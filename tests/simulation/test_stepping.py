@@ -194,15 +194,6 @@ def test_energy_that_enters_is_stored_damped_or_lost_in_plastic_work():
     assert (lost[-1] > 0.1 * entered[-1]).all()
 
 
-def test_hysteretic_displacement_stays_within_yield_and_reaches_it_exactly():
-    states, _, _ = one_by_one(OSCILLATOR, STEPS)
-    u, _, z = states.transpose(1, 0, 2)
-    assert np.abs(z).max() == 1.0
-    assert (np.abs(z) == 1.0).any(axis=0).all()  # every lane
-    inside = np.abs(z[1:]) < 1
-    np.testing.assert_allclose(np.diff(z, axis=0)[inside], np.diff(u, axis=0)[inside], atol=1e-13)
-
-
 def test_blocks_of_any_length_and_sampling_give_one_history():
     laws = np.stack([OSCILLATOR, OSCILLATOR * [1, 4, 4, 1]])
     f, dt = step_means(STEPS), SECONDS / STEPS

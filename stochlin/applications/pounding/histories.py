@@ -78,9 +78,7 @@ def _course(standing: Standing, response: RowResponse, ground: SampledMotion) ->
     moving, account, _ = response.history
     row, arrangement, floors = standing.row, standing.arrangement, standing.first[:-1]
     system, first, n = row.elements.system, arrangement.first_coordinate[:-1], row.parts.mass.size
-    q, v = (moving.coordinates[:, column].T for column in (Q, V))
-    z, spent = (moving.elements[:, column].T for column in (Z, SPENT))
-    entering, viscous = (account.structures[:, column].T for column in (ENTERING, VISCOUS_LOSS))
+    q, v, z = moving.coordinates[:, Q].T, moving.coordinates[:, V].T, moving.elements[:, Z].T
     extension, rate = _products(q, system.extensions), _products(v, system.extensions)
     force = system.post * extension + system.couple * z
     stored = 0.5 * (system.post * extension**2 + system.couple * z**2)
@@ -100,11 +98,11 @@ def _course(standing: Standing, response: RowResponse, ground: SampledMotion) ->
         "acceleration": (FLOOR, _products(sped, system.shapes) + carried),
         "storey_shear": (FLOOR, shear),
         "base_shear": (STRUCTURE, shear[:, floors]),
-        "input_energy": (STRUCTURE, entering),
+        "input_energy": (STRUCTURE, account.structures[:, ENTERING].T),
         "kinetic_energy": (STRUCTURE, kinetic),
         "elastic_energy": (STRUCTURE, np.add.reduceat(stored[:, :n], first, axis=1)),
-        "viscous_energy": (STRUCTURE, viscous),
-        "hysteretic_energy": (STRUCTURE, np.add.reduceat(spent[:, :n], first, axis=1)),
+        "viscous_energy": (STRUCTURE, account.structures[:, VISCOUS_LOSS].T),
+        "hysteretic_energy": (STRUCTURE, np.add.reduceat(moving.elements[:n, SPENT].T, first, axis=1)),
     }
     linked: Quantities = {}
     if row.parts.spring.size:

@@ -26,7 +26,7 @@ TYPICAL = 1.0  # [m/s]: rate of penetration for which the half-period of a Hertz
 ON_GRID = 1e-9  # share of a time step within which an output time counts as a sample of the record
 LANES = 64  # motions that are stepped together
 FEW = 4  # motions that take hardly more time than one
-OPERATIONS = 60.0  # in a step for each floor, besides those with every other floor
+OPERATIONS = 60.0  # in a step for each floor, as many as it has numbers, and those with other floors
 SLOW = 1e-3  # approach velocity that counts as zero over max |a| T/(2 pi)
 NEAR = 0.03  # share of the steps that are taken for divided near contact
 
@@ -85,7 +85,7 @@ def _check_runs(
         f"{len(grounds)} motions, {seconds:g} s of motion, in steps near contact of {finest:.3g} s, "
         "would take",
         "take softer structures, a softer contact, or fewer and shorter motions",
-        numbers=(standing.row.numbers + 2.0) * max(samples),
+        numbers=OPERATIONS * n * max(samples),
         seconds=2 * float(np.dot(near, samples)) * (1e-9 * operations + 3e-6 / lanes),
         cores=min(cores(), len(grounds)),
     )

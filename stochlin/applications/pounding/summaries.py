@@ -67,7 +67,7 @@ def _peaks(standing: Standing, response: RowResponse, alone: RowResponse) -> Qua
     springs = standing.row.parts.spring
     if springs.size:
         values["peak_link_force"] = LINK, response.account.links[:, PULL]
-        values["peak_link_stroke"] = LINK, response.strokes[springs]
+        values["peak_link_stroke"] = LINK, response.account.largest[len(response.peaks) + springs]
         values["link_energy"] = LINK, response.account.links[:, DRAINED]
     return values | {"energy_balance_error": (OF_ROW, response.account.motions[IMBALANCE])}
 

@@ -22,7 +22,7 @@ from stochlin.models.grounds import Ground
 from stochlin.models.structures import Gap
 from stochlin.models.systems import AnyStructure
 from stochlin.solver.linearization.transient_systems import TIME, TimeGrid
-from stochlin.solver.simulation.draws import draw
+from stochlin.solver.simulation.draws import GROUND, draw
 from stochlin.solver.simulation.ensembles import SimulationRun
 from stochlin.solver.simulation.finite_motions import (
     check_finite,
@@ -57,7 +57,7 @@ def by_simulation(
     drawn = draw(pair, ground, draws["paths"], draws["seed"])
     structures, ground = drawn.medians
     moving = structures_in_motion(structures, ground, None, False, drawn.stacks())
-    grounds = drawn.grounds()
+    grounds = drawn.samples_of(GROUND)
     run = moving.run(ground, steps_per_period=STEPS_PER_PERIOD, grounds=grounds, **draws)
     axes = ResultAxes(np.array([place.height for place in pairs_of(moving.system)]), distance)
     histories = _histories(run, course, _watched(moving, run, axes.gaps), progress)

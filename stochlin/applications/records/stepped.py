@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.applications.records.cells import RECORD, RecordedMotions
-from stochlin.kernels.basics.arrays import Array, on_arrays
+from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.pounding.run import GroundMotions, StepCounts, run
 from stochlin.kernels.records.runs import SampledMotion
@@ -92,18 +92,17 @@ def stepped_history(structure: AnyStructure, ground: SampledMotion, refine: int)
     intervals, none = np.array([between.size - 1]), np.zeros(1)
     motion = GroundMotions(finer.acceleration[:, None], finer.dt, intervals, none, none)
     [response] = run(row, motion, StepCounts(first.cuts, 1), keep=True)
-    moving, account, _ = on_arrays(lambda kept: _until(kept, between.size), response.history)
+    moving, account, _ = response.history  # NaN after a fall
     q, rate = (moving.coordinates[:, column].T for column in (Q, V))
-    z, spent = (moving.elements[:, column].T for column in (Z, SPENT))
-    entering, viscous = account.structures[0, ENTERING], account.structures[0, VISCOUS_LOSS]
+    z = moving.elements[:, Z].T
     u, v = (values @ system.storeys.shapes.T for values in (q, rate))
     drift = q @ (system.drifts @ system.displacements).T
     extension = q @ system.extensions.T
     mass, storeys = system.storeys.mass, system.storeys
     energies = {
-        "input": entering,
-        "viscous": viscous,
-        "hysteretic": spent.sum(axis=1),
+        "input": account.structures[0, ENTERING],
+        "viscous": account.structures[0, VISCOUS_LOSS],
+        "hysteretic": moving.elements[:, SPENT].sum(axis=0),
         "kinetic": 0.5 * rate**2 @ mass,
         "elastic": 0.5 * (extension**2 @ storeys.post + z**2 @ storeys.couple),
     }
@@ -123,13 +122,6 @@ def stepped_history(structure: AnyStructure, ground: SampledMotion, refine: int)
     if structure.yields:
         table["z"] = over(ELEMENT, system.of_elements(z / system.storeys.strength, 0.0, np.nan))
     return table.assign(step_error=first.error)
-
-
-def _until(kept: Array, times: int) -> Array:
-    """A history over so many times, NaN after a fall."""
-    return np.pad(
-        kept, [(0, 0)] * (kept.ndim - 1) + [(0, times - kept.shape[-1])], constant_values=np.nan
-    )
 
 
 def stepped_gap(

@@ -170,7 +170,7 @@ def _responses(
         drawn = drawn._replace(made=kept)
         structures, ground = drawn.medians
         moving = structures_in_motion(structures, ground, None, False, drawn.stacks())
-        options = {**draws, "grounds": drawn.grounds(), "step": steps[0] if steps else None}
+        options = {**draws, "grounds": drawn.samples_of(GROUND), "step": steps[0] if steps else None}
         simulation = moving.run(ground, steps_per_period=STEPS_PER_PERIOD, **options)
         table = simulate_finite(moving, simulation, *motion, (), None)
         steps.append(simulation.plan.dt)

@@ -106,14 +106,15 @@ def _watch_force(impact, now, span, lane):
 
 
 @compiled
-def watch_contact(contacts, j, dt, time, number, moving, impact, lane, table, used):
+def watch_contact(steps, j, time, number, motions, lane, table, used):
     """Update the impact of an element ``j`` by a time step that began at ``time`` [s].
 
     ``number`` is that of the motion in this lane. Returns the table of impacts and the number of its
     lines in use.
     """
+    contacts, dt, impact = steps.contacts, steps.dt, motions.impacts[j]
     (column, weight), (right, share), law = contacts.rows, contacts.right, contacts.law[j]
-    coordinates, contact = moving.coordinates, moving.contacts[j]
+    coordinates, contact = motions.moving.coordinates, motions.moving.contacts[j]
     change = row_product(column, weight, j, coordinates, DQ, lane)
     before, force, speed = contact[DEPTH, lane], contact[FORCE, lane], contact[SPEED, lane]
     after = before + change
@@ -123,7 +124,7 @@ def watch_contact(contacts, j, dt, time, number, moving, impact, lane, table, us
         touch = time + (dt * -before / change if before < 0.0 else 0.0)
         at_once = law.damping * speed if law.damping_exponent == 0.0 and not law.over_approach else 0.0
         _begin_impact(impact, touch, speed, at_once, lane)
-    v0 = speed if speed > moving.motions[SLOW, lane] else 0.0
+    v0 = speed if speed > motions.moving.motions[SLOW, lane] else 0.0
     total, elastic = mean_force(law, v0, before, change, dt)
     _lose(contact, impact, (total - elastic) * change, lane)
     impact[HANDED, lane] -= force * row_product(right, share, j, coordinates, DQ, lane)
@@ -150,13 +151,13 @@ def _lose(contact, impact, energy, lane):
 
 
 @called_often
-def strike(steps, parts, time, number, moving, account, impacts, lane, table, used):
+def strike(steps, parts, time, number, motions, lane, table, used):
     """Stereomechanical blows after a time step that began at ``time`` [s], until no sides approach.
 
     Returns the table of impacts and the number of its lines in use.
     """
-    contacts, mass, dt, coordinates = steps.contacts, parts.mass, steps.dt, moving.coordinates
-    (column, weight), (right, share) = contacts.rows, contacts.right
+    contacts, mass, dt, (moving, account, impacts) = steps.contacts, parts.mass, steps.dt, motions
+    (column, weight), (right, share), coordinates = contacts.rows, contacts.right, moving.coordinates
     for k in range(mass.size):
         change = coordinates[k, V, lane] - coordinates[k, DQ, lane] / dt
         coordinates[k, GAIN, lane] = 2.0 * change / dt

@@ -29,15 +29,12 @@ from stochlin.kernels.simulation.account import (
     COUNTS,
     FAILED,
     FIRST,
-    HIGHEST,
-    LOWEST,
-    MISSING,
-    MOST,
     SECOND,
     THIRD,
     Account,
     Parts,
     balance,
+    copy_account,
     watch,
     watch_displacements,
 )
@@ -46,15 +43,14 @@ from stochlin.kernels.simulation.time_step import (
     CHANGE,
     DQ,
     MEETS,
-    OF_CONTACTS,
-    OF_COORDINATES,
-    OF_ELEMENTS,
     SLOW,
     Elements,
     F,
     Moving,
     Q,
     V,
+    copy,
+    copy_state,
     fill,
     steps_of,
     take_step,
@@ -77,12 +73,6 @@ class BuildingRow(NamedTuple):
         moving = Moving.at_rest([self.elements], lanes, count)
         impacts = np.full((count, SPAN + 1, lanes), np.nan)
         return Motions(moving, Account.of(self.parts, lanes), impacts)
-
-    @property
-    def numbers(self) -> int:
-        """How many numbers are known of a motion."""
-        moving, account, impacts = self.at_rest(1)
-        return sum(values.size for values in (*moving, *account, impacts))
 
 
 class Motions(NamedTuple):
@@ -121,46 +111,7 @@ class RowResponse(NamedTuple):
     @property
     def peaks(self) -> Array:
         """Largest absolute displacement of each floor [m]."""
-        return self._largest[: len(self.account.floors)]
-
-    @property
-    def strokes(self) -> Array:
-        """Largest absolute extension of each element [m]."""
-        return self._largest[len(self.account.floors) :]
-
-    @property
-    def _largest(self) -> Array:
-        extremes = self.account.displacements
-        return np.maximum(extremes[:, HIGHEST], -extremes[:, LOWEST])
-
-
-@compiled
-def _copy(source, of, target, to, count, columns):
-    """Copy the first columns of values (things, columns, lanes) from the lanes ``of`` to ``to``."""
-    for thing in range(source.shape[0]):
-        for column in range(columns):
-            for k in range(count):
-                target[thing, column, to[k]] = source[thing, column, of[k]]
-
-
-@compiled
-def _copy_state(source, of, target, to, count):
-    """Copy the state of what moves, without what is of one step only."""
-    _copy(source.coordinates, of, target.coordinates, to, count, OF_COORDINATES)
-    _copy(source.elements, of, target.elements, to, count, OF_ELEMENTS)
-    _copy(source.contacts, of, target.contacts, to, count, OF_CONTACTS)
-    _copy(source.memory, of, target.memory, to, count, source.memory.shape[1])
-
-
-@compiled
-def _copy_account(source, of, target, to, count):
-    """Copy what is watched of each floor, element, link, structure and contact."""
-    account, other = source.account, target.account
-    _copy(account.displacements, of, other.displacements, to, count, 2)
-    _copy(account.floors, of, other.floors, to, count, 2)
-    _copy(account.links, of, other.links, to, count, 2)
-    _copy(account.structures, of, other.structures, to, count, 2)
-    _copy(source.impacts, of, target.impacts, to, count, SPAN + 1)
+        return self.account.largest[: len(self.account.floors)]
 
 
 @called_often
@@ -206,10 +157,8 @@ def _end_failed(steps, limit, time, coordinates, motions, lanes):
 def _keep(x, history, sample):
     """Keep what is known of the first motion at a sample."""
     first, place = np.zeros(1, np.int64), np.full(1, sample)
-    _copy_state(x.moving, first, history.moving, place, 1)
-    _copy_account(x, first, history, place, 1)
-    for row in (MISSING, MOST):
-        history.account.motions[row, sample] = x.account.motions[row, 0]
+    copy_state(x.moving, first, history.moving, place, 1)
+    copy_account(x.account, first, history.account, place, 1)
 
 
 @compiled
@@ -240,7 +189,7 @@ def _keep_ended(old, x, lanes, ended):
         if x.account.motions[COUNTS, lane] == 0.0:
             ended[count] = lane
             count += 1
-    _copy_state(old, ended, x.moving, ended, count)
+    copy_state(old, ended, x.moving, ended, count)
 
 
 @called_often
@@ -248,15 +197,10 @@ def _watch_impacts(short, parts, time, near, count, y, table, used):
     """Update the impacts in all lanes near contact by a step; returns the table and its lines in use."""
     for k in range(count):
         if short.contacts.jumps:
-            table, used = strike(
-                *(short, parts, time, near[k], y.moving, y.account, y.impacts, k, table, used)
-            )
+            table, used = strike(short, parts, time, near[k], y, k, table, used)
         else:
             for j in range(short.contacts.gap.size):
-                table, used = watch_contact(
-                    *(short.contacts, j, short.dt, time, near[k]),
-                    *(y.moving, y.impacts[j], k, table, used),
-                )
+                table, used = watch_contact(short, j, time, near[k], y, k, table, used)
     return table, used
 
 
@@ -281,7 +225,7 @@ def _run(law, steps, short, parts, x, old, y, ground, cuts, substeps, history):
         going = _count_going(ground.intervals, sample, account.motions, lanes)
         if going == 0:
             break
-        _copy_state(moving, every, old, every, lanes)
+        copy_state(moving, every, old, every, lanes)
         _set_forcing(acceleration, sample, (cut + 0.5) / cuts, every, moving.motions, lanes)
         take_step(law, steps, moving, lanes)
         if going < lanes:
@@ -290,8 +234,9 @@ def _run(law, steps, short, parts, x, old, y, ground, cuts, substeps, history):
         watch(steps, parts, moving, account, lanes)
         watch_displacements(dt, parts, moving, account, lanes)
         if count > 0:
-            _copy_state(old, near, y.moving, every, count)
-            _copy_account(x, near, y, every, count)
+            copy_state(old, near, y.moving, every, count)
+            copy_account(account, near, y.account, every, count)
+            copy(x.impacts, near, y.impacts, every, count, SPAN + 1)
             for k in range(count):
                 y.moving.motions[SLOW, k] = moving.motions[SLOW, near[k]]
             fill(y.account.motions, COUNTS, 1.0, count)
@@ -303,8 +248,9 @@ def _run(law, steps, short, parts, x, old, y, ground, cuts, substeps, history):
                 watch(short, parts, y.moving, y.account, count)
                 table, used = _watch_impacts(short, parts, now, near, count, y, table, used)
                 watch_displacements(short.dt, parts, y.moving, y.account, count)
-            _copy_state(y.moving, every, moving, near, count)
-            _copy_account(y, every, x, near, count)
+            copy_state(y.moving, every, moving, near, count)
+            copy_account(y.account, every, account, near, count)
+            copy(y.impacts, every, x.impacts, near, count, SPAN + 1)
             for k in range(count):
                 account.motions[COUNTS, near[k]] = 1.0
         if cut == cuts - 1:
@@ -323,7 +269,7 @@ def run(
 ) -> list[RowResponse]:
     """Responses of a row of buildings to motions from rest; states are kept of the first motion only.
 
-    They are those at the samples of the motion, up to the end of one that fails.
+    They are those at the samples of the motion, NaN after the end of one that fails.
     """
     samples, lanes = ground.acceleration.shape
     x, y, history = (row.at_rest(count) for count in (lanes, lanes, samples if keep else 0))
@@ -336,9 +282,12 @@ def run(
         row.law, steps, short, row.parts, x, old, y, ground, pace.cuts, pace.substeps, history
     )
     table = table[np.lexsort((table[:, CONTACT], table[:, BEGIN]))]
-    history = on_arrays(lambda values: values[..., :kept], history)
-    ends = (on_arrays(lambda values, n=n: values[..., n], x) for n in range(lanes))
-    return [
-        RowResponse(end.moving, end.account, table[table[:, LANE] == lane], history)
-        for lane, end in enumerate(ends)
-    ]
+    for values in (*history.moving, *history.account):
+        values[..., kept:] = np.nan
+
+    def of(lane: int) -> RowResponse:
+        """The response to the motion of a lane."""
+        end = on_arrays(lambda values: values[..., lane], x)
+        return RowResponse(end.moving, end.account, table[table[:, LANE] == lane], history)
+
+    return [of(lane) for lane in range(lanes)]

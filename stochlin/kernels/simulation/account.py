@@ -7,7 +7,7 @@ balance to the tolerance of the passes. What a step does not account for is kept
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -30,6 +30,7 @@ from stochlin.kernels.simulation.time_step import (
     Q,
     V,
     Z,
+    copy,
     fill,
     multiply,
     times_row,
@@ -86,11 +87,28 @@ class Account(NamedTuple):
     def of(cls, parts: Parts, lanes: int) -> Account:
         """The account of motions before their beginning."""
         floors, structures = len(parts.shear[0].column), int(parts.structure.max()) + 1
-        sizes = len(parts.watched.column), floors, parts.spring.size, structures
-        arrays = [zeros_on_a_line(size, 2, lanes) for size in sizes]
-        account = cls(*arrays, zeros_on_a_line(THIRD + 1, lanes))
+        counts = len(parts.watched.column), floors, parts.spring.size, structures
+        sizes: Any = *((count, 2) for count in counts), (THIRD + 1,)
+        account = cls(*(zeros_on_a_line(*size, lanes) for size in sizes))
         account.motions[FAILED] = np.inf
         return account
+
+    @property
+    def largest(self) -> Array:
+        """Largest absolute displacements of floors, then extensions of elements [m]."""
+        return np.maximum(self.displacements[:, HIGHEST], -self.displacements[:, LOWEST])
+
+
+@compiled
+def copy_account(account, of, other, to, count):
+    """Copy what is watched in motions, but for the numbers of one step."""
+    copy(account.displacements, of, other.displacements, to, count, 2)
+    copy(account.floors, of, other.floors, to, count, 2)
+    copy(account.links, of, other.links, to, count, 2)
+    copy(account.structures, of, other.structures, to, count, 2)
+    for row in (MISSING, MOST):
+        for k in range(count):
+            other.motions[row, to[k]] = account.motions[row, of[k]]
 
 
 @compiled

@@ -354,16 +354,14 @@ def finite_extremes(
         """The extremes in one group of motions."""
         begin, way, highest, lowest = np.zeros((4, len(view.row), LANES))
         count = len(links.parameters) if links else 0
-        extensions, peaks = np.zeros((4, count, LANES)), LinkPeaks(*np.zeros((4, count, LANES)))
+        peaks = LinkPeaks(*np.zeros((6, count, LANES)))
         for out in motion.under(envelope):
             keep_extremes(out, *view, begin, way, highest, lowest)
             if links is not None:
-                keep_extremes(out, *links.extensions, *extensions)
                 watch_links(links.extensions.of(out), links.parameters, crowd.plan.dt, peaks)
         lost = ~np.isfinite(view.of(out[-1:])[0])
         highest[lost] = lowest[lost] = np.nan
-        stroke = np.abs(extensions[2:]).max(axis=0)
-        return Extremes(highest, lowest, peaks.force, stroke, peaks.energy)
+        return Extremes(highest, lowest, peaks.force, peaks.stroke, peaks.energy)
 
     groups = list(crowd.over_groups(of_group, progress))
     return Extremes(*(np.concatenate(each, axis=1).T for each in zip(*groups, strict=True)))

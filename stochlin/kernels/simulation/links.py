@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.compiled import entry
-from stochlin.kernels.simulation.stepping import LANES
+from stochlin.kernels.simulation.stepping import LANES, turned
 
 POST, COUPLE, STRENGTH, CONSTANT, EXPONENT = range(5)  # columns of the parameters of a link
 
@@ -23,6 +23,8 @@ class LinkPeaks(NamedTuple):
     elastic: Array  # (l, LANES) its elastic part [m]
     force: Array  # (l, LANES) largest force, as means of steps [N]
     energy: Array  # (l, LANES) dissipated so far [J]
+    way: Array  # (l, LANES) rate of the extension times the time step [m]
+    stroke: Array  # (l, LANES) largest absolute extension, also where it turns within a step [m]
 
 
 @entry
@@ -31,7 +33,7 @@ def watch_links(extensions, parameters, dt, peaks):
 
     The columns of ``parameters`` (l, 5) are those of this module.
     """
-    extension, elastic, force, energy = peaks
+    extension, elastic, force, energy, way, stroke = peaks
     for s in range(extensions.shape[0]):
         for i in range(len(parameters)):
             post, couple, strength = parameters[i, POST], parameters[i, COUPLE], parameters[i, STRENGTH]
@@ -48,3 +50,5 @@ def watch_links(extensions, parameters, dt, peaks):
                 extension[i, lane], elastic[i, lane] = end, new
                 force[i, lane] = max(force[i, lane], abs(mean))
                 energy[i, lane] += drag * abs(change) + held * slip
+                turn, way[i, lane] = turned(begin, end, way[i, lane])
+                stroke[i, lane] = max(stroke[i, lane], abs(turn), abs(end))

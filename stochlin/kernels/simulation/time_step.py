@@ -103,16 +103,9 @@ class Moving(NamedTuple):
         """Motions from rest; the ``elements`` are those of each lane, or one set of all lanes."""
         like = elements[0]
         n, e, k = like.system.mass.size, like.kind.size, int(like.states.max(initial=1))
-        sizes = (
-            (n, WAY + 1),
-            (e, LEAST + 1),
-            (contacts, RATE + 1),
-            (e, k - 1),
-            (e, k - 1),
-            like.own.shape,
-        )
-        arrays = [zeros_on_a_line(*size, lanes) for size in (*sizes, (n + e, 1), (3, k))]
-        moving = cls(*arrays, zeros_on_a_line(STILL + 1, lanes))
+        of_laws: Any = (e, k - 1), (e, k - 1), like.own.shape, (n + e, 1), (3, k)
+        sizes = (n, WAY + 1), (e, LEAST + 1), (contacts, RATE + 1), *of_laws, (STILL + 1,)
+        moving = cls(*(zeros_on_a_line(*size, lanes) for size in sizes))
         moving.own[:] = np.stack([each.own for each in elements], axis=-1)
         return moving
 
@@ -223,6 +216,24 @@ def fill(values, row, value, lanes):
     """Set a row to a number in all lanes."""
     for lane in range(lanes):
         values[row, lane] = value
+
+
+@compiled
+def copy(source, of, target, to, count, columns):
+    """Copy the first columns of values (things, columns, lanes) from the lanes ``of`` to ``to``."""
+    for thing in range(source.shape[0]):
+        for column in range(columns):
+            for k in range(count):
+                target[thing, column, to[k]] = source[thing, column, of[k]]
+
+
+@compiled
+def copy_state(source, of, target, to, count):
+    """Copy the state of what moves, without what is of one step only."""
+    copy(source.coordinates, of, target.coordinates, to, count, OF_COORDINATES)
+    copy(source.elements, of, target.elements, to, count, OF_ELEMENTS)
+    copy(source.contacts, of, target.contacts, to, count, OF_CONTACTS)
+    copy(source.memory, of, target.memory, to, count, source.memory.shape[1])
 
 
 @called_often

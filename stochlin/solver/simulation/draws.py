@@ -74,10 +74,6 @@ class Draw(NamedTuple):
         each = (dict(zip(factors, map(float, row), strict=True)) for row in rows)
         return [stack_of(strength_in_metres(model.at(sample), ground)) for sample in each]
 
-    def grounds(self) -> list[Any]:
-        """Ground of each motion; empty if all motions have the same one."""
-        return self.samples_of(GROUND)
-
     def table(self) -> dict[str, xr.DataArray]:
         """Variable ``input_factor`` of a dataset with all samples."""
         if not self.factors:

@@ -29,7 +29,7 @@ from stochlin.models.links import Link
 from stochlin.models.parameters import expect
 from stochlin.models.structures import Structure
 from stochlin.models.systems import STRUCTURES, AnyStructure, floor_count
-from stochlin.solver.simulation.draws import Draw, draw
+from stochlin.solver.simulation.draws import GROUND, Draw, draw
 from stochlin.solver.simulation.ensembles import SimulationRun, check_memory, seconds_of
 from stochlin.solver.simulation.finite_motions import (
     check_finite,
@@ -205,7 +205,7 @@ def simulate(
         "seed": seed,
         "steps_per_period": steps_per_period,
         "scatter": float(scatter),
-        "grounds": drawn.grounds(),
+        "grounds": drawn.samples_of(GROUND),
     }
     run = moving.run(ground, **options)
     if not run.valid.all() and (moving.has_storeys or duration is not None):
