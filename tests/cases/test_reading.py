@@ -42,7 +42,7 @@ MISTAKES = {
     "truth": (STRENGTH, 'elastic = "yes"\n', "neither true nor false; allowed: true, false"),
     "number as text": ("storeys = 8", 'storeys = "8"', "no whole number; allowed: a whole number"),
     "of storeys": (STRENGTH, f'{STRENGTH}floor_mass = "400 t"\n', "a building without storeys"),
-    "gaps": ('"5 cm"', '["5 cm", "3 cm"]', "does not fit 2 buildings; allowed: 1 in all"),
+    "gaps": ('"5 cm"', '["5 cm", "3 cm"]', "does not fit the number of buildings, 2; allowed: 1 in all"),
     "two strengths of shaking": ('[motion]', 'pga = "0.3 g"\n[motion]', "as well as intensity"),
     "spread": ('"1.0 s"', '"1.0 s +- 0.2"', 'a valid spread; allowed: "10 s +- 20 %"'),
     "wide": ('"1.0 s"', '"1.0 s +- 120 %"', "spread of 120 %; allowed: 0 to 100 %"),

@@ -97,7 +97,7 @@ class Wanted(Form):
         """Raise a ValueError for a wrong number of gaps, or a risk that the hazard does not reach."""
         if self.existing and len(self.existing) != (count := max(buildings - 1, 1)):
             which = "its distance from the property line" if buildings == 1 else "one between neighbours"
-            what = f"does not fit {buildings} buildings; allowed: {count} in all, {which}"
+            what = f"does not fit the number of buildings, {buildings}; allowed: {count} in all, {which}"
             raise self.table.error("existing", what)
         if self.risk is not None and hazard is None:
             raise self.table.error("risk", f"needs a hazard; {EXAMPLE}")
