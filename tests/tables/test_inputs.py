@@ -93,7 +93,7 @@ elastic = true
 
 def refusal(files: dict[str, bytes]) -> str:
     """Why an uploaded case is not opened."""
-    with pytest.raises(ValueError, match="allowed") as told:
+    with pytest.raises(ValueError, match=r"^case.toml, line \d+: ") as told:
         open_case(files)
     assert not re.search(r"/tmp\w{8}", str(told.value)), "the temporary folder of the files"
     return str(told.value)
@@ -110,7 +110,7 @@ def test_an_uploaded_case_reads_no_file_outside_of_its_folder(kind, name, tmp_pa
     for path in (f"../{name}", f"x/../../{name}", f"below/../../{name}", (tmp_path / name).as_posix()):
         case = {"case.toml": (site_of(kind, path) + REST).encode()}
         message = refusal(case | {"x": b""})
-        assert "is outside of the folder of the case file; allowed here: files in that folder" in message
+        assert re.search("there is no such file|is neither a (folder|code)", message)
         assert SECRET not in message
 
 

@@ -113,16 +113,18 @@ class RecordCells(NamedTuple):
     def of(cls, motions: RecordedMotions, *structures: Bilinear) -> RecordCells:
         """The cells of structures; raises a ValueError if the responses would take too long.
 
-        So it does for a period below a tenth of the longest time step of the records.
+        A cell with a period below a tenth of the longest time step of the records is not valid.
         """
         shortest = SHORTEST * max(ground.dt for ground in motions.grounds)
         for structure in structures:
-            if (period := float(structure.arrays()["period"].min())) < shortest:
+            if (period := structure.arrays()["period"]).ndim == 0 and period < shortest:
                 allowed = f"{shortest:g} s, a tenth of the record's step, or more"
-                raise ValueError(f"period = {period:g} s; allowed: {allowed}")
+                raise ValueError(f"period = {float(period):g} s; allowed: {allowed}")
         cells = flat(dict(zip(("first", "second"), structures, strict=False)), settled=False)
         check_names((*cells.shape.dims, *cells.shape.coords), (RECORD, "status"))
         sides = [_parameters(structure, cells.where.size) for structure in cells.models.values()]
+        usable = np.all([side[:, 0] <= 2 * np.pi / shortest for side in sides], axis=0)
+        cells, sides = cells._replace(where=cells.where[usable]), [side[usable] for side in sides]
         steps = np.max([side[:, 0] for side in sides], axis=0) * (2 * PAIR) ** (len(sides) - 1) / LONGEST
         cure = "take longer periods, or fewer structures or records at a time"
         seconds = 3e-8 * sum(len(a) * np.maximum(1.0, dt * steps).sum() for a, dt in motions.grounds)

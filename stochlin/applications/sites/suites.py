@@ -123,7 +123,7 @@ def read_records(
     """
     path = input_path("path", path)
     if not path.exists():
-        raise FileNotFoundError(f"path = {brief(str(path))} is neither a folder nor a table")
+        raise FileNotFoundError(f"path = {brief(path.name)} is neither a folder nor a table")
     if (path / PEER_TABLE).is_file():
         path /= PEER_TABLE
     usual: dict[str, Any] = {"dt": dt, "units": units, "component": component}

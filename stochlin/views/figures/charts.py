@@ -150,7 +150,7 @@ class ChartSettings(metaclass=Named):
 
 CHARTS: Registry[Callable[[ChartSettings], xr.Dataset]] = Registry("chart", "stochlin.views.figures")
 # A decorator, ``register_chart(name, place)``, of the function that computes a chart from the settings.
-register_chart = CHARTS.register
+register_chart = checked(CHARTS.register)
 
 
 @checked
