@@ -115,15 +115,14 @@ class RecordCells(NamedTuple):
 
         A cell with a period below a tenth of the longest time step of the records is not valid.
         """
-        shortest = SHORTEST * max(ground.dt for ground in motions.grounds)
+        least = SHORTEST * max(ground.dt for ground in motions.grounds)
         for structure in structures:
-            if (period := structure.arrays()["period"]).ndim == 0 and period < shortest:
-                allowed = f"{shortest:g} s, a tenth of the record's step, or more"
-                raise ValueError(f"period = {float(period):g} s; allowed: {allowed}")
+            if (period := structure.arrays()["period"]).ndim == 0 and period < least:
+                raise ValueError(f"period = {float(period):g} s; allowed: {least:g} s (dt/10) or more")
         cells = flat(dict(zip(("first", "second"), structures, strict=False)), settled=False)
         check_names((*cells.shape.dims, *cells.shape.coords), (RECORD, "status"))
         sides = [_parameters(structure, cells.where.size) for structure in cells.models.values()]
-        usable = np.all([side[:, 0] <= 2 * np.pi / shortest for side in sides], axis=0)
+        usable = np.all([side[:, 0] <= 2 * np.pi / least for side in sides], axis=0)
         cells, sides = cells._replace(where=cells.where[usable]), [side[usable] for side in sides]
         steps = np.max([side[:, 0] for side in sides], axis=0) * (2 * PAIR) ** (len(sides) - 1) / LONGEST
         cure = "take longer periods, or fewer structures or records at a time"
@@ -158,9 +157,8 @@ class RecordCells(NamedTuple):
 
 def _parameters(structure: Bilinear, cells: int) -> Array:
     """Parameters (cells, 4) of structures in a row; elastic ones have no yield displacement."""
-    values = structure.cells()
-    of_elastic = {"hardening": 1.0, "yield_displacement": np.inf}
-    names = "period", "damping", *of_elastic
-    rows = np.array([np.broadcast_to({**of_elastic, **values}[name], cells) for name in names])
+    values = {"hardening": 1.0, "yield_displacement": np.inf, **structure.cells()}
+    names = "period", "damping", "hardening", "yield_displacement"
+    rows = np.array([np.broadcast_to(values[name], cells) for name in names])
     rows[0] = 2 * np.pi / rows[0]
     return rows.T
