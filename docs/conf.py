@@ -48,7 +48,7 @@ autodoc_default_options = {
     "members": True,
     "inherited-members": True,
     # Of use to the analyses only.
-    "exclude-members": "arrays, beside_structures, block, closure, closures, damping_coefficient, "
+    "exclude-members": "arrays, block, closure, closures, damping_coefficient, "
     "filter, filter_of, force_law, forcing, isel, kinds, law, law_parameters, lone_filter, "
     "own_parameters, parameter_names, power, symbolic, units, valid",
 }

@@ -17,7 +17,6 @@ from stochlin.registry import Registry
 GROUNDS: Registry[type[Ground]] = Registry("ground", "stochlin.models.grounds")
 POSITIVE_DAMPING = Range(reason="an undamped ground has no stationary motion")
 MOST_FILTERS = 3  # in parallel, of a ground that is fitted to a spectrum
-AS_STRUCTURES = ("period", "damping", "hardening", "mass")  # names that parameters of structures have
 
 
 class Fit(NamedTuple):
@@ -45,11 +44,6 @@ class Ground(Model):
         State space, spectra, linearization and time steps are derived from this filter.
         """
         raise NotImplementedError
-
-    @classmethod
-    def beside_structures(cls) -> dict[str, str]:
-        """Parameter names by the names used next to structures, such as ``ground_period``."""
-        return {f"ground_{n}" if n in AS_STRUCTURES else n: n for n in cls.parameter_names()}
 
     def filter_of(self, rows: Iterable[Array]) -> Filter:
         """The filter for arrays over cells; ``rows`` are parameter values in the order of `cells`."""

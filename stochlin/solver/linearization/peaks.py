@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Annotated
 
 import numpy as np
@@ -11,7 +10,6 @@ import xarray as xr
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.spectral_moments import (
     SpectralMoments,
-    difference_moments,
     displacement_moments,
 )
 from stochlin.models.arguments import Whole, checked
@@ -215,27 +213,19 @@ def peak_table(
 
 
 def response_moments(solved: xr.Dataset, ground: Ground) -> tuple[xr.DataArray, ...]:
-    """Spectral moments [m^2, m^2/s, m^2/s^2] of the displacement of a structure by `solve_structure`."""
-    return _moments(displacement_moments, ground, solved)
+    """Spectral moments [m^2, m^2/s, m^2/s^2] of the displacement of a structure by `solve_structure`.
 
-
-def relative_moments(first: xr.Dataset, second: xr.Dataset, ground: Ground) -> tuple[xr.DataArray, ...]:
-    """Spectral moments [m^2, m^2/s, m^2/s^2] of ``u_1 - u_2`` of structures by `solve_structure`."""
-    return _moments(difference_moments, ground, first, second)
-
-
-def _moments(
-    function: Callable[..., SpectralMoments], ground: Ground, *sides: xr.Dataset
-) -> tuple[xr.DataArray, ...]:
-    """Spectral moments by a kernel, which takes the cells in one row; failed cells stay NaN."""
+    Failed cells stay NaN.
+    """
 
     @np.errstate(all="ignore")
     def flat(*arrays: Array) -> tuple[Array, ...]:
         shape = np.broadcast_shapes(*(np.shape(array) for array in arrays))
         rows = [np.broadcast_to(array, shape).ravel() for array in arrays]
-        systems = [part for _ in sides for part in system_and_forcing([rows.pop(0) for _ in INTERNAL])]
-        return tuple(moment.reshape(shape) for moment in function(*systems, ground.filter_of(rows)))
+        count = len(INTERNAL)
+        system, forcing = system_and_forcing(rows[:count])
+        moments = displacement_moments(system, forcing, ground.filter_of(rows[count:]))
+        return tuple(moment.reshape(shape) for moment in moments)
 
-    inputs = [side[name] for side in sides for name in INTERNAL]
-    kinds = (float,) * len(SpectralMoments._fields)
+    inputs, kinds = [solved[name] for name in INTERNAL], (float,) * len(SpectralMoments._fields)
     return cellwise(flat, *inputs, *ground.arrays().values(), kinds=kinds)
