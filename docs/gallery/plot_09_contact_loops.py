@@ -13,7 +13,7 @@ import matplotlib.pyplot as plt
 from stochlin.charts import CURVES, STYLE, contact_loop_chart
 
 plt.rcParams.update(STYLE)
-chart = contact_loop_chart(restitution=0.65)
+chart = contact_loop_chart()
 figure, panels = plt.subplots(1, 2, figsize=(7.2, 3.6), sharey=True, layout="constrained")
 linear = {
     "LinearSpring": "linear spring",

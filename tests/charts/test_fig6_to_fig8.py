@@ -42,7 +42,7 @@ def test_files_are_what_the_program_makes(name):
 
 
 def test_fig6_draws_both_elements_of_the_paper_and_their_laws():
-    kelvin, impact, loops = draw(sl.charts.contact_loop_chart(points=321)).axes
+    kelvin, impact, loops = draw(sl.charts.contact_loop_chart()).axes
     assert any("max(v, 0)" in text.get_text().replace("\\", "") for text in impact.texts)
     assert not any("max" in text.get_text() for text in kelvin.texts)
     # With e = 0.65 the dashpot of the Kelvin element pulls at the end, that of the other has let go.
@@ -58,7 +58,7 @@ def test_fig6_draws_both_elements_of_the_paper_and_their_laws():
 
 
 def test_fig7_shows_that_kelvin_opposes_the_parting_and_takes_longer():
-    upper, lower = draw(sl.charts.contact_history_chart(points=321)).axes
+    upper, lower = draw(sl.charts.contact_history_chart()).axes
     root = np.sqrt(0.75)
     time, d = curve(upper, "Kelvin")
     np.testing.assert_allclose(d, np.exp(-0.5 * time) * np.sin(root * time) / root, atol=1e-12)
@@ -70,7 +70,7 @@ def test_fig7_shows_that_kelvin_opposes_the_parting_and_takes_longer():
 
 
 def test_fig8_has_the_closed_forms_and_their_values():
-    chart = sl.charts.restitution_chart(points=321)
+    chart = sl.charts.restitution_chart()
     [axes] = draw(chart).axes
     drawn = {name: curve(axes, name) for name in ("Kelvin", "Impact Kelvin")}
     for xi, e in drawn.values():

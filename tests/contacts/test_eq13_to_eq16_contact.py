@@ -8,6 +8,7 @@ from hypothesis import given
 
 import stochlin as sl
 from stochlin.charts import (
+    ChartSettings,
     contact_history_chart,
     contact_loop_chart,
 )
@@ -102,7 +103,7 @@ def loop_area(chart):
 
 @pytest.fixture(name="chart", scope="module", params=[contact_loop_chart, contact_history_chart])
 def a_chart(request):
-    return request.param(points=4001)
+    return request.param(ChartSettings(points=2001))
 
 
 def test_loops_begin_and_end_as_contacts_do(chart):

@@ -148,6 +148,7 @@ class ChartSettings(metaclass=Named):
         return 2 * self.points - 1
 
 
+USUAL = ChartSettings()
 CHARTS: Registry[Callable[[ChartSettings], xr.Dataset]] = Registry("chart", "stochlin.views.figures")
 # A decorator, ``register_chart(name, place)``, of the function that computes a chart from the settings.
 register_chart = checked(CHARTS.register)

@@ -9,7 +9,7 @@ motion is integrated by a Runge-Kutta method of order 8.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
@@ -17,13 +17,12 @@ from scipy.integrate import solve_ivp
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.simulation import contacts as kernel
-from stochlin.models.arguments import Number, Points, checked
+from stochlin.models.arguments import checked
 from stochlin.models.contacts import Element
-from stochlin.models.contacts.base import CONTACTS, RESTITUTION
+from stochlin.models.contacts.base import CONTACTS
 from stochlin.models.contacts.damped import Damped, WithRatio
-from stochlin.models.parameters import POSITIVE, Range
 from stochlin.solver.tables import labels
-from stochlin.views.figures.charts import ChartSettings, register_chart
+from stochlin.views.figures.charts import USUAL, ChartSettings, register_chart
 from stochlin.views.figures.pictures import PICTURES, in_a_row, is_narrow, panels
 from stochlin.views.shared.style import CURVES, quantity
 
@@ -31,9 +30,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-PARTING = Range(
-    upper=1.0, include_lower=True, reason="from 1 on the contact of the Kelvin element never ends"
-)
+LOOP_RESTITUTION, HISTORY_DAMPING = 0.65, 0.5  # of Fig. 6, and of Fig. 7, that of the paper
 TOLERANCE = {"rtol": 1e-13, "atol": 1e-15}
 SCALES = (
     "Two free masses of reduced mass m meet at velocity v0. Scales: τ = (m v0^(1-n)/k)^(1/(n+1)), v0 τ, "
@@ -63,32 +60,15 @@ INK: Any = {"color": "0.1", "lw": 1.1, "solid_capstyle": "butt", "clip_on": Fals
 
 
 @register_chart("fig6", place=60)
-def _fig6(settings: ChartSettings) -> xr.Dataset:
-    return contact_loop_chart(points=settings.fine_points)
-
-
-@register_chart("fig7", place=60)
-def _fig7(settings: ChartSettings) -> xr.Dataset:
-    return contact_history_chart(points=settings.fine_points)
-
-
-@register_chart("fig8", place=60)
-def _fig8(settings: ChartSettings) -> xr.Dataset:
-    return restitution_chart(points=settings.fine_points)
-
-
 @checked
-def contact_loop_chart(
-    restitution: Annotated[float, Number(RESTITUTION)] = 0.65, points: Points = 201
-) -> xr.Dataset:
-    """Fig. 6: force over deformation of all contact elements, damped ones with equal restitution.
+def contact_loop_chart(settings: ChartSettings = USUAL) -> xr.Dataset:
+    """Fig. 6: force over deformation of all contact elements, damped ones with ``e = 0.65``.
 
     Parameters
     ----------
-    restitution : float
-        Coefficient of restitution ``e`` [-] of the damped elements, in (0, 1].
-    points : int
-        Number of points of each loop, at least 2, at equal intervals of time during the contact.
+    settings : ChartSettings, optional
+        Parameters of the charts, of which ``points`` is used: about two points for each, at equal
+        intervals of time during the contact.
 
     Returns
     -------
@@ -97,49 +77,34 @@ def contact_loop_chart(
         ``scaled_time`` [-]. Over ``element``: ``restitution``, ``contact_damping`` and
         ``scaled_contact_time`` [-]. The area of a loop is the energy loss ``(1 - e^2)/2``.
 
-    Raises
-    ------
-    ValueError, TypeError
-        If the restitution is out of range or not a number, or there are less than two points.
-
     Examples
     --------
     >>> from stochlin.charts import contact_loop_chart
-    >>> chart = contact_loop_chart(restitution=0.5)
+    >>> chart = contact_loop_chart()
     >>> round(float(chart.scaled_force.sel(element="ImpactKelvin").max()), 3)
-    1.195
+    0.821
     """
-    parameters: dict[str, Any] = {"stiffness": 1.0, "restitution": restitution}
+    parameters: dict[str, Any] = {"stiffness": 1.0, "restitution": LOOP_RESTITUTION}
     kinds = [kind for kind in CONTACTS.values() if issubclass(kind, Element)]
     models = [kind(**parameters) if issubclass(kind, Damped) else kind(1.0) for kind in kinds]
-    title = f"Force and deformation of contact elements, e = {restitution:g}"
-    call = f"contact_loop_chart(restitution={restitution:g})"
-    return _histories("contact_loops", models, points, title, call)
+    title = f"Force and deformation of contact elements, e = {LOOP_RESTITUTION:g}"
+    return _histories("contact_loops", models, settings, title, "contact_loop_chart()")
 
 
+@register_chart("fig7", place=60)
 @checked
-def contact_history_chart(
-    damping_ratio: Annotated[float, Number(PARTING)] = 0.5, points: Points = 201
-) -> xr.Dataset:
-    """Fig. 7: histories of deformation and force of the elements with a damping ratio.
+def contact_history_chart(settings: ChartSettings = USUAL) -> xr.Dataset:
+    """Fig. 7: histories of deformation and force of the elements with a damping ratio, 0.5.
 
     Parameters
     ----------
-    damping_ratio : float
-        Damping ratio ``xi`` [-], in [0, 1); from 1 on the contact of the Kelvin element never ends. That
-        of the paper is 0.5.
-    points : int
-        Number of points of each history, at least 2.
+    settings : ChartSettings, optional
+        As for `contact_loop_chart`.
 
     Returns
     -------
     xarray.Dataset
         As for `contact_loop_chart`.
-
-    Raises
-    ------
-    ValueError, TypeError
-        As in `contact_loop_chart`.
 
     Examples
     --------
@@ -148,35 +113,26 @@ def contact_history_chart(
     >>> [round(float(t), 3) for t in chart.scaled_contact_time.sel(element=["Kelvin", "ImpactKelvin"])]
     [3.628, 2.78]
     """
-    models = [kind(1.0, damping_ratio=damping_ratio) for kind in _with_ratio()]
-    title = f"Histories of deformation and contact force, ξ = {damping_ratio:g}"
-    call = f"contact_history_chart(damping_ratio={damping_ratio:g})"
-    return _histories("contact_histories", models, points, title, call)
+    models = [kind(1.0, damping_ratio=HISTORY_DAMPING) for kind in _with_ratio()]
+    title = f"Histories of deformation and contact force, ξ = {HISTORY_DAMPING:g}"
+    return _histories("contact_histories", models, settings, title, "contact_history_chart()")
 
 
+@register_chart("fig8", place=60)
 @checked
-def restitution_chart(
-    largest: Annotated[float, Number(POSITIVE)] = 1.0, points: Points = 201
-) -> xr.Dataset:
-    """Fig. 8: coefficient of restitution over the damping ratio of the elements that have one.
+def restitution_chart(settings: ChartSettings = USUAL) -> xr.Dataset:
+    """Fig. 8: coefficient of restitution over the damping ratio, 0 to 1, of the elements with one.
 
     Parameters
     ----------
-    largest : float
-        Largest damping ratio [-] of the axis, positive.
-    points : int
-        Number of points along the axis, at least 2.
+    settings : ChartSettings, optional
+        Parameters of the charts, of which ``points`` is used.
 
     Returns
     -------
     xarray.Dataset
         ``restitution`` [-] over (``element``, ``damping_ratio``). The picture shows the elements of the
         paper, Kelvin and Impact Kelvin.
-
-    Raises
-    ------
-    ValueError, TypeError
-        If ``largest`` is out of range or not a number, or there are less than two points.
 
     Examples
     --------
@@ -185,7 +141,7 @@ def restitution_chart(
     >>> [round(float(e), 4) for e in chart.restitution.sel(damping_ratio=0.5)]
     [0.163, 0.2984, 0.5463, 0.5749]
     """
-    along = np.linspace(0, largest, points)
+    along = np.linspace(0, 1, settings.fine_points)
     ratio = labels.axis("damping_ratio", "damping ratio of the contact", along)
     kinds = _with_ratio()
     names = _elements([kind.__name__ for kind in kinds])
@@ -195,11 +151,8 @@ def restitution_chart(
         "caption": "Two free masses; ξ = c/(2 √(k m)).",
         "comment": "Eq. (15) of the paper is the curve of Kelvin alone.",
     }
-    title, call = (
-        "Coefficient of restitution of contact elements",
-        f"restitution_chart(largest={largest:g})",
-    )
-    return labels.with_run_information(labels.label(chart, VARIABLES), title, call, {})
+    title = "Coefficient of restitution of contact elements"
+    return labels.with_run_information(labels.label(chart, VARIABLES), title, "restitution_chart()", {})
 
 
 def _with_ratio() -> list[type[WithRatio]]:
@@ -208,11 +161,11 @@ def _with_ratio() -> list[type[WithRatio]]:
 
 
 def _histories(
-    picture: str, models: Sequence[Element], points: int, title: str, call: str
+    picture: str, models: Sequence[Element], settings: ChartSettings, title: str, call: str
 ) -> xr.Dataset:
     """Contacts of these elements from their beginning to their end."""
     names = [type(model).__name__ for model in models]
-    motions = [_motion(model, points) for model in models]
+    motions = [_motion(model, settings.fine_points) for model in models]
     columns = ("scaled_time", "scaled_deformation", "scaled_velocity", "scaled_force")
     chart = xr.Dataset(
         {

@@ -17,7 +17,7 @@ from stochlin.models.rules.effective_properties import (
 from stochlin.solver.correlation.correlation import rho_white_noise
 from stochlin.solver.correlation.effective import rho_effective
 from stochlin.solver.tables import labels
-from stochlin.views.figures.charts import ChartSettings, register_chart
+from stochlin.views.figures.charts import USUAL, ChartSettings, register_chart
 
 OF_PAPER = "jeng_kasai_maison_1992_unverified"
 DAMPING = (0.01, 0.02, 0.05, 0.1, 0.2)  # of the curves of Fig. 3a
@@ -27,12 +27,12 @@ VARIABLES = {"rho": ("1", "correlation coefficient ρ")}
 
 @register_chart("fig3a", place=30)
 @checked
-def white_noise_chart(settings: ChartSettings) -> xr.Dataset:
+def white_noise_chart(settings: ChartSettings = USUAL) -> xr.Dataset:
     """Fig. 3a: eq. (4) over the period ratio, for several damping ratios.
 
     Parameters
     ----------
-    settings : ChartSettings
+    settings : ChartSettings, optional
         Parameters of the charts, of which ``points`` is used.
 
     Returns

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,7 @@ from stochlin.solver.simulation.ground_motions import simulated_motions
 from stochlin.solver.tables import labels
 from stochlin.views.figures.charts import (
     SIMULATED_INTENSITY,
+    USUAL,
     ChartSettings,
     design_motion,
     ground_caption,
@@ -51,24 +53,19 @@ Pair = tuple[Bilinear, Bilinear]
 Place = dict[str, slice]  # cells of a chart
 
 
-for _letter, _ratio in (("a", 0.5), ("b", 1.0), ("c", 2.0)):
-
-    def _fig4(settings: ChartSettings, frequency_ratio: float = _ratio) -> xr.Dataset:
-        return period_ratio_chart(settings, settings.ground, frequency_ratio)
-
-    register_chart(f"fig4{_letter}", place=40)(_fig4)
-
-
 @checked
-def period_ratio_chart(settings: ChartSettings, ground: Ground, frequency_ratio: float) -> xr.Dataset:
+def period_ratio_chart(
+    settings: ChartSettings = USUAL, ground: Ground | None = None, frequency_ratio: float = 1.0
+) -> xr.Dataset:
     """Fig. 4: rho over ``T1/T2`` for a fixed frequency ``w2 = frequency_ratio wg`` of structure 2.
 
     Parameters
     ----------
-    settings : ChartSettings
+    settings : ChartSettings, optional
         Parameters of the charts.
-    ground : KanaiTajimi or CloughPenzien
-        The ground, of one period; parameters over ``ground`` are several, with a panel for each.
+    ground : KanaiTajimi or CloughPenzien, optional
+        The ground, of one period; parameters over ``ground`` are several, with a panel for each. The
+        default is that of the settings.
     frequency_ratio : float
         Frequency of structure 2 over that of the ground [-].
 
@@ -97,6 +94,7 @@ def period_ratio_chart(settings: ChartSettings, ground: Ground, frequency_ratio:
     >>> chart.rho.dims
     ('reduction_factor', 'period_ratio')
     """
+    ground = settings.ground if ground is None else ground
     second_period = ground_period(ground) / frequency_ratio
     ratio, factors = ratio_axis(settings.fine_points), reduction_factors(settings)
     periods = (ratio * second_period, second_period)
@@ -114,6 +112,10 @@ def period_ratio_chart(settings: ChartSettings, ground: Ground, frequency_ratio:
     title = f"Stationary correlation of bilinear structures, ω2 = {times}ωg"
     chart.attrs |= words(settings, ground, title, f"; T2 = {second_period:.3g} s")
     return with_errors(chart.assign_attrs(chart="curves", comparison="compared_curves"), settings)
+
+
+for _letter, _ratio in (("a", 0.5), ("b", 1.0), ("c", 2.0)):
+    register_chart(f"fig4{_letter}", place=40)(partial(period_ratio_chart, frequency_ratio=_ratio))
 
 
 def _groups(settings: ChartSettings, size: int) -> list[Place]:

@@ -14,6 +14,7 @@ from stochlin.solver.correlation.amplification import amplification
 from stochlin.solver.correlation.correlation import correlate
 from stochlin.solver.tables import labels
 from stochlin.views.figures.charts import (
+    USUAL,
     ChartSettings,
     design_motion,
     envelope_caption,
@@ -50,20 +51,17 @@ VARIABLES = {
 
 
 @register_chart("fig5a", place=50)
-def _fig5a(settings: ChartSettings) -> xr.Dataset:
-    return period_plane_chart(settings, settings.ground)
-
-
 @checked
-def period_plane_chart(settings: ChartSettings, ground: Ground) -> xr.Dataset:
+def period_plane_chart(settings: ChartSettings = USUAL, ground: Ground | None = None) -> xr.Dataset:
     """Fig. 5a: rho over ``T1/Tg`` and ``T2/Tg``.
 
     Parameters
     ----------
-    settings : ChartSettings
+    settings : ChartSettings, optional
         Parameters of the charts.
-    ground : KanaiTajimi or CloughPenzien
-        The ground, of one period; parameters over ``ground`` are several, with a panel for each.
+    ground : KanaiTajimi or CloughPenzien, optional
+        The ground, of one period; parameters over ``ground`` are several, with a panel for each. The
+        default is that of the settings.
 
     Returns
     -------
@@ -81,6 +79,7 @@ def period_plane_chart(settings: ChartSettings, ground: Ground) -> xr.Dataset:
     >>> chart.rho.dims
     ('period_ratio_1', 'period_ratio_2')
     """
+    ground = settings.ground if ground is None else ground
     axes = [
         labels.axis(f"period_ratio_{n}", f"T{n}/Tg", np.geomspace(*RATIOS, settings.points))
         for n in (1, 2)
@@ -100,20 +99,17 @@ def period_plane_chart(settings: ChartSettings, ground: Ground) -> xr.Dataset:
 
 
 @register_chart("fig5b", place=50)
-def _fig5b(settings: ChartSettings) -> xr.Dataset:
-    return amplification_chart(settings, settings.ground)
-
-
 @checked
-def amplification_chart(settings: ChartSettings, ground: Ground) -> xr.Dataset:
+def amplification_chart(settings: ChartSettings = USUAL, ground: Ground | None = None) -> xr.Dataset:
     """Fig. 5b: amplification ``D`` over ``T/Tg``, for several reduction factors.
 
     Parameters
     ----------
-    settings : ChartSettings
+    settings : ChartSettings, optional
         Parameters of the charts.
-    ground : KanaiTajimi or CloughPenzien
-        The ground, of one period; parameters over ``ground`` are several, with a panel for each.
+    ground : KanaiTajimi or CloughPenzien, optional
+        The ground, of one period; parameters over ``ground`` are several, with a panel for each. The
+        default is that of the settings.
 
     Returns
     -------
@@ -134,6 +130,7 @@ def amplification_chart(settings: ChartSettings, ground: Ground) -> xr.Dataset:
     >>> chart.amplification_of_peaks.shape
     (1, 3)
     """
+    ground = settings.ground if ground is None else ground
     period = ground_period(ground)
     ratio = labels.axis("period_ratio", "T/Tg", np.geomspace(*RATIOS, settings.points))
     structure = bilinear(settings, ratio * period, reduction_factors(settings))
