@@ -109,14 +109,10 @@ def _minimize(frequency: Vector, density: Vector, problem: _Problem, estimator: 
     def residual(logs: Vector) -> Matrix:
         return estimator.residual(density, problem.psd(np.atleast_2d(logs), frequency))
 
-    def slope(logs: Vector) -> Matrix:
-        shifts = _STEP * np.eye(logs.size)
-        return (residual(logs + shifts) - residual(logs - shifts)).T / (2 * _STEP)
-
     with np.errstate(divide="ignore"):
         bounds = np.log(np.transpose([*problem.bounds.values()]))
     starts = _starts(frequency, density, problem, residual)
-    best = best_fit(lambda logs: residual(logs)[0], starts, tuple(bounds), slope)
+    best = best_fit(lambda logs: residual(logs)[0], starts, tuple(bounds))
     if not best.success:
         raise ValueError(f"the fit failed ({best.message}); try another estimator or frequency_range")
     for name, value, lower, upper in zip(problem.bounds, best.x, *bounds, strict=True):

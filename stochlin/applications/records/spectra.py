@@ -70,17 +70,15 @@ def best_fit(
     residual: Callable[[Array], Array],
     starts: Iterable[Array],
     bounds: tuple[Any, Any],
-    slope: Callable[[Array], Array] | str = "2-point",
     **options: float,
 ) -> Any:
     """The fit with the least sum of squares, as `scipy.optimize.least_squares` returns it.
 
-    ``residual`` is a function of the unknowns, ``slope`` that of its derivatives; ``options`` are
-    tolerances of the search.
+    ``residual`` is a function of the unknowns, ``options`` are tolerances of the search.
     """
     lower, upper = bounds
     inside = (np.clip(start, lower + _INSIDE, upper - _INSIDE) for start in starts)
-    fits = [optimize.least_squares(residual, start, slope, bounds, **options) for start in inside]
+    fits = [optimize.least_squares(residual, start, "3-point", bounds, **options) for start in inside]
     return min(fits, key=lambda fit: float(fit.cost))
 
 

@@ -160,7 +160,7 @@ class _Search:
         return fit
 
     def _peak_factors(self, fit: FittedFilters) -> Array:
-        l0, l1, l2 = (moment @ _psd(fit.logs, self._frequency)[0] for moment in self._moments)
+        l0, l1, l2 = (moment @ _psd(fit.logs, self._frequency) for moment in self._moments)
         crossings = np.sqrt(l2 / l0) * self.wanted.strong / np.pi
         bandwidth = np.sqrt(np.clip(1 - l1**2 / (l0 * l2), 0, 1))
         return peak_factor_model("vanmarcke").mean(np.maximum(crossings, 1.0), bandwidth)
@@ -168,7 +168,7 @@ class _Search:
     def corrected(self, fit: FittedFilters, accelerations: Array) -> FittedFilters:
         """The fit with the peak factors of a simulation, whose mean spectrum is ``accelerations``."""
         peaks = self.wanted._replace(accelerations=accelerations).displacements
-        std = np.sqrt(self._moments[0] @ _psd(fit.logs, self._frequency)[0])
+        std = np.sqrt(self._moments[0] @ _psd(fit.logs, self._frequency))
         return self._best(peaks / std, [fit.logs])
 
     def _best(self, factors: Array, starts: Iterable[Array]) -> FittedFilters:
@@ -176,13 +176,8 @@ class _Search:
         target = np.log(np.append(self.wanted.displacements / factors, self._ground))
 
         def residual(logs: Array) -> Array:
-            residuals: Array = weight * (0.5 * np.log(rows @ _psd(logs, frequency)[0]) - target)
+            residuals: Array = weight * (0.5 * np.log(rows @ _psd(logs, frequency)) - target)
             return residuals
-
-        def slope(logs: Array) -> Array:
-            psd, slopes = _psd(logs, frequency)
-            jacobian: Array = 0.5 * weight[:, None] * (rows @ slopes) / (rows @ psd)[:, None]
-            return jacobian
 
         def of_energy(start: Array) -> Array:
             logs = start.copy()
@@ -191,25 +186,15 @@ class _Search:
 
         starts = [*starts]
         bounds = np.tile(_LOWER, len(starts[0])), np.tile(_UPPER, len(starts[0]))
-        best = best_fit(residual, map(of_energy, starts), bounds, slope, ftol=_END, xtol=_END, gtol=_END)
+        best = best_fit(residual, map(of_energy, starts), bounds, ftol=_END, xtol=_END, gtol=_END)
         return FittedFilters(best.x.reshape(-1, 5), best.fun[: target.size - self._ground.size])
 
 
-def _psd(logs: Array, frequency: Array) -> tuple[Array, Array]:
-    """PSD of all n filters [m^2/s^3], and its derivatives by their parameters (frequencies, 5 n)."""
+def _psd(logs: Array, frequency: Array) -> Array:
+    """PSD of all filters [m^2/s^3] (frequencies,)."""
     wg, xig, wf, xif, intensity = np.exp(logs.reshape(-1, 5)).T[..., None]
-    x, y = (frequency / wg) ** 2, (frequency / wf) ** 2
-    a, b = 4 * xig**2, 4 * xif**2
-    soil, layer = (1 - x) ** 2 + a * x, (1 - y) ** 2 + b * y
-    parts = intensity * (1 + a * x) / soil * y**2 / layer
-    slopes = np.stack(
-        [
-            -2 * x * (a / (1 + a * x) - (a - 2 * (1 - x)) / soil),
-            2 * a * x / (1 + a * x) - 2 * a * x / soil,
-            -2 * (2 - y * (b - 2 * (1 - y)) / layer),
-            -2 * b * y / layer,
-            np.ones_like(x),
-        ],
-        axis=1,
-    )
-    return parts.sum(axis=0), (parts[:, None] * slopes).reshape(-1, frequency.size).T
+    soil = {"period": 2 * np.pi / wg, "damping": xig, "intensity": intensity}
+    layer = {"high_pass_period": 2 * np.pi / wf, "high_pass_damping": xif}
+    filters = CloughPenzien.filter(soil | layer)
+    density: Array = (filters.intensity * filters.transmission(frequency)).sum(axis=0)
+    return density
