@@ -16,12 +16,6 @@ from stochlin.models.structures import Structure
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_scalars
 
-VARIABLES = {
-    "displacement": ("m", "displacement relative to the ground"),
-    "force_per_mass": ("m/s^2", "restoring force per unit mass"),
-    "z": ("1", "hysteretic displacement over yield displacement"),
-    "hysteretic_work_per_mass": ("m^2/s^2", "work of the hysteretic force per unit mass"),
-}
 ALLOWED = "two or more finite numbers in metres, along one dimension"
 
 
@@ -89,7 +83,7 @@ def hysteresis_loop(
         "hysteretic_work_per_mass": work,
     }
     table = xr.Dataset({name: ("point", column) for name, column in columns.items()})
-    table = labels.label(table, VARIABLES)
+    table = labels.label(table)
     call = f"hysteresis_loop(refine={refine})"
     return labels.with_run_information(table, "Hysteresis loop", call, {"structure": structure})
 

@@ -1,4 +1,4 @@
-"""Names of variables: every room has its own, and nothing gets the meaning of another."""
+"""Names of variables and their endings have units and long names; no dimension takes a name."""
 
 import numpy as np
 import pytest
@@ -11,19 +11,18 @@ from stochlin.solver.tables import labels
 pytestmark = pytest.mark.invariant
 
 
-def told(names, variables):
-    table = labels.label(xr.Dataset(dict.fromkeys(names, 1.0)), variables)
-    return {name: table[name].attrs.get("long_name") for name in names}
-
-
-def test_a_name_goes_before_its_number_and_its_ends():
-    own = {"width": ("m", "width"), "width_2": ("m", "the other width")}
-    found = told(["width", "width_1", "width_2", "width_lower", "width_best", "height"], own)
-    assert found["width_1"] == "width, structure 1"
-    assert found["width_2"] == "the other width"
-    assert found["width_lower"] == "width, lower end of the 95 % interval"
-    assert found["width_best"] is None
-    assert found["height"] is None
+def test_a_name_goes_before_its_endings_and_a_special_name_before_both():
+    names = ["rho", "rho_1", "gap", "gap_lower", "peak_mean_standard_error_2", "record_rho", "rho_best"]
+    table = labels.label(xr.Dataset(dict.fromkeys(names, 1.0)), {"gap_lower": ("m", "smaller gap")})
+    found = {name: table[name].attrs.get("long_name") for name in names}
+    rho = "correlation coefficient of the displacements"
+    assert found["rho_1"] == f"{rho}, structure 1"
+    assert found["record_rho"] == f"{rho}, in the record"
+    assert found["gap_lower"] == "smaller gap"
+    peak = "standard error of the mean of the peak absolute displacement, structure 2"
+    assert found["peak_mean_standard_error_2"] == peak
+    assert table.peak_mean_standard_error_2.units == "m"
+    assert found["rho_best"] is None
 
 
 def test_every_variable_and_coordinate_of_gaps_in_records_has_a_unit_and_a_long_name():

@@ -13,7 +13,6 @@ import xarray as xr
 from stochlin.applications.buildings.mode_files import AskedModes, ModesOfFile, csi
 from stochlin.applications.buildings.mode_files import plain as plain_form
 from stochlin.applications.buildings.mode_files.csi_tables import RATIOS, tables_in
-from stochlin.applications.buildings.variables import VARIABLES
 from stochlin.applications.sheets.sheets import check_alone, sheets_of
 from stochlin.messages import DoubtfulInput, brief, listed, plain
 from stochlin.models.arguments import OneOf, checked
@@ -137,7 +136,7 @@ def with_masses(table: xr.Dataset, building: ModalBuilding) -> xr.Dataset:
         mass_share=(MODE, masses / float(table["mass"].sum())),
         floor_move=((FLOOR, MODE), building.moves()),
     )
-    return labels.label(table, VARIABLES).assign_attrs(building=building.describe())
+    return labels.label(table).assign_attrs(building=building.describe())
 
 
 def _labelled(modes: ModesOfFile, name: str, direction: str | None) -> xr.Dataset:
@@ -163,14 +162,14 @@ def _labelled(modes: ModesOfFile, name: str, direction: str | None) -> xr.Datase
         {
             MODE: (MODE, np.asarray(modes.modes)[longest], {"long_name": "number of the mode"}),
             FLOOR: (FLOOR, np.arange(1, levels.size + 1), {"long_name": "floor, from the ground up"}),
-            "level": (FLOOR, levels, {"units": "m", "long_name": VARIABLES["level"][1]}),
+            "level": (FLOOR, levels, {"units": "m", "long_name": "level of the floor"}),
         },
     )
     if modes.participation is not None and modes.modal_masses is not None:
         table["participation"] = MODE, modes.participation[longest]
         table["modal_mass"] = MODE, modes.modal_masses[longest]
     _doubt_order(table, name)
-    table = labels.label(table, VARIABLES)
+    table = labels.label(table)
     table = labels.with_run_information(table, f"Modes of {name}", "read_modes", {})
     keys = "source", "direction", "left_out", "turning", "below_ground"
     about = name, direction, listed(modes.left_out), listed(modes.turning), below

@@ -10,7 +10,6 @@ import numpy as np
 import scipy.optimize
 import xarray as xr
 
-from stochlin.applications.buildings.variables import VARIABLES
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import DoubtfulInput, brief
 from stochlin.models.arguments import Metres, Number, checked
@@ -18,6 +17,7 @@ from stochlin.models.structures import STATIONARY_HARDENING
 from stochlin.solver.tables import labels
 
 CURVE, DISPLACEMENT = "base_shear", "displacement"
+OF_ROOF = "displacement of the roof"
 FEWEST = 4  # points of a curve
 LEAST_HARDENING = 0.01
 FLAT = 1e-3  # relative difference of base shears that are alike
@@ -118,7 +118,7 @@ def bilinear_of(
         {"point": ("point", ["origin", "yield", "end"], {"long_name": "point of the idealization"})},
     )
     title = "Bilinear idealization of a pushover curve"
-    table = labels.label(table, VARIABLES)
+    table = labels.label(table, {DISPLACEMENT: ("m", OF_ROOF)})
     return labels.with_run_information(table, title, "bilinear_of()", {}, REFERENCE)
 
 

@@ -9,8 +9,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.applications.buildings.mode_files.csi_tables import check_one_case
-from stochlin.applications.buildings.pushover import CURVE, DISPLACEMENT, checked_curve
-from stochlin.applications.buildings.variables import VARIABLES
+from stochlin.applications.buildings.pushover import CURVE, DISPLACEMENT, OF_ROOF, checked_curve
 from stochlin.applications.sheets.sheets import Table, sheets_of, table_in, with_unit
 from stochlin.messages import plain
 from stochlin.models.arguments import checked
@@ -93,12 +92,11 @@ def read_pushover(
         values = table.in_si(column, TITLES[what][1], wanted[what][1], None)
         series.append(values * np.sign(values[np.argmax(np.abs(values))]))
     displacement, force = checked_curve(series[0], series[1], table.places())
-    units, long_name = VARIABLES[CURVE]
     return xr.DataArray(
         force,
-        coords=[labels.axis(DISPLACEMENT, VARIABLES[DISPLACEMENT][1], displacement, "m")],
+        coords=[labels.axis(DISPLACEMENT, OF_ROOF, displacement, "m")],
         name=CURVE,
-        attrs={"units": units, "long_name": long_name, "source": name},
+        attrs={"units": "N", "long_name": "base shear", "source": name},
     )
 
 

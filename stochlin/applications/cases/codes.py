@@ -14,7 +14,6 @@ from stochlin.applications.cases.rows import neighbours_of, of_codes, one_or_two
 from stochlin.applications.separation.code_gaps import DESIGN, Rule, code_rules
 from stochlin.applications.separation.separation import COMBINED, gaps_by_height, judged_rules
 from stochlin.applications.separation.storeys import of_storeys, weights
-from stochlin.applications.separation.variables import VARIABLES
 from stochlin.applications.sites.design_spectra import reduced_eurocode_8
 from stochlin.applications.sites.spectra import interpolated
 from stochlin.kernels.basics.arrays import Array
@@ -57,7 +56,7 @@ def with_applied_codes(case: Case, table: xr.Dataset) -> xr.Dataset:
         for end in labels.ENDS:
             applied[f"gap_at_height_{end}"] = xr.full_like(applied.gap_at_height, np.nan)
     whole = xr.concat([table, applied], "rule", data_vars="minimal", coords="minimal", compat="override")
-    whole = labels.label(whole, VARIABLES)
+    whole = labels.label(whole)
     return whole.assign_attrs(comment=f"{APPLY} {COMBINED}")
 
 

@@ -11,7 +11,6 @@ import xarray as xr
 from stochlin.applications.cases.reading.case import Case
 from stochlin.applications.cases.rows import error_of, motion_of, named_errors
 from stochlin.applications.cases.shaking import recorded_shaking, shaking_of
-from stochlin.applications.cases.variables import VARIABLES
 from stochlin.applications.pounding.pounding import pound
 from stochlin.applications.pounding.runs import STEPS_PER_CONTACT
 from stochlin.kernels.basics.parallel import Progress, part_of
@@ -125,7 +124,7 @@ def pound_motions(
         strengths = xr.concat(each, "record", combine_attrs="drop")
         table = _pounded(case, structures, dict(records), strengths, options)
         table.attrs["title"] = f"{_title(case)} {len(records)} records"
-        return labels.label(table, VARIABLES)
+        return labels.label(table)
     motion = {name: value for name, value in motion_of(case).items() if name != "confidence"}
     step = time_step([building.structure for building in case.buildings], case.site.ground)
     simulated = simulated_motions(case.site.ground, **motion | {"paths": motions, "step": step})
@@ -133,7 +132,7 @@ def pound_motions(
     table.attrs |= {name: simulated.attrs[name] for name in OF_MOTIONS if name in simulated.attrs}
     table.attrs |= {"duration_s": case.site.course.duration, "seed": case.simulated.seed, "step_s": step}
     table.attrs["title"] = f"{_title(case)} {motions} simulated motions"
-    return labels.label(table, VARIABLES)
+    return labels.label(table)
 
 
 def _pounded(
@@ -197,7 +196,7 @@ def _described(table: xr.Dataset) -> xr.Dataset:
     if "contact" in table.dims:
         left, right = (displacement_beside(table, side) for side in ("left", "right"))
         table["least_clearance"] = table.gap - (left - right).max("time")
-    return labels.label(_with_energies(table), VARIABLES)
+    return labels.label(_with_energies(table))
 
 
 def _named(table: xr.Dataset, case: Case, structures: Structures) -> xr.Dataset:

@@ -11,7 +11,6 @@ import xarray as xr
 from stochlin.applications.cases.reading.case import Case
 from stochlin.applications.cases.rows import motion_of, pair_of, simulated_as
 from stochlin.applications.cases.shaking import MOST_RECORDS, doubts, over_records, shaking_of
-from stochlin.applications.cases.variables import RECORDED
 from stochlin.applications.probability.probability import pounding_probability
 from stochlin.applications.records.gaps import recorded_gap
 from stochlin.kernels.basics.parallel import Progress, part_of
@@ -93,4 +92,4 @@ def _side_by_side(records: Mapping[str, xr.Dataset]) -> xr.Dataset:
         record=("record", [*records], {"long_name": "record"}),
         record_time=labels.axis("record_time", "time from the beginning of the record", instants, "s"),
     )
-    return labels.label(table, RECORDED)
+    return labels.label(table)

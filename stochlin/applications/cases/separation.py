@@ -23,7 +23,6 @@ from stochlin.applications.cases.rows import (
 )
 from stochlin.applications.cases.shaking import MOST_RECORDS, doubts, over_records, shaking_of
 from stochlin.applications.risk.risk import SimulatedRisk, allowed_rate
-from stochlin.applications.risk.variables import VARIABLES
 from stochlin.applications.sensitivity.sensitivity import sensitivity
 from stochlin.applications.separation.existing_gap import existing_gap
 from stochlin.applications.separation.separation import separation
@@ -211,7 +210,7 @@ def _risk_table(simulated: SimulatedRisk, case: Case, answer: float) -> xr.Datas
     table = xr.concat(each, along, data_vars="all", coords="minimal", compat="override", join="exact")
     attrs = {"long_name": "which gap this is"}
     table = table.assign_coords({OF: (GAP, list(gaps), attrs)}).assign(target.data_vars)
-    table = labels.label(table, VARIABLES).rename(
+    table = labels.label(table).rename(
         {name: f"{PREFIX}{name}" for name in table.variables if name not in (GAP, OF)}
     )
     table.attrs = {

@@ -8,7 +8,6 @@ import numpy as np
 import xarray as xr
 from scipy import constants
 
-from stochlin.applications.cases.variables import RECORDED
 from stochlin.applications.records.cells import ends_of_events, events_of
 from stochlin.applications.records.records import strong_part
 from stochlin.applications.records.response import response_spectrum
@@ -59,7 +58,7 @@ def over_records(case: Case, separations: xr.DataArray, gap: float) -> xr.Datase
         values = quantile_intervals(samples[n].to_numpy(), levels)[n]
         table[f"record_gap_quantile{end}"] = "quantile", values
     table = table.assign(share_apart(case, separations, gap)).assign_attrs(independent=len({*events}))
-    return labels.label(table, RECORDED)
+    return labels.label(table)
 
 
 def share_apart(case: Case, values: xr.DataArray, most: float) -> dict[str, xr.DataArray]:

@@ -22,6 +22,7 @@ from stochlin.models.measures import Measure
 from stochlin.models.systems import Arrangement, arrangement_of, retrofitted
 from stochlin.models.uncertain import applied, median_of
 from stochlin.solver.simulation.finite_motions import (
+    LINK_PEAKS,
     enough_motions,
     keeping_apart,
     pair_separation,
@@ -29,7 +30,6 @@ from stochlin.solver.simulation.finite_motions import (
     required_gaps,
 )
 from stochlin.solver.simulation.simulation import simulate
-from stochlin.solver.simulation.variables import OF_LINKS
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.floors import LINK
 
@@ -178,7 +178,7 @@ def _devices(motions: xr.Dataset, system: Arrangement) -> xr.Dataset:
         "link_place": [f"{low} to {high}" for low, high in ends],
     }
     columns |= {
-        f"{name}_quantile": quantiles_of(motions[name].values, np.array(QUANTILE)) for name in OF_LINKS
+        f"{name}_quantile": quantiles_of(motions[name].values, np.array(QUANTILE)) for name in LINK_PEAKS
     }
-    means = motions[[f"{name}_mean" for name in OF_LINKS]]
+    means = motions[[f"{name}_mean" for name in LINK_PEAKS]]
     return means.assign({name: (LINK, each) for name, each in columns.items()})

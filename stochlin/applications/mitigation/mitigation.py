@@ -10,7 +10,6 @@ import xarray as xr
 
 from stochlin.applications.mitigation.mitigated_pair import MitigatedPair
 from stochlin.applications.mitigation.searches import MeasureLine, Search, searches
-from stochlin.applications.mitigation.variables import VARIABLES
 from stochlin.applications.pounding.rows import check_contact, checked_buildings
 from stochlin.applications.records.cells import checked_motions
 from stochlin.applications.separation.separation import NOT_AVAILABLE, VERDICT_ATTRS, verdict_of
@@ -234,7 +233,7 @@ def _table(rows: list[xr.Dataset], confidence: float) -> xr.Dataset:
     verdict = verdict_of(table.data_vars, confidence).where(known, NOT_AVAILABLE)
     table["verdict"] = verdict.astype(np.int8)
     table["status"] = labels.status_where(known, labels.NOT_CONVERGED)
-    table = labels.label(table, VARIABLES)
+    table = labels.label(table)
     table.verdict.attrs = {**VERDICT_ATTRS, "flag_meanings": VERDICTS}
     for name, text in TEXTS.items():
         if name in table:

@@ -12,12 +12,12 @@ from stochlin.applications.pounding.histories import floor_coords, histories, la
 from stochlin.applications.pounding.rows import Standing
 from stochlin.applications.pounding.runs import failure, responses, runs_of
 from stochlin.applications.pounding.summaries import summary
-from stochlin.applications.pounding.variables import STATISTICS
 from stochlin.applications.records.cells import RECORD, RecordedMotions, Records, checked_motions
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.pounding.run import StepCounts
 from stochlin.solver.simulation.finite_motions import (
+    LINK_PEAKS,
     Columns,
     exceedance,
     keeping_apart,
@@ -28,6 +28,12 @@ from stochlin.solver.tables import labels
 
 PATH, NEIGHBOURS = "path", "neighbours"
 BETWEEN = "impacts", "hardest_force", "contact_energy"  # also of all contacts between two neighbours
+PEAKS = "peak", "peak_acceleration", "peak_storey_shear", "peak_base_shear"
+# Variables with a mean and quantiles over several motions.
+STATISTICS = (
+    *(*BETWEEN, *(f"{name}_between" for name in BETWEEN), "fastest_approach", "column_force"),
+    *("column_force_share", "amplification", *PEAKS, *(f"{name}_alone" for name in PEAKS), *LINK_PEAKS),
+)
 
 
 class Ensemble(NamedTuple):

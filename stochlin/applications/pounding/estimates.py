@@ -10,7 +10,6 @@ import xarray as xr
 
 from stochlin.applications.pounding.histories import contacts
 from stochlin.applications.pounding.rows import SIDES, Meeting, meetings
-from stochlin.applications.pounding.variables import VARIABLES
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.simulation.contacts import impact_loss, velocities_after_impact
 from stochlin.models.arguments import Points, checked
@@ -135,7 +134,7 @@ def pounding_estimate(
         table[f"largest_radius_amplification_{n}"] = largest.where(valid)
     table["status"] = labels.status_where(valid)
     return labels.with_run_information(
-        labels.label(table, VARIABLES),
+        labels.label(table),
         "Energy estimate of a hit",
         f"pounding_estimate(points={points})",
         {"first": first, "second": second, "contact": contact},

@@ -25,7 +25,6 @@ from stochlin.applications.pounding.rows import (
     checked_links,
 )
 from stochlin.applications.pounding.runs import STEPS_PER_CONTACT, paces_of
-from stochlin.applications.pounding.variables import VARIABLES
 from stochlin.applications.records.cells import Records
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.arguments import Quantiles, Whole, checked
@@ -240,7 +239,7 @@ def pound(
     if not ensemble.single:
         table = with_statistics(table, ensemble.over, levels)
         call = f"quantiles={levels.tolist()}, {call}"
-    table = labels.label(table, VARIABLES).assign_attrs(motion=ensemble.describe())
+    table = labels.label(table).assign_attrs(motion=ensemble.describe())
     models: dict[str, Any] = {f"structure_{n}": each for n, each in enumerate(row_of, start=1)}
     models |= {f"link_{n}": each for n, each in enumerate(links, start=1) if each is not None}
     title = "A building alone in a motion"

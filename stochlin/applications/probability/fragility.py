@@ -10,7 +10,6 @@ import xarray as xr
 from stochlin.applications.probability.formulas import by_formula
 from stochlin.applications.probability.probability import REFERENCES, PathsIfAny
 from stochlin.applications.probability.simulated import required_gaps
-from stochlin.applications.probability.variables import VARIABLES
 from stochlin.applications.risk.rates import (
     Fragility,
     SeparationsByIntensity,
@@ -163,7 +162,7 @@ def pounding_fragility(
         **labels.of_scatter(scatter),
     }
     return labels.with_run_information(
-        labels.label(table, VARIABLES),
+        labels.label(table),
         f"Fragility of two structures against pounding, {ground.name} ground",
         f"pounding_fragility(duration={duration:g}, confidence={confidence:g}, paths={paths}, "
         f"seed={seed})",

@@ -6,7 +6,6 @@ import numpy as np
 import xarray as xr
 
 from stochlin.applications.probability.axes import ResultAxes
-from stochlin.applications.probability.variables import VARIABLES
 from stochlin.applications.records.cells import SCALARS, check_structure
 from stochlin.applications.records.gaps import recorded_gap
 from stochlin.applications.records.ground_fit import ground_of_record
@@ -75,7 +74,7 @@ def hybrid_pounding(
         rho=rho,
         status=labels.status_where(distance.valid()),
     )
-    table = labels.label(table.drop_attrs(deep=False), VARIABLES).assign_attrs(
+    table = labels.label(table.drop_attrs(deep=False)).assign_attrs(
         confidence=confidence,
         record=str(record.attrs.get("source", "record")),
         phase="von Mises distribution, mean cosine rho",

@@ -8,11 +8,9 @@ from typing import Annotated, Any
 
 import xarray as xr
 
-from stochlin.applications.probability.axes import HEIGHT
 from stochlin.applications.probability.formulas import by_formula
 from stochlin.applications.probability.hybrid import hybrid_pounding
 from stochlin.applications.probability.simulated import by_simulation
-from stochlin.applications.probability.variables import VARIABLES
 from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.messages import refuse
 from stochlin.models.arguments import (
@@ -38,13 +36,12 @@ from stochlin.solver.linearization.transient_systems import (
     course_of,
     over_time,
 )
-from stochlin.solver.linearization.variables import VARIABLES as LINEARIZATION
 from stochlin.solver.simulation.finite_motions import enough_motions
 from stochlin.solver.simulation.simulation import MOTIONS, check_repeated
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.cells import over_cells
 from stochlin.solver.tables.checks import check_duration
-from stochlin.solver.tables.lazy import arrays_of, check_names
+from stochlin.solver.tables.lazy import arrays_of
 
 METHODS = ("evolutionary", "hybrid")
 PathsIfAny = Annotated[int, Whole(0)]  # 0 for no simulation
@@ -201,8 +198,6 @@ def pounding_probability(
     usual, distance = {role: median_of(model) for role, model in models.items()}, Gap(gap)
     seconds = check_course(duration, envelope)
     cells = arrays_of({**models, "distance": distance}).values()
-    names = [name for array in cells for name in (*array.dims, *array.coords)]
-    check_names(names, {*VARIABLES, "status", TIME, HEIGHT} - {*LINEARIZATION, "gap"})
     periods = [_periods(role, usual[role], seconds) for role in ("first", "second")]
     course = course_of(envelope, seconds, min(float(period.min()) for period in periods), points)
     begin = most = paths or MOTIONS[1]
@@ -238,7 +233,7 @@ def pounding_probability(
     order = dict.fromkeys([TIME, *(dim for array in cells for dim in array.dims)])
     table = over_time(table.transpose(*order, ..., missing_dims="ignore"), course)
     return labels.with_run_information(
-        labels.label(table, VARIABLES).assign_attrs(confidence=confidence, **labels.of_scatter(scatter)),
+        labels.label(table).assign_attrs(confidence=confidence, **labels.of_scatter(scatter)),
         f"Probability of pounding in a finite motion, {usual['ground'].name} ground",
         f"pounding_probability(duration={duration:g}, confidence={confidence:g}, "
         f"paths={table.attrs.get('paths', 0)}, seed={seed})",

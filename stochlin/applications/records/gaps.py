@@ -18,7 +18,6 @@ from stochlin.applications.records.cells import (
     events_of,
 )
 from stochlin.applications.records.stepped import gap_columns, stepped_gap
-from stochlin.applications.records.variables import ALONE, VARIABLES
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.records import oscillator as recorded
 from stochlin.kernels.records.runs import peaks_on_records
@@ -114,10 +113,8 @@ def recorded_gap(
         table = over_cells(lambda **roles: stepped_gap(list(roles.values()), motions, progress), roles)
     if RECORD in table.dims:
         table = table.merge(_over_records(table.separation, events_of(motions.records)))
-    title, known = "Gap of two structures in recorded motions", VARIABLES
-    if second is None:
-        title, known = SET_BACK, {**VARIABLES, **ALONE}
-    table = labels.label(table.assign_attrs(records=motions.describe()), known)
+    title = "Gap of two structures in recorded motions" if second is not None else SET_BACK
+    table = labels.label(table.assign_attrs(records=motions.describe()))
     return labels.with_run_information(table, title, "recorded_gap()", roles)
 
 

@@ -16,7 +16,6 @@ from stochlin.applications.records.cells import (
     checked_motions,
 )
 from stochlin.applications.records.stepped import stepped_history
-from stochlin.applications.records.variables import VARIABLES
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.records import oscillator as recorded
 from stochlin.kernels.records.runs import history, peaks_on_records
@@ -292,5 +291,5 @@ def _exact_history(structure: Bilinear, motions: RecordedMotions, refine: int) -
 def _with_information(
     table: xr.Dataset, title: str, call: str, structure: AnyStructure, motions: RecordedMotions
 ) -> xr.Dataset:
-    table = labels.label(table, VARIABLES).assign_attrs(records=motions.describe())
+    table = labels.label(table).assign_attrs(records=motions.describe())
     return labels.with_run_information(table, title, call, {"structure": structure}, REFERENCES)

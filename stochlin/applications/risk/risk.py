@@ -18,7 +18,6 @@ import scipy.optimize
 import xarray as xr
 
 from stochlin.applications.risk.rates import SeparationsByIntensity, rates, simulated_separations
-from stochlin.applications.risk.variables import VARIABLES
 from stochlin.applications.sites.intensity import scale_ground
 from stochlin.applications.sites.simulated_spectra import PGA_STEP
 from stochlin.kernels.basics.arrays import Array
@@ -391,7 +390,7 @@ class SimulatedRisk:
         alone = len(self.structures) == 1
         what = "one structure crossing its property line" if alone else "pounding of two structures"
         return labels.with_run_information(
-            labels.label(table, VARIABLES).assign_attrs(
+            labels.label(table).assign_attrs(
                 paths=self.paths,
                 seed=self.seed,
                 duration_s=float(self.duration),

@@ -10,7 +10,6 @@ import numpy as np
 import xarray as xr
 
 from stochlin.applications.sensitivity.inputs import Input, changed, described, inputs_of
-from stochlin.applications.sensitivity.variables import VARIABLES
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.arguments import Duration, Paths, Probability, Scatter, Seed, checked
@@ -119,7 +118,7 @@ def sensitivity(
     check_repeated([*both.values()], usual, duration, paths, 2 * (1 + len(inputs)))
     draws = {"paths": paths, "seed": seed, "scatter": float(scatter)}
     responses = _responses(models, inputs, (duration, envelope), draws, progress)
-    table = labels.label(_table(responses, inputs, confidence), VARIABLES)
+    table = labels.label(_table(responses, inputs, confidence))
     subject = "the set-back of a building" if second is None else "the gap of two buildings"
     return labels.with_run_information(
         table.assign_attrs(

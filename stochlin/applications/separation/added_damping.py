@@ -10,7 +10,6 @@ import xarray as xr
 from stochlin.applications.records.cells import RECORD, OscillatorOnRecord, Records, checked_motions
 from stochlin.applications.separation.energy_gap import WHITE_NOISE, Method, RhoEstimate, estimated_gap
 from stochlin.applications.separation.existing_gap import damped
-from stochlin.applications.separation.variables import VARIABLES
 from stochlin.models.arguments import Metres, checked
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import Model
@@ -29,10 +28,6 @@ DAMPED, BY_DAMPING = "damped", "added_damping"
 LEAST = "least_added_damping"
 CURVES = ("critical_gap", "separation", "rho_estimate", *(f"pseudo_energy_radius_{n}" for n in (1, 2)))
 # Other long names, since the gap is required by one motion or estimated from it.
-OF_RECORD = {
-    LEAST: ("1", "least damping ratio to be added, by the energy radii and eq. (3)"),
-    f"{LEAST}_recorded": ("1", "least damping ratio to be added, by the motion itself"),
-}
 
 
 @checked
@@ -115,7 +110,7 @@ def damping_for_gap(
     )
     models: dict[str, Model] = {"first": first, "second": second}
     return labels.with_run_information(
-        labels.label(table, {**VARIABLES, **OF_RECORD}),
+        labels.label(table),
         "Least added damping for a gap in recorded motions",
         f"damping_for_gap(gap={gap:g}, {estimate.told})",
         models | ({} if ground is None else {"ground": ground}),

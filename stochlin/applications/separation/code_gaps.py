@@ -10,7 +10,6 @@ import numpy as np
 import xarray as xr
 
 from stochlin.applications.separation.modes import spectral_peaks
-from stochlin.applications.separation.variables import VARIABLES
 from stochlin.messages import brief
 from stochlin.models.arguments import Truth, checked, fitting, is_number
 from stochlin.models.grounds import Ground
@@ -295,7 +294,7 @@ def code_gaps(
         of_modes = {"modes_1": modes_1, "modes_2": modes_2, "ground": ground}
         models = {name: model for name, model in of_modes.items() if model is not None}
         table.attrs["spectrum"] = str(spectrum.attrs.get("source", "a spectrum"))
-    table = labels.label(table, VARIABLES)
+    table = labels.label(table)
     table.attrs["comment"] = (
         f"The peaks are {displacements}. Rules whose mark has an M were not compared with their source."
     )

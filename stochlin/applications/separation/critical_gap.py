@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from stochlin.applications.separation.variables import VARIABLES
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.correlation.combination import double_difference
 from stochlin.models.arguments import checked
@@ -71,7 +70,7 @@ def critical_gap(peak_1: Parameter, peak_2: Parameter, rho: Parameter) -> xr.Dat
     """
     pair = CorrelatedPeaks(peak_1, peak_2, rho)
     return labels.with_run_information(
-        labels.label(in_blocks(_by_equation_3, {"pair": pair}), VARIABLES),
+        labels.label(in_blocks(_by_equation_3, {"pair": pair})),
         "Critical gap by the double difference combination, eq. (3)",
         "critical_gap()",
         {"pair": pair},

@@ -9,7 +9,6 @@ import xarray as xr
 
 from stochlin.applications.records.cells import Records
 from stochlin.applications.records.gaps import recorded_gap
-from stochlin.applications.separation.variables import VARIABLES
 from stochlin.kernels.correlation.combination import double_difference
 from stochlin.models.arguments import OneOf, checked
 from stochlin.models.grounds import Ground
@@ -148,7 +147,7 @@ def energy_gap(
     estimate = RhoEstimate(method, rule, ground, closure)
     estimate.check(first, second)
     return labels.with_run_information(
-        labels.label(estimated_gap(first, second, record, estimate), VARIABLES),
+        labels.label(estimated_gap(first, second, record, estimate)),
         "Critical gap in recorded motions by the energy approach, eq. (3)",
         f"energy_gap({estimate.told})",
         {"first": first, "second": second} | ({} if ground is None else {"ground": ground}),

@@ -11,7 +11,6 @@ import numpy as np
 import xarray as xr
 
 from stochlin.applications.separation.searches import Required, around, least, up_to
-from stochlin.applications.separation.variables import VARIABLES
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.arguments import (
     Duration,
@@ -181,7 +180,7 @@ def existing_gap(
         f"reduction factors times {STRENGTHS[0]:g} to {STRENGTHS[-1]:g}, motion times "
         f"{AMPLITUDES[0]:g} to {AMPLITUDES[-1]:g}, added damping to {DAMPINGS[-1]:g}"
     )
-    table = labels.label(table, VARIABLES)
+    table = labels.label(table)
     return labels.with_run_information(
         table.assign_attrs(
             gap_m=float(gap), confidence=confidence, searched=searched, **labels.of_scatter(scatter)

@@ -22,7 +22,6 @@ from stochlin.applications.separation.code_gaps import (
 from stochlin.applications.separation.pairs import PairInMotion
 from stochlin.applications.separation.rules import all_rules
 from stochlin.applications.separation.storeys import check_levels, numbers_of_storeys, of_storeys
-from stochlin.applications.separation.variables import ALONE, VARIABLES
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.models.arguments import (
@@ -292,7 +291,7 @@ def separation(
     long_enough = reduce(and_, (first_period(structure) <= duration for structure in both.values()))
     table = over_cells(of_cell, models, long_enough)
     table["verdict"] = table.verdict.where(table.gap.notnull(), NOT_AVAILABLE).astype(np.int8)
-    table = labels.label(table, {**VARIABLES, **ALONE} if alone else VARIABLES)
+    table = labels.label(table)
     table.verdict.attrs = VERDICT_ATTRS
     for name, text in TEXTS.items():
         table[name].attrs["long_name"] = text

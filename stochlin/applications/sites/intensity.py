@@ -12,7 +12,6 @@ from scipy import constants
 
 from stochlin.applications.sites.simulated_spectra import PGA_STEP, Motions, peak_accelerations
 from stochlin.applications.sites.spectra import USUAL_DAMPING, check_goal
-from stochlin.applications.sites.variables import VARIABLES
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.arguments import Acceleration, DampingRatio, Duration, Paths, Seconds, Seed, checked
@@ -148,7 +147,7 @@ def shaking(
         mean, error = _mean_acceleration(motions, at, USUAL_DAMPING)
         columns[f"{name}{ending}"] = np.sqrt(intensity) * mean
         columns[f"{name}_standard_error{ending}"] = np.sqrt(intensity) * error
-    return labels.label(xr.Dataset(columns, attrs={"pga_step_s": PGA_STEP}), VARIABLES)
+    return labels.label(xr.Dataset(columns, attrs={"pga_step_s": PGA_STEP}))
 
 
 def _of_unit_intensity(motions: Motions) -> Motions:

@@ -15,7 +15,6 @@ from stochlin.applications.sites.spectra import (
     interpolated,
     is_spectrum,
 )
-from stochlin.applications.sites.variables import VARIABLES
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.simulation.ensemble import finite_extremes
@@ -127,7 +126,7 @@ def simulated_spectrum(
     title = "Response spectrum of simulated motions"
     if wanted is not None and isinstance(target, xr.DataArray):
         table.target.attrs["source"] = str(target.attrs.get("source", "a spectrum"))
-    return labels.with_run_information(labels.label(table, VARIABLES), title, call, motions.models())
+    return labels.with_run_information(labels.label(table), title, call, motions.models())
 
 
 def compared_spectrum(

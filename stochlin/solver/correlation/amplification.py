@@ -20,7 +20,6 @@ from stochlin.models.structures import GAUSSIAN, Structure
 from stochlin.models.systems import AnyStructure, falls_at
 from stochlin.solver.correlation.correlation import correlate
 from stochlin.solver.correlation.simulated import over_grounds
-from stochlin.solver.correlation.variables import VARIABLES
 from stochlin.solver.linearization.equivalent_systems import solve_elastic
 from stochlin.solver.linearization.linearization import linearize
 from stochlin.solver.simulation.ensembles import cells_of, join_cells, prepare
@@ -38,9 +37,6 @@ from stochlin.solver.tables.lazy import computed
 LINEARIZATION, SIMULATION = "linearization", "simulation"
 STD, PEAK = "std", "peak"
 STD_ERROR = "displacement_std_standard_error"
-OF_PEAKS = {
-    "amplification": ("1", "ratio of inelastic to elastic mean peak displacement"),
-}
 
 
 def _check_fitting(of: object, duration: object, envelope: object) -> None:
@@ -168,7 +164,7 @@ def amplification(
         table = table.drop_vars(STD_ERROR)
     table = table.assign(amplification=table.displacement_std / elastic)
     return labels.with_run_information(
-        labels.label(table, VARIABLES),
+        labels.label(table),
         f"Stationary amplification of the displacement by yielding, {method}, {ground.name} ground",
         f"amplification(method={method!r}, {how})",
         {"structure": structure, "ground": ground},
@@ -191,7 +187,7 @@ def _of_peaks(
         grounds = int(np.prod([array.size for array in ground.arrays().values()]))
         run = partial(_on_one_ground, motion, grounds)
         table = over_grounds(run, [computed(structure)], computed(ground))
-    table = labels.label(table, {**VARIABLES, **OF_PEAKS})
+    table = labels.label(table)
     labels.raise_if_lone_failure(table, "amplification", structure, ground)
     return labels.with_run_information(
         table,

@@ -22,7 +22,6 @@ from stochlin.models.systems import AnyStructure
 from stochlin.solver.correlation.effective import EQ_4, effective_pair
 from stochlin.solver.correlation.errors import difference
 from stochlin.solver.correlation.pairs import SHOWN, linearized_pairs
-from stochlin.solver.correlation.variables import VARIABLES
 from stochlin.solver.linearization.equivalent_systems import Solved, check_closure, solved_together
 from stochlin.solver.linearization.tolerance import Tolerance
 from stochlin.solver.tables import labels
@@ -187,7 +186,7 @@ def correlate(
     details = table.attrs.pop("details")
     labels.raise_if_lone_failure(table, "correlate", first, second, ground)
     last = labels.NOT_RESOLVED if method == SIMULATION else labels.TOO_STRONG
-    table = labels.label(table, VARIABLES, last)
+    table = labels.label(table, last=last)
     return labels.with_run_information(
         table,
         f"Stationary correlation of two structures by {method.replace('_', ' ')}, {ground.name} ground",
@@ -338,7 +337,7 @@ def rho_white_noise(
     """
     pair = LinearPair(period_1, period_2, damping_1, damping_2)
     return labels.with_run_information(
-        labels.label(in_blocks(_by_eq_4, {"pair": pair}), VARIABLES),
+        labels.label(in_blocks(_by_eq_4, {"pair": pair})),
         "Stationary correlation of two linear structures under white noise, eq. (4)",
         "rho_white_noise()",
         {"pair": pair},

@@ -13,7 +13,6 @@ from stochlin.kernels.correlation.white_noise import white_noise_correlation
 from stochlin.models.arguments import checked
 from stochlin.models.parameters import Parameter
 from stochlin.models.rules.effective_properties import EffectiveRule, YieldingPair, effective_rule
-from stochlin.solver.correlation.variables import VARIABLES
 from stochlin.solver.linearization.equivalent_systems import Solved
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.cellwise import Cells, cellwise, valid_cells
@@ -83,7 +82,7 @@ def rho_effective(
     pair = YieldingPair(
         period_1, period_2, damping_1, damping_2, hardening_1, hardening_2, ductility_1, ductility_2
     )
-    table = labels.label(in_blocks(partial(_of_rule, chosen), {"pair": pair}), VARIABLES)
+    table = labels.label(in_blocks(partial(_of_rule, chosen), {"pair": pair}))
     return labels.with_run_information(
         table.assign_attrs(rule=chosen.describe()),
         f"Stationary correlation of two yielding structures by eq. (4) and the rule {chosen.name}",

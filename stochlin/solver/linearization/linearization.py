@@ -14,7 +14,6 @@ from stochlin.models.structures import DRIFT, Structure
 from stochlin.solver.linearization.bias import judged
 from stochlin.solver.linearization.equivalent_systems import PUBLIC, check_closure
 from stochlin.solver.linearization.tolerance import Tolerance
-from stochlin.solver.linearization.variables import VARIABLES
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.lazy import in_blocks
 
@@ -126,7 +125,7 @@ def linearize(
     check_closure(structure, closure)
     tolerance = Tolerance(rtol, atol, max_iterations)
     models: dict[str, Model] = {"structure": structure, "ground": ground}
-    table = labels.label(in_blocks(partial(_solved, closure, tolerance), models), VARIABLES)
+    table = labels.label(in_blocks(partial(_solved, closure, tolerance), models))
     labels.raise_if_lone_failure(table, "linearize", structure, ground)
     if structure.yields:
         table = table.assign_attrs(comment=caution_in_words(closure))

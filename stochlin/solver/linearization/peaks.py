@@ -25,7 +25,6 @@ from stochlin.solver.linearization.equivalent_systems import (
     system_and_forcing,
 )
 from stochlin.solver.linearization.linearization import caution_in_words
-from stochlin.solver.linearization.variables import VARIABLES
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.cellwise import cellwise
 
@@ -143,7 +142,7 @@ def peak_response(
     table = table.assign(status=status.astype(np.int8))
     table = table.assign(solved[[*JUDGED, "displacement_std"]])
     table["caution"] = _caution(structure, ground, solved, table.caution)
-    table = labels.label(table, VARIABLES if sides == 2 else {**VARIABLES, **ONE_SIDED})
+    table = labels.label(table, {} if sides == 2 else ONE_SIDED)
     comment = f"{chosen.name} is defined for {domain}; NaN elsewhere."
     if structure.yields:
         comment = f"{caution_in_words(closure)} {comment}"

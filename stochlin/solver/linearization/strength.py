@@ -33,7 +33,6 @@ from stochlin.solver.linearization.equivalent_systems import (
 )
 from stochlin.solver.linearization.linearization import caution_in_words
 from stochlin.solver.linearization.tolerance import Tolerance
-from stochlin.solver.linearization.variables import VARIABLES
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.cells import flat
 from stochlin.solver.tables.lazy import in_blocks
@@ -141,7 +140,7 @@ def strength_for_ductility(
     strong.check_settles(type(structure).__name__)
     target = DuctilityTarget(ductility)
     models: dict[str, Model] = {"structure": strong, "ground": ground, "target": target}
-    table = labels.label(in_blocks(partial(_with_strength, closure), models), VARIABLES)
+    table = labels.label(in_blocks(partial(_with_strength, closure), models))
     arguments = f"{structure.describe()}, {ground.describe()}, ductility={brief(ductility)}"
     case = f"strength_for_ductility({arguments})"
     labels.raise_if_lone_failure(table, case)
@@ -227,7 +226,6 @@ def reduction_factor(structure: Structure, ground: Ground) -> xr.Dataset:
         elastic[["yield_displacement", "status"]].assign(
             reduction_factor=peak / elastic.yield_displacement
         ),
-        VARIABLES,
     )
     labels.raise_if_lone_failure(table, "reduction_factor", structure, ground)
     return labels.with_run_information(

@@ -23,7 +23,6 @@ from stochlin.solver.linearization.transient_systems import (
     over_time,
     solve_course,
 )
-from stochlin.solver.linearization.variables import VARIABLES
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.cells import flat, together_or_alone
 from stochlin.solver.tables.checks import check_duration
@@ -117,7 +116,7 @@ def transient_response(
     of_cells = partial(_of_cells, seconds=seconds, envelope=envelope, points=points)
     table = together_or_alone(of_cells, models, structure.arrays()["period"] <= seconds)
     course = course_of(envelope, seconds, seconds, points)
-    table = labels.label(over_time(table, course), VARIABLES)
+    table = labels.label(over_time(table, course))
     if structure.yields:
         table = table.assign_attrs(comment=labels.CAUTION_SIGMA)
     return labels.with_run_information(

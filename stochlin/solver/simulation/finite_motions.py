@@ -19,7 +19,6 @@ from stochlin.models.envelopes import Envelope, envelope_at
 from stochlin.models.systems import AnyStructure, Arrangement, Tie
 from stochlin.solver.simulation.ensembles import SimulationRun, seconds_of
 from stochlin.solver.simulation.structures_in_motion import STRUCTURE, StructuresInMotion
-from stochlin.solver.simulation.variables import OF_LINKS, VARIABLES
 from stochlin.solver.simulation.views import (
     Pair,
     Terms,
@@ -39,6 +38,7 @@ FAR = 1e200  # [m], in place of infinity, between which and a number no quantile
 PRECISION, MARGIN = 0.1, 1.2  # half of an interval over a gap, and motions over those that it needs
 BLOCK = 256  # time steps that are computed at once
 HEIGHT = "height above the ground"
+LINK_PEAKS = "peak_link_force", "peak_link_stroke", "link_energy"
 RUNS_AWAY = (
     "the rates of its law grow without end: give a law in which z and all other states stay bounded, "
     "such as v - abs(v)*z, or weaker motions"
@@ -152,7 +152,7 @@ def simulate_finite(
     if system.ties:
         coords |= link_coordinates([tie.number for tie in system.ties])
         of_links = extremes.force, extremes.stroke, extremes.energy
-        for name, each in zip(OF_LINKS, of_links, strict=True):
+        for name, each in zip(LINK_PEAKS, of_links, strict=True):
             samples[name] = ("path", LINK), np.where(fallen.any(axis=1, keepdims=True), np.inf, each)
     means = _means(samples)
     if storeys:
@@ -169,7 +169,7 @@ def simulate_finite(
 def _means(samples: Columns) -> Columns:
     """Means over the motions, and their standard errors."""
     means: Columns = {}
-    for name in ("peak", "peak_positive", "peak_drift", "separation", *OF_LINKS):
+    for name in ("peak", "peak_positive", "peak_drift", "separation", *LINK_PEAKS):
         if name in samples:
             (_, *over), values = samples[name]
             means |= mean_columns(name, over, values)
@@ -308,7 +308,7 @@ def exceedance(samples: xr.DataArray, gap: float | xr.DataArray) -> xr.Dataset:
             "probability_upper": count.copy(data=upper),
         }
     )
-    return labels.label(table, VARIABLES)
+    return labels.label(table)
 
 
 def pair_separation(motions: xr.Dataset) -> xr.DataArray:

@@ -39,7 +39,6 @@ from stochlin.solver.simulation.finite_motions import (
 )
 from stochlin.solver.simulation.run_lengths import BURN_IN, with_length
 from stochlin.solver.simulation.structures_in_motion import StructuresInMotion, structures_in_motion
-from stochlin.solver.simulation.variables import VARIABLES
 from stochlin.solver.simulation.views import drifts_of, view_of
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_scalars
@@ -228,7 +227,7 @@ def simulate(
         table = _stationary(moving, run, relaxation_times, progress)
         state, more = "stationary response", ""
     return labels.with_run_information(
-        labels.label(table, VARIABLES, labels.NOT_RESOLVED),
+        labels.label(table, last=labels.NOT_RESOLVED),
         f"Simulation of {len(structures)} structures in {state}, {ground.name} ground",
         f"simulate(paths={paths}, seed={seed}{more})",
         models | {"ground": drawn.ground},

@@ -139,11 +139,11 @@ def _one_by_one(
         valid = bool(good.isel(where, missing_dims="ignore"))
         cell = {role: model.isel(where) for role, model in {**models, **beside}.items()} if valid else {}
         done.append(_of_cell(function, cell) if valid else None)
-    solved = (table for table in done if isinstance(table, xr.Dataset))
-    known = next(solved, None) if known is None else known
+        if known is None and isinstance(done[-1], xr.Dataset):
+            known = done[-1]
+            check_names((*shape.dims, *shape.coords), {*known.variables, *known.dims})
     if known is None:
         raise next(filter(None, done), ValueError(NONE_VALID))  # type: ignore[misc]
-    check_names(shape.dims, known.data_vars)
     tables = [table if isinstance(table, xr.Dataset) else _blank(known, table) for table in done]
     index = pd.MultiIndex.from_product([range(n) for n in shape.shape], names=list(map(str, shape.dims)))
     stacked = xr.concat(

@@ -11,6 +11,7 @@ import xarray as xr
 from stochlin._version import __version__
 from stochlin.models.parameters import Model
 from stochlin.solver.tables.cellwise import cellwise
+from stochlin.solver.variables import unit_and_long_name
 
 PAPER = (
     "Valles-Mattox, R. E. and Reinhorn, A. M. (1996). Evaluation, prevention and mitigation of "
@@ -50,6 +51,10 @@ STATUS_MEANINGS = (
     "shaking_too_strong",
     "not_resolved",
 )
+ENDS = "lower", "upper"
+VALUE_AND_ENDS = ("", *(f"_{end}" for end in ENDS))  # endings of the names of a number and its interval
+Variables = Mapping[str, tuple[str, str]]
+NONE: Variables = {}
 CAUTION = "caution"  # end of the names of the caution flags
 CAUTION_MEANINGS = ("within_10_percent", "off_by_more_than_10_percent", "outside_of_the_map")
 CURES = {
@@ -61,12 +66,6 @@ CURES = {
     "closure",
 }
 
-# Unit and long name by the name of a variable. Every room has its own in ``variables.py``, since a name
-# may have different meanings in two rooms.
-Variables = Mapping[str, tuple[str, str]]
-ENDS = {"lower": "lower end of the 95 % interval", "upper": "upper end of the 95 % interval"}
-VALUE_AND_ENDS = ("", *(f"_{end}" for end in ENDS))  # endings of the names of a number and its interval
-
 
 def axis(name: str, long_name: str, values: Any, units: str = "1") -> xr.DataArray:
     """Array over the dimension ``name`` with itself as coordinate, both with units and long name."""
@@ -74,37 +73,24 @@ def axis(name: str, long_name: str, values: Any, units: str = "1") -> xr.DataArr
     return xr.DataArray(values, dims=name, coords={name: (name, values, attrs)}, attrs=attrs)
 
 
-def label(dataset: xr.Dataset, variables: Variables, last: int = TOO_STRONG) -> xr.Dataset:
+def label(dataset: xr.Dataset, special: Variables = NONE, last: int = TOO_STRONG) -> xr.Dataset:
     """Add units and long names to the variables, and flags to ``status`` and the cautions.
 
-    The long name of a variable that ends in a number has the number of the structure, and that of one
-    that ends in ``_lower`` or ``_upper`` is the end of its interval; both endings may follow each other.
-    ``last`` is the last status that there may be.
+    They are those of `variables`, but for ``special`` names. ``last`` is the last status that there may
+    be.
     """
     every = dataset.variables
     for name in map(str, dataset.data_vars):
         if name == "status":
             every[name].attrs = _flags("status of the cell", STATUS_MEANINGS[: last + 1])
             continue
-        if name.rpartition("_")[2] == CAUTION and "flag_values" not in every[name].attrs:
+        if "flag_values" in every[name].attrs:
+            continue
+        if name.rpartition("_")[2] == CAUTION:
             every[name].attrs = _flags("caution flag of the linearization", CAUTION_MEANINGS)
-        stem, endings = _stem(name, variables)
-        if stem in variables:
-            units, long_name = variables[stem]
-            every[name].attrs.update(units=units, long_name=", ".join([long_name, *endings]))
+        if described := special.get(name) or unit_and_long_name(name):
+            every[name].attrs.update(zip(("units", "long_name"), described, strict=True))
     return dataset
-
-
-def _stem(name: str, variables: Variables) -> tuple[str, list[str]]:
-    """Declared name that the name begins with, and its endings in words, the last one first."""
-    endings: list[str] = []
-    while name not in variables:
-        stem, _, end = name.rpartition("_")
-        if not end.isdigit() and end not in ENDS:
-            break
-        name = stem
-        endings.append(ENDS.get(end, f"structure {end}"))
-    return name, endings
 
 
 def _flags(long_name: str, meanings: Sequence[str]) -> dict[str, Any]:

@@ -9,7 +9,6 @@ import xarray as xr
 
 from stochlin.applications.records.records import strong_part
 from stochlin.applications.records.response import pseudo_energy_radius, respond, response_spectrum
-from stochlin.applications.records.variables import VARIABLES as RECORDS
 from stochlin.models.arguments import checked
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.solver.tables import labels
@@ -27,7 +26,6 @@ ENERGIES = ("input", "viscous", "hysteretic")
 TRACE: Any = {"color": "0.35", "lw": 0.7}
 CIRCLE: Any = {"color": "#8c2d04", "linestyle": (0, (6, 1.5))}
 VARIABLES = {
-    **RECORDS,
     "velocity_over_frequency": ("m", "velocity over circular frequency"),
     "circle_displacement": ("m", "displacement on the circle of r_PER"),
     "circle_velocity_over_frequency": ("m", "velocity over frequency on the circle of r_PER"),

@@ -12,7 +12,6 @@ from stochlin.models.laws.hysteretic import law_of
 from stochlin.models.parameters import POSITIVE, Model, Parameter, Range, parameter
 from stochlin.models.structures import GAUSSIAN, Structure
 from stochlin.solver.linearization.equivalent_systems import in_columns
-from stochlin.solver.linearization.variables import VARIABLES
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.cells import flat
 from stochlin.solver.tables.lazy import in_blocks
@@ -101,7 +100,7 @@ def equivalent_coefficients(
     labels.raise_if_lone_failure(table, "equivalent_coefficients", *models.values())
     law_name = law if isinstance(law, str) else f"{law}"
     return labels.with_run_information(
-        labels.label(table, VARIABLES),
+        labels.label(table),
         "Equivalent coefficients, eqs. (9) and (10)",
         f"equivalent_coefficients(law={law_name!r})",
         models,

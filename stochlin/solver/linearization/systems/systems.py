@@ -36,7 +36,6 @@ from stochlin.solver.linearization.systems.state_space import (
     checked_system,
 )
 from stochlin.solver.linearization.tolerance import USUAL, Tolerance
-from stochlin.solver.linearization.variables import VARIABLES as LINEARIZATION
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.cells import NONE_VALID, Flat, flat
 from stochlin.solver.tables.floors import element_coordinates, floor_coordinates
@@ -45,19 +44,6 @@ from stochlin.solver.tables.work import check_work, count_cells
 
 ANDERSON = "anderson"
 ITERATIONS = {ANDERSON: DEPTH, "substitution": 0}  # by name, with the number of rounds that are mixed
-VARIABLES: labels.Variables = {
-    **LINEARIZATION,
-    "drift_std": ("m", "standard deviation of the storey drift or link extension"),
-    "ductility_std": ("1", "standard deviation of the storey ductility"),
-    "yield_drift": ("m", "yield drift"),
-    "rho": ("1", "correlation coefficient of the displacements"),
-    "relative_displacement_std": ("m", "standard deviation of the relative displacement of two floors"),
-    "link_force_std": ("N", "standard deviation of the link force"),
-    "equivalent_damping_constant": ("N s/m", "equivalent damping constant of the link"),
-    "residual": ("1", "relative residual of the Lyapunov equation"),
-    "covariance_change": ("1", "largest relative change of the covariance"),
-    "coefficient_change": ("1", "largest change of the equivalent coefficients"),
-}
 # Dimensions of the variables of `linearize_system` beside those of the cells.
 DIMS = {
     **dict.fromkeys(
@@ -192,7 +178,7 @@ def linearize_system(
         raise ValueError(NONE_VALID)
     equations = equations_of_cells(cells, links)
     solution = solve_equations(equations, tolerance, depth, relaxation)
-    table = labels.label(solution_table(cells, equations, solution), VARIABLES)
+    table = labels.label(solution_table(cells, equations, solution))
     described = ", ".join(structure.describe() for structure in structures)
     labels.raise_if_lone_failure(table, f"linearize_system([{described}], {ground.describe()})")
     if any(structure.yields for structure in structures):
