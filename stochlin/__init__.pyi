@@ -55,7 +55,7 @@ from .applications.separation.separation import separation as separation
 from .applications.separation.critical_gap import critical_gap as critical_gap
 from .applications.separation.existing_gap import existing_gap as existing_gap
 from .applications.separation.energy_gap import energy_gap as energy_gap
-from .applications.separation.added_damping import damping_for_gap as damping_for_gap
+from .applications.separation.energy_gap import damping_for_gap as damping_for_gap
 from .applications.separation.code_gaps import code_gaps as code_gaps
 from .applications.sensitivity.sensitivity import sensitivity as sensitivity
 from .models.uncertain import Uncertain as Uncertain

@@ -55,6 +55,8 @@ REMOVED: dict[str, str] = {
     "--yield-displacement": "yield_displacement= of the structures of stochlin.correlate",
     "--intensity": "intensity= of the ground of stochlin.correlate",
     "--structure-period": "period= of stochlin.charts.portrait_chart and energy_chart",
+    "--all-rules": "--details prints all rules",
+    "simulated_rho": "simulate has the rho of both structures, for critical_gap with the peaks",
     "--jobs": "stochlin warmup takes all cores",
 }
 

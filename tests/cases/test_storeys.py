@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 import stochlin as sl
 from stochlin.applications.cases.reading.case import Case
-from stochlin.applications.cases.rows import neighbours_of
+from stochlin.applications.cases.rows import of_codes
 from stochlin.messages import DoubtfulInput
 from stochlin.models.systems import slabs_on_columns
 
@@ -149,4 +149,4 @@ def test_floors_that_are_said_to_align_and_do_not(tmp_path: Path) -> None:
     )
     with pytest.warns(DoubtfulInput, match=said):
         case = read(tmp_path, of_levels(1, [4, 3]), of_levels(2, [3, 3]), align="true")
-    assert not neighbours_of(case)["floors_align"]
+    assert not of_codes(case)["floors_align"]

@@ -31,7 +31,7 @@ paths = 128
 @pytest.mark.slow
 def test_both_rules_are_in_the_table_of_gaps(toy, tmp_path):
     (tmp_path / "case.toml").write_text(CASE)
-    done = toy("gap", "case.toml", "--out", "gap.nc", "--all-rules")
+    done = toy("gap", "case.toml", "--out", "gap.nc", "--details")
     assert done.returncode == 0, done.stderr
     with xr.open_dataset(tmp_path / "gap.nc") as table:
         rules = table.rule.values.tolist()

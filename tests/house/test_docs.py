@@ -56,7 +56,6 @@ LONG = {
     "stochlin charts fig5a --damping 0.02 --hardening 0.1 --format pdf --out out",  # others are drawn
     "stochlin charts fig4b --print-width 84mm --format pdf --out out",  # tests/charts/test_print.py
     "stochlin charts fig4b --ground-dampings 0.05,0.2,0.6 --comparison",
-    "stochlin gap case.toml --all-rules",
     "stochlin gap case.toml --report gap.html",  # there is one with another name
     "stochlin gap case.toml --report gap.html --out gap.nc",
     "stochlin mitigate case.toml --picture measures.png",

@@ -5,7 +5,7 @@ import pytest
 from motions import smooth_noise
 
 import stochlin as sl
-from stochlin.applications.separation.searches import CLOSE
+from stochlin.applications.separation.existing_gap import CLOSE
 from stochlin.models.systems import retrofitted
 
 pytestmark = pytest.mark.oracle

@@ -30,7 +30,7 @@ def test_turkey_multiplies_by_r_over_i():
     """18 and 24 mm reduced, R = 8, I = 1: level 0.25 * 8 * 30 = 60 mm, else 120 mm; 50 mm at 12 m."""
     both = {"height_1": 12.0, "height_2": 12.0, "behaviour_1": 8.0, "behaviour_2": 8.0}
     for align, importance, gap in ((True, 1.0, 0.06), (False, 1.0, 0.12), (False, 1.5, 0.08)):
-        told = {"floors_align": align, "importance": importance}
+        told = {"floors_align": align, "importance_1": importance, "importance_2": importance}
         table = sl.code_gaps(0.018, 0.024, **both, **told)
         assert float(table.gap.sel(rule="tbdy_2018")) == pytest.approx(gap, rel=1e-12)
 

@@ -88,8 +88,7 @@ def test_unverified_rules_are_listed_on_request_and_say_why():
     listed = set(rules.effective_rule_names())
     for name in EFFECTIVE:
         rule = rules.effective_rule(name)
-        assert rule.verified == (name in listed)
-        assert ("unverified" in name) == (not rule.verified) == bool(rule.reason)
+        assert ("unverified" in name) == (name not in listed) == bool(rule.reason)
         assert rule.mark in rule.describe()
     assert len(set(EFFECTIVE) - listed) == 2
 
@@ -314,15 +313,15 @@ REFUSED = {
     r"value = 2\.0 is given to asce_7; allowed for share_": lambda: rules.code_rule("asce_7", 2.0),
     "factor = 0.0; allowed: a positive": lambda: rules.code_rule("share_of_sum", 0.0),
     "factor = nan; allowed: a positive": lambda: rules.code_rule("share_of_sum", np.nan),
-    "mexico_city needs height_1, height_2, zone, .*not given": gap_of("mexico_city", *TWO),
+    "mexico_city needs height_1, height_2, zone, which is not given": gap_of("mexico_city", *TWO),
     "peru_e030 needs height_2, ": gap_of("peru_e030", *TWO, 12.0),
     "zone = 'IV' is not known; allowed: I, II, III": gap_of("mexico_city", *TWO, 12.0, 12.0, zone="IV"),
-    r"ntc_2018 needs design_pga, .*, design_pga \[m/s": gap_of("ntc_2018", *TWO, 12.0, 12.0),
+    "ntc_2018 needs design_pga, which": gap_of("ntc_2018", *TWO, 12.0, 12.0),
     "iran_2800 needs storeys_1, storeys_2, which": gap_of("iran_2800", *TWO, 12.0, 12.0),
     "nsr_10 needs storeys_1, which is not given": gap_of("nsr_10", 0.03, None, 12.0),
     "tbdy_2018 needs a second building": gap_of("tbdy_2018", 0.03, None, 12.0),
     "a name in numbers = 'mars' is not a known code rule": gaps(numbers={"mars": 0.1}),
-    "numbers: asce_41 = 'a lot'; allowed: a positive number": gaps(numbers={"asce_41": "a lot"}),
+    "asce_41: factor = 'a lot'; allowed: a positive number": gaps(numbers={"asce_41": "a lot"}),
     r"numbers = \[0.1\]; allowed: a mapping": gaps(numbers=[0.1]),
     "zone = '4'": gaps(zone="4"),
     "height_1 = 0 ": gaps(height_1=0.0),

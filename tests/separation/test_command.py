@@ -54,7 +54,7 @@ def few(text: str) -> str:
 def example(tmp_path_factory: pytest.TempPathFactory) -> Done:
     folder = tmp_path_factory.mktemp("example")
     text = invoke("gap", "--example").output
-    return done(folder, text, "--picture", folder / "gap.png", "--all-rules")
+    return done(folder, text, "--picture", folder / "gap.png")
 
 
 @pytest.fixture(scope="module")
@@ -67,10 +67,10 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Done:
     record = '[[site.records]]\npath = "wave.txt"\nunits = "g"\ndt = "0.02 s"\n'
     text = example_case().replace("[motion]", f"{record}name = '{NASTY}'\n{record}\n[motion]")
     text = text.replace('"Annex"', f"'{NASTY}'").replace('existing = "5 cm"', 'existing = "90 cm"')
-    text = text.replace('"Office block and annex"', f"'{NASTY}'").replace("# unverified", "unverified")
+    text = text.replace('"Office block and annex"', f"'{NASTY}'")
     text = text.replace('"24 m"', '"20 m"').replace("2048", "256")
     text = text.replace("\nreduction_factor = 4\nheight", "\nductility = 3\nheight")
-    return done(folder, text, "--all-rules")
+    return done(folder, text)
 
 
 def test_the_answer_comes_first_and_is_the_librarys(example: Done) -> None:
@@ -83,11 +83,10 @@ def test_the_answer_comes_first_and_is_the_librarys(example: Done) -> None:
         assert table.gap.attrs["units"] == "m"
     assert f"Office block and Annex should stand {gap:.1f} cm apart." in output
     assert f"keeps them apart in {probability:.1f} %" in output
-    lines = output.splitlines()
-    start = next(n for n, line in enumerate(lines) if line.startswith("rule "))
-    shown = [line.split()[0] for line in lines[start + 1 : start + 1 + len(rules)]]
+    verdicts = "answer|at least the answer|less than the answer|within error|no verdict"
+    shown = re.findall(rf"^(\w+) .*  (?:{verdicts})\b", output, re.MULTILINE)
+    assert shown[0] == "simulation"
     assert sorted(shown) == sorted(rules)
-    assert lines[start + 1].split()[-1] == "answer"
     assert "mexico_city of simulated peaks: needs zone" in output
 
 
@@ -162,8 +161,8 @@ def test_symbols_are_set_with_indices_and_names_of_the_user_are_not(example: Don
         "T1 &lt; <i>T</i><sub>g</sub>: <i>S</i><sub>0</sub>, <i>ξ</i><sub>g</sub> and <i>ρ</i> of "
         "2 m<sup>2</sup>, T1.toml"
     )
-    for symbol in ("<i>S</i><sub>0</sub>", "<i>S</i><sub>a</sub>", "<i>ρ</i>", "<i>C</i><sub>d</sub>"):
-        assert symbol in example.page
+    for index in "0a":
+        assert f"<i>S</i><sub>{index}</sub>" in example.page
     assert not re.search(r"\b(S0|Sa|rho)\b", Page(re.sub("<sub>", "<sub> ", example.page)).text)
 
 
@@ -173,7 +172,6 @@ def test_text_of_the_user_stays_text_and_the_page_warns_of_what_is_doubtful(site
     assert NASTY not in site.page
     assert NASTY in words
     assert "storeys are 2.50 m and 3.00 m high" in words
-    assert "Kasai, Jagiasi and Jeng (1996), constants unverified" in words
     assert "Record Gap [cm] Peak 1 at 15 m [cm]" in words
     assert re.search(r"keeps them apart in [\d.]+.% of the motions \([^)]*\)\. Verdict: enough; ", words)
 

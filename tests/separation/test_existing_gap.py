@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import stochlin as sl
-from stochlin.applications.separation.searches import Required, up_to
+from stochlin.applications.separation.existing_gap import NO_LIMIT, Required
 
 pytestmark = pytest.mark.oracle
 
@@ -138,7 +138,9 @@ def test_a_few_motions_decide_where_they_are_clear_and_all_of_them_find_the_edge
             factor, off = (few, error) if paths == 64 else (all_motions, 0.02)
             return tuple(factor * value * (1 + sign * off) for sign in (0, -1, 1))
 
-        return up_to(Required(gaps, 1.0, 512, {3.0: gaps(3.0, 512)}), [0.5, 0.9, 1.1, 1.5])
+        search = Required(gaps, 1.0, 512, {3.0: gaps(3.0, 512)})
+        grid = [0.5, 0.9, 1.1, 1.5]
+        return search.end(grid, search.first_enough(grid, [0]), 1, NO_LIMIT)
 
     found = search(1.05, 0.1, 1.0)
     assert found.value == pytest.approx(1, rel=1e-3)

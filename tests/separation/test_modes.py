@@ -5,8 +5,13 @@ import pytest
 import xarray as xr
 
 import stochlin as sl
-from stochlin.applications.separation.modes import combine_modes, modes_of, oscillators_of
-from stochlin.applications.separation.storeys import facing_heights, weights_at
+from stochlin.applications.separation.storeys import (
+    combine_modes,
+    facing_heights,
+    modes_of,
+    oscillators_of,
+    weights_at,
+)
 from stochlin.messages import DoubtfulInput
 from stochlin.models.systems import arrangement_of
 
@@ -105,7 +110,7 @@ def test_codes_apply_their_factors_to_both():
     """Eurocode 8 divides by q and multiplies by it; ASCE 7 divides by R and multiplies by Cd."""
     factors = {"behaviour_1": 3.0, "behaviour_2": 5.0, "deflection_1": 2.5, "deflection_2": 4.5}
     plain = by_codes(TALL, LOW)
-    table = by_codes(TALL, LOW, importance=1.25, **factors)
+    table = by_codes(TALL, LOW, importance_1=1.25, importance_2=1.25, **factors)
     for name in ("gap", "cqc"):
         by_ec8 = (t[name].sel(rule="eurocode_8") for t in (table, plain))
         np.testing.assert_allclose(*by_ec8, rtol=1e-12)

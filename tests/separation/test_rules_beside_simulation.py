@@ -123,13 +123,6 @@ def test_records_stand_beside_the_rules(table):
     np.testing.assert_allclose(with_records.record_separation, alone.separation, rtol=1e-9)
 
 
-def test_unverified_rules_come_on_request_only(table):
-    more = sl.separation(building(0.6), building(1.0), FIRM, 30.0, unverified=True, **SHORT)
-    extra = set(map(str, more.rule.values)) - set(map(str, table.rule.values))
-    assert len(extra) == 2
-    assert all("unverified" in name or "M" in str(row(more, name).mark.item()) for name in extra)
-
-
 @pytest.mark.slow
 def test_cells_of_a_table_are_those_of_single_calls():
     period = xr.DataArray([0.5, -1.0, 0.8], dims="T", coords={"T": [0.5, -1.0, 0.8]})

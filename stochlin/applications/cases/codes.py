@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -10,15 +9,15 @@ import numpy as np
 import xarray as xr
 
 from stochlin.applications.cases.reading.codes import factors_of
-from stochlin.applications.cases.rows import neighbours_of, of_codes, one_or_two
-from stochlin.applications.separation.code_gaps import DESIGN, Rule, code_rules
+from stochlin.applications.cases.rows import of_codes, one_or_two
+from stochlin.applications.separation.code_gaps import Rule, code_row, rules_with
 from stochlin.applications.separation.separation import COMBINED, gaps_by_height, judged_rules
 from stochlin.applications.separation.storeys import of_storeys, weights
 from stochlin.applications.sites.design_spectra import reduced_eurocode_8
 from stochlin.applications.sites.spectra import interpolated
 from stochlin.kernels.basics.arrays import Array
 from stochlin.models.buildings import MultistoreyBuilding
-from stochlin.models.rules.codes import BEHAVIOUR, CODE_RULES, IMPORTANCE, CodeRule, Neighbours
+from stochlin.models.rules.codes import BEHAVIOUR, IMPORTANCE, CodeRule, Site
 from stochlin.models.systems import arrangement_of, first_mode
 from stochlin.solver.tables import labels
 
@@ -44,7 +43,8 @@ def with_applied_codes(case: Case, table: xr.Dataset) -> xr.Dataset:
 
     A code that takes no displacements has its row already.
     """
-    codes = (CODE_RULES[name] for name in case.codes)
+    codes = [code for code in rules_with(case.wanted.of_rules()) if code.name in case.codes]
+    codes.sort(key=lambda code: case.codes.index(code.name))
     rules = [_applied(case, code, table) for code in codes if code.multiplies]
     if not rules:
         return table
@@ -77,21 +77,19 @@ def _applied(case: Case, rule: CodeRule, table: xr.Dataset) -> Rule:
         if lacking := _beyond(case, building):
             return Rule(name, "code", nothing, missing=f"{building.name} lacks {lacking}")
     structures = [building.structure for building in buildings]
-    system = arrangement_of(structures)
-    floors = np.concatenate([design_displacements(case, building, rule) for building in buildings])
-    numbers = range(len(buildings))
-    peaks = np.array([[weights(system, n, z) @ floors for z in heights] for n in numbers])
-    tall: tuple[Any, ...] = tuple(building.height for building in buildings)
-    neighbours = Neighbours(**neighbours_of(case))
+    system, site = arrangement_of(structures), Site(0.0, None if case.alone else 0.0, **of_codes(case))
     if any(isinstance(structure, MultistoreyBuilding) for structure in structures):
-        neighbours = of_storeys(neighbours, structures, tall)
-        tall = (heights,) * len(buildings)
-    values = {**_factors(rule, [factors_of(building) for building in buildings]), **of_codes(case)}
-    for of, both in (("height", tall), ("peak", peaks)):
-        values |= {f"{of}_{n}": value for n, value in enumerate(both, start=1)}
-    zone = values.pop("zone")
-    rules = code_rules(values, neighbours, zone, case.wanted.of_rules(), DESIGN)
-    (row,) = (row for row in rules if row.name == rule.name)
+        site = of_storeys(site, structures)
+        site = site.with_arrays({f"height_{n}": heights for n, _ in enumerate(buildings, start=1)})
+    floors = np.concatenate([design_displacements(case, building, rule) for building in buildings])
+    known: dict[str, Any] = {}
+    for n, building in enumerate(buildings, start=1):
+        factors = factors_of(building)
+        known[f"peak_{n}"] = np.array([weights(system, n - 1, z) @ floors for z in heights])
+        known[f"importance_{n}"] = factors.get(IMPORTANCE)
+        # The behaviour factor has no effect on displacements of the spectrum that it divides first.
+        known[f"{rule.multiplies}_{n}"] = factors.get(rule.multiplies, 1.0)
+    row = code_row(rule, site.with_arrays(known))
     return replace(row, name=name, assumptions=f"{row.assumptions}; {_stated(case, rule)}")
 
 
@@ -113,8 +111,9 @@ def design_displacements(case: Case, building: Building, rule: CodeRule) -> Arra
         structure.first_mode_moves().values if isinstance(structure, MultistoreyBuilding) else np.ones(1)
     )
     behaviour, importance = (factors_of(building).get(name, 1.0) for name in (BEHAVIOUR, IMPORTANCE))
-    elastic = shape * at * (period / (2 * np.pi)) ** 2
-    displacements: Array = rule.under_design_forces(elastic, behaviour, importance)
+    # A code that divides displacements by the importance factor has multiplied the forces by it.
+    forces = (importance if rule.over_importance else 1.0) / behaviour
+    displacements: Array = shape * at * (period / (2 * np.pi)) ** 2 * forces
     if _reduces(case, building, rule):
         reduced = reduced_eurocode_8(spectrum, period, behaviour)
         displacements *= min(1.0, behaviour * reduced / at[0])
@@ -126,17 +125,6 @@ def _reduces(case: Case, building: Building, rule: CodeRule) -> bool:
     code = "" if case.site.spectrum is None else case.site.spectrum.attrs.get("code")
     by_spectrum = not building.form.displacements and BEHAVIOUR in factors_of(building)
     return by_spectrum and rule.name == EC8 == code
-
-
-def _factors(rule: CodeRule, factors_of_each: Sequence[Mapping[str, float]]) -> dict[str, float]:
-    """The factors of both buildings as `code_gaps` takes them; one that has no effect is 1."""
-    factors = {
-        f"{rule.multiplies}_{n}": each.get(rule.multiplies, 1.0)
-        for n, each in enumerate(factors_of_each, start=1)
-    }
-    names = "importance", "importance_2"
-    importances = (each.get(IMPORTANCE, 1.0) for each in factors_of_each)
-    return factors | dict(zip(names, importances, strict=False))
 
 
 def _stated(case: Case, rule: CodeRule) -> str:

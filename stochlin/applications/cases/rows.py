@@ -82,23 +82,22 @@ def simulated_as(case: Case, table: xr.Dataset) -> Case:
     return replace(case, simulated=replace(case.simulated, paths=table.attrs["paths"]))
 
 
-def neighbours_of(case: Case) -> dict[str, bool]:
-    """What building codes ask of neighbours, by name; floors do not align where slabs meet columns."""
-    wanted = case.wanted
-    return {
-        "floors_align": wanted.floors_align and not case.slabs,
-        "same_property": wanted.same_property,
-        "same_system": wanted.same_system,
-    }
-
-
 def of_codes(case: Case) -> dict[str, Any]:
-    """Zone, peak ground acceleration of the design [m/s^2] and storeys, for rules of building codes."""
-    pga, spectrum = case.wanted.design_pga, case.site.spectrum
-    if pga is None and spectrum is not None and spectrum.period[0] == 0:
-        pga = float(spectrum[0])
-    storeys = {f"storeys_{n}": building.storeys for n, building in enumerate(one_or_two(case), start=1)}
-    return {"zone": case.wanted.zone, "design_pga": pga, **storeys}
+    """What rules of codes ask of the buildings and the site, by the names of `separation`.
+
+    Floors do not align where slabs meet columns. The peak ground acceleration of the design is by
+    default that of the spectrum of the site [m/s^2].
+    """
+    wanted, spectrum = case.wanted, case.site.spectrum
+    facts: dict[str, Any] = {"zone": wanted.zone, "design_pga": wanted.design_pga}
+    if wanted.design_pga is None and spectrum is not None and spectrum.period[0] == 0:
+        facts["design_pga"] = float(spectrum[0])
+    for n, building in enumerate(one_or_two(case), start=1):
+        facts |= {f"height_{n}": building.height, f"storeys_{n}": building.storeys}
+    if not case.alone:
+        facts["floors_align"] = wanted.floors_align and not case.slabs
+        facts |= {"same_property": wanted.same_property, "same_system": wanted.same_system}
+    return facts
 
 
 def unlike_storeys(case: Case) -> tuple[Building, Building] | None:

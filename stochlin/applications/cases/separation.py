@@ -9,14 +9,13 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from stochlin.applications.cases.codes import APPLIED, with_applied_codes
+from stochlin.applications.cases.codes import with_applied_codes
 from stochlin.applications.cases.reading.case import Case
 from stochlin.applications.cases.reading.codes import FEWEST_PATHS
 from stochlin.applications.cases.rows import (
     gap_of,
     motion_of,
     named_errors,
-    neighbours_of,
     of_codes,
     one_or_two,
     simulated_as,
@@ -31,7 +30,6 @@ from stochlin.applications.sites.simulated_spectra import Motions, compared_spec
 from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.kernels.simulation.stepping import whole_groups
 from stochlin.messages import DoubtfulInput
-from stochlin.models.rules.codes import CODE_RULES
 from stochlin.models.uncertain import UncertainModel
 from stochlin.solver.tables import labels
 
@@ -45,7 +43,6 @@ BAND = 0.2, 1.5  # of the shortest and of the longest period of buildings, in wh
 YEARS = 50.0  # default time of the probability of pounding [yr]
 SHARE = 4  # motions of the case over those at each of the 13 intensities
 PREFIX, GAP, OF = "risk_", "risk_gap", "risk_of"
-USUAL = ("simulation", "srss", "eq_3_linearized", "eq_3_drift", "eq_3_paper")  # rules that are shown
 KEPT = ("required_gap", "required_gap_lower", "required_gap_upper", "target_rate")
 
 
@@ -61,18 +58,6 @@ class CaseAnswer:
     over_records: xr.Dataset | None  # statistics over many records
     risk: xr.Dataset | None = None  # if there is a hazard
     matters: xr.Dataset | None = None  # sensitivities of the gap
-    every_rule: bool = False  # whether all rules are shown
-
-    @property
-    def shown(self) -> xr.Dataset:
-        """The rows of the rules that are shown: the usual ones, and those that the case asks for."""
-        table = self.separation
-        if self.every_rule:
-            return table
-        as_they_are = [name for name in self.case.codes if not CODE_RULES[name].multiplies]
-        wanted = {*USUAL, *as_they_are, *self.case.wanted.of_rules()}
-        names = [str(name) for name in table.rule.values]
-        return table.isel(rule=[name in wanted or name.endswith(APPLIED) for name in names])
 
     def table(self, samples: bool = True) -> xr.Dataset:
         """All results in one dataset; without samples, only variables with one value for each rule."""
@@ -98,14 +83,10 @@ def answer_case(
     case: Case,
     progress: Progress | None = None,
     sensitivities: bool = False,
-    every_rule: bool = False,
-    simulated_rho: bool = True,
 ) -> CaseAnswer:
     """Separation of the two buildings of a case or set-back of one, and limits of the existing gap.
 
     Sensitivities are computed if any parameter is uncertain, or if ``sensitivities`` is True.
-    ``every_rule`` has all rules shown, and not the usual ones only, and ``simulated_rho`` is that of
-    `separation`.
     ``progress`` is called with the share of the work that is done. Errors are those of `separation`,
     `existing_gap` and `sensitivity`.
     """
@@ -124,13 +105,9 @@ def answer_case(
         existing = existing_gap(*models, gap=gap, **motion, progress=searching)
     simulated = separation(
         *models,
-        **motion | of_codes(case) | (neighbours_of(case) if second else {}),
-        height_1=first.height,
-        height_2=second.height if second else None,
+        **motion | of_codes(case),
         numbers=case.wanted.of_rules(),
-        unverified=case.wanted.unverified,
         records=dict(case.site.records) or None,
-        simulated_rho=simulated_rho,
         progress=part_of(progress, middle, end),
     )
     table = with_applied_codes(case, simulated)
@@ -143,7 +120,7 @@ def answer_case(
         records = over_records(case, table.record_separation, answer)
     risk = None if risky is None else _risk_table(risky, case, answer)
     results = existing, _spectrum(case), shaking_of(case), records, risk, matters
-    return CaseAnswer(simulated_as(case, table), table, *results, every_rule)
+    return CaseAnswer(simulated_as(case, table), table, *results)
 
 
 def _paths(case: Case) -> int:

@@ -26,11 +26,11 @@ PATHS = 256  # motions
 def gap_by_few_motions(case: Case, progress: Progress | None = None) -> CaseAnswer:
     """The answer of `answer_case` with few motions, without what would make an existing gap sufficient.
 
-    The search for that, and the stationary simulation of a correlation, take longer than all else.
+    The search for that takes longer than all else.
     """
     few = replace(case, simulated=replace(case.simulated, paths=min(case.simulated.motions, PATHS)))
     alone = replace(few, wanted=replace(case.wanted, existing=[]))
-    answer = answer_case(alone, progress, simulated_rho=False)
+    answer = answer_case(alone, progress)
     if not (gap := gap_of(case)):
         return answer
     existing = xr.Dataset(keeping_apart(answer.separation.separation_samples, gap))

@@ -8,9 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from stochlin.applications.mitigation.mitigated_pair import MitigatedPair
-from stochlin.applications.separation.added_damping import SIDES
-from stochlin.applications.separation.existing_gap import DAMPINGS
-from stochlin.applications.separation.searches import Required, least
+from stochlin.applications.separation.energy_gap import SIDES
+from stochlin.applications.separation.existing_gap import DAMPINGS, Required
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.simulation.contacts import reduced_mass
 from stochlin.models.links import Link
@@ -46,7 +45,7 @@ class Search(NamedTuple):
             return required_gaps(pair.simulated(self.build(value), paths))
 
         paths, known = pair.built.sizes["path"], {0.0: required_gaps(pair.built)}
-        value = least(Required(gaps, pair.gap, paths, known, interval=False), self.values).value
+        value = Required(gaps, pair.gap, paths, known, interval=False).least(self.values).value
         if np.isfinite(value):
             return MeasureLine(self.name, LEAST, self.build(value))
         return MeasureLine(self.name, LEAST, None, f"{self.searched} was searched, and none is enough")

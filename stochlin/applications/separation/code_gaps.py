@@ -2,32 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from stochlin.applications.separation.modes import spectral_peaks
+from stochlin.applications.separation.critical_gap import equation_3
+from stochlin.applications.separation.storeys import spectral_peaks
 from stochlin.messages import brief
-from stochlin.models.arguments import Truth, checked, fitting, is_number
+from stochlin.models.arguments import Truth, checked, fitting
 from stochlin.models.grounds import Ground
 from stochlin.models.grounds.white_noise import WhiteNoise
 from stochlin.models.parameters import Model, Parameter
+from stochlin.models.rules import look_up
 from stochlin.models.rules.codes import (
-    BEHAVIOUR,
+    BOTH,
     CODE_RULES,
-    DEFLECTION,
-    MULTIPLIED,
-    BuildingPeaks,
     CodeRule,
-    Neighbours,
+    Site,
     Zone,
     code_rule,
     code_rule_names,
 )
-from stochlin.models.rules.published import look_up
 from stochlin.models.systems import AnyStructure
 from stochlin.solver.tables import labels
 
@@ -44,7 +42,6 @@ REDUCED = (
     "factors of each code"
 )
 NEEDS = "needs "  # begins what is missing
-OF_SITE = ("peak_1", "height_1", "height_2", "storeys_1", "storeys_2", "design_pga")
 TEXTS: Mapping[str, str] = {
     "family": "what governs a building code: SRSS or sum of the peaks, the height, or a fixed distance",
     "reference": "source of the rule",
@@ -119,7 +116,7 @@ def code_gaps(
     behaviour_2: Parameter | None = None,
     deflection_1: Parameter | None = None,
     deflection_2: Parameter | None = None,
-    importance: Parameter | None = None,
+    importance_1: Parameter | None = None,
     importance_2: Parameter | None = None,
     modes_1: AnyStructure | None = None,
     modes_2: AnyStructure | None = None,
@@ -170,10 +167,10 @@ def code_gaps(
     deflection_1, deflection_2 : float or array, optional
         Displacement factor of each building [-], at least 1: ``Cd`` of ASCE 7 and Iran, ``1.4 alpha_y
         Ra`` of Taiwan, ``0.75 R`` of Peru (0.85 if irregular), ``mu_d`` of Italy, ``mu`` of New Zealand.
-    importance, importance_2 : float or array, optional
-        Importance factor [-], 0.5 to 2, by default 1; of both buildings, or of each. ASCE 7, Canada and
-        TBDY 2018 divide by it, and Iran asks for the displacement if it is above 1. ``ag`` of Eurocode 8
-        contains it, so that it has no effect there.
+    importance_1, importance_2 : float or array, optional
+        Importance factor of each building [-], 0.5 to 2, by default 1. ASCE 7, Canada and TBDY 2018
+        divide by it, and Iran asks for the displacement if it is above 1. ``ag`` of Eurocode 8 contains
+        it, so that it has no effect there.
     modes_1, modes_2 : ModalBuilding, ShearBuilding or oscillator, optional
         Buildings of which all modes are taken, as elastic, in place of peaks. If ``modes_2`` is None, it
         is one building beside its property line. Factors of codes then need ``behaviour_1`` and ``_2``,
@@ -258,53 +255,83 @@ def code_gaps(
     >>> by_modes.height.values.tolist(), by_modes.gap.round(4).values, by_modes.cqc.round(4).values
     ([3.0, 6.0], array([0.0218, 0.0384]), array([0.0215, 0.038 ]))
     """
-    neighbours = Neighbours(floors_align, same_property, same_system)
-    alone, inputs = peak_2 is None and modes_2 is None, neighbours.told()
-    factors = {
-        **{"behaviour_1": behaviour_1, "behaviour_2": behaviour_2},
-        **{"deflection_1": deflection_1, "deflection_2": deflection_2},
-        **{"importance": importance, "importance_2": importance_2},
-    }
-    check_neighbours(neighbours, alone, height_2=height_2, storeys_2=storeys_2, **factors)
-    together, displacements = None, DESIGN if _are_of_design(factors) else DEFINED
+    codes = rules_with(numbers)
+    if modes_1 is not None:  # until the displacements are known
+        peak_1, peak_2 = 0.0, None if modes_2 is None else 0.0
+    assert peak_1 is not None
+    site = Site(
+        peak_1=peak_1,
+        peak_2=peak_2,
+        height_1=height_1,
+        height_2=height_2,
+        floors_align=floors_align,
+        zone=zone,
+        same_property=same_property,
+        same_system=same_system,
+        storeys_1=storeys_1,
+        storeys_2=storeys_2,
+        importance_1=importance_1,
+        importance_2=importance_2,
+        design_pga=design_pga,
+        behaviour_1=behaviour_1,
+        behaviour_2=behaviour_2,
+        deflection_1=deflection_1,
+        deflection_2=deflection_2,
+        elastic=modes_1 is not None,
+    )
+    if not site.of_design and not {"importance_1", "importance_2"}.isdisjoint(site.known):
+        raise ValueError(
+            "importance is given without a factor on displacements; give behaviour_1 or deflection_1"
+        )
+    inputs, correlation = inputs_in_words(site, numbers), None
+    models: dict[str, Model | None] = {"pair": site}
     if modes_1 is not None and spectrum is not None:
         both = [modes_1] if modes_2 is None else [modes_1, modes_2]
-        tall = height_1, height_2
-        together = spectral_peaks(both, spectrum, ground or WhiteNoise(1.0), tall, neighbours)
-        (peak_1, peak_2), (height_1, height_2) = together.peaks, together.heights
-        neighbours = together.neighbours
-        displacements = SPECTRAL if displacements == DEFINED else REDUCED
-    assert peak_1 is not None
-    by_site = {"storeys_1": storeys_1, "storeys_2": storeys_2, "design_pga": design_pga}
-    pair = BuildingPeaks(peak_1, peak_2, height_1, height_2, **by_site, **factors)
-    valid = pair.valid()
-    values = {name: array.where(valid) for name, array in pair.arrays().items()}
-    rules = code_rules(values, neighbours, zone, numbers, displacements)
+        site, correlation = spectral_peaks(both, spectrum, ground or WhiteNoise(1.0), site)
+        models = {"modes_1": modes_1, "modes_2": modes_2, "ground": ground}
+    valid = site.valid()
+    site = site.with_arrays({name: array.where(valid) for name, array in site.arrays().items()})
+    rules = [code_row(code, site) for code in codes]
     usable = valid & xr.DataArray([not rule.missing for rule in rules], dims="rule")
     gap = _along_rules([rule.gaps for rule in rules], rules, valid)
     table = xr.Dataset({"gap": gap, "status": labels.status_where(usable).transpose(*gap.dims)})
     for name, text in TEXTS.items():
         entries = [getattr(rule, name).removeprefix(NEEDS) for rule in rules]
         table = table.assign_coords({name: ("rule", entries, {"long_name": text})})
-    models: dict[str, Model] = {"pair": pair}
-    if together is not None and spectrum is not None:
-        cqc = [np.nan if rule.peaks is None else together.apart(*rule.peaks) for rule in rules]
-        table = table.assign({} if alone else {"cqc": _along_rules(cqc, rules, valid)})
-        table = table.assign(together.variables())
-        of_modes = {"modes_1": modes_1, "modes_2": modes_2, "ground": ground}
-        models = {name: model for name, model in of_modes.items() if model is not None}
+    if correlation is not None and spectrum is not None:
+        table = table.assign(peak_1=site.peak_1)
+        if not site.alone:
+            cqc = [_apart(rule.peaks, correlation) for rule in rules]
+            table = table.assign(
+                cqc=_along_rules(cqc, rules, valid), peak_2=site.peak_2, rho=correlation
+            )
         table.attrs["spectrum"] = str(spectrum.attrs.get("source", "a spectrum"))
     table = labels.label(table)
+    known = (DEFINED, DESIGN), (SPECTRAL, REDUCED)
     table.attrs["comment"] = (
-        f"The peaks are {displacements}. Rules whose mark has an M were not compared with their source."
+        f"The peaks are {known[site.elastic][site.of_design]}. Rules whose mark has an M were not "
+        "compared with their source."
     )
     return labels.with_run_information(
         table,
-        f"{'Set-back' if alone else 'Separation'} by the rules of building codes",
-        f"code_gaps(zone={zone!r}{inputs}{told_numbers(numbers)})",
-        models,
+        f"{'Set-back' if site.alone else 'Separation'} by the rules of building codes",
+        f"code_gaps({inputs})",
+        {name: model for name, model in models.items() if model is not None},
         "; ".join(dict.fromkeys(rule.reference for rule in rules)),
     )
+
+
+def inputs_in_words(site: Site, numbers: Mapping[str, float] | None) -> str:
+    """What is true of both buildings, the zone and the numbers of rules, for the run information."""
+    inputs = {name: value for name in ("zone", *BOTH) if (value := getattr(site, name))}
+    if numbers:
+        inputs["numbers"] = {str(name): float(value) for name, value in numbers.items()}
+    return ", ".join(f"{name}={value!r}" for name, value in inputs.items())
+
+
+def _apart(peaks: tuple[Any, Any] | None, rho: xr.DataArray) -> Any:
+    """CQC of the difference [m] with these peaks of both buildings; NaN without."""
+    return np.nan if peaks is None else xr.apply_ufunc(equation_3, *peaks, rho)
 
 
 def _along_rules(arrays: Sequence[Any], rules: Sequence[Rule], cells: xr.DataArray) -> xr.DataArray:
@@ -314,120 +341,32 @@ def _along_rules(arrays: Sequence[Any], rules: Sequence[Rule], cells: xr.DataArr
     return xr.concat(each, name.assign_attrs(long_name="rule"), coords="minimal", compat="override")
 
 
-def code_rules(
-    values: Mapping[str, Any],
-    neighbours: Neighbours,
-    zone: str | None,
-    numbers: Mapping[str, float] | None = None,
-    displacements: str = DEFINED,
-) -> list[Rule]:
-    """All rules of building codes, including those that have no gap because something is missing.
-
-    ``values`` are those of `BuildingPeaks` by name, numbers, arrays or None, and ``displacements`` what
-    the peaks are.
-    """
-    values = {name: value for name, value in values.items() if value is not None}
-    alone, known = "peak_2" not in values, {*values, *(() if zone is None else ("zone",))}
-    site = {name: values[name] for name in OF_SITE if name in values}
-    site |= {"peak_2": values.get("peak_2"), "zone": zone, **vars(neighbours), **_importances(values)}
-    rules, by_design = [], displacements in (DESIGN, REDUCED)
-    for rule in rules_with(numbers):
-        missing = rule.missing(known, alone)
-        if by_design:
-            missing += _without(rule, known, alone, displacements)
-        own, gaps = site, np.nan
-        if not missing:
-            if by_design and rule.multiplies:
-                own = site | _designed(rule, values, neighbours.floors_align, displacements)
-            gaps = rule.gap(**own)
-        combines = not alone and rule.takes_peaks() and not missing
-        rules.append(
-            Rule(
-                rule.name,
-                "code",
-                gaps,
-                family=rule.governed_by(neighbours.same_property),
-                reference=rule.reference,
-                mark=rule.mark,
-                assumptions=rule.told(alone),
-                missing=f"{NEEDS}{', '.join(missing)}" if missing else "",
-                judged=by_design or not rule.multiplies,
-                peaks=(own["peak_1"], own["peak_2"]) if combines else None,
-            )
-        )
-    return rules
-
-
-def _are_of_design(factors: Mapping[str, object]) -> bool:
-    """Whether a factor on displacements under design forces is given."""
-    named = [name for name, value in factors.items() if value is not None]
-    if named and not any(name.startswith((BEHAVIOUR, DEFLECTION)) for name in named):
-        raise ValueError(
-            f"{named[0]} = {brief(factors[named[0]])} is given without a factor on displacements; give "
-            f"{BEHAVIOUR}_1 or {DEFLECTION}_1, or leave it out"
-        )
-    return bool(named)
-
-
-def _without(rule: CodeRule, known: Collection[str], alone: bool, displacements: str) -> list[str]:
-    """What a rule lacks for displacements under design forces, the first factor as the code calls it."""
-    if not rule.takes_peaks():
-        return []
-    if not rule.multiplies:
-        return [MULTIPLIED]
-    lacking = []
-    for factor in dict.fromkeys((rule.multiplies, *([BEHAVIOUR] * (displacements == REDUCED)))):
-        needed = [f"{factor}_{n}" for n in ((1,) if alone else (1, 2))]
-        first, *others = [name for name in needed if name not in known] or [""]
-        lacking += [f"{first} ({rule.called[factor]})", *others] if first else []
-    return lacking
-
-
-def _designed(
-    rule: CodeRule, values: Mapping[str, Any], floors_align: bool, displacements: str
-) -> dict[str, Any]:
-    """The peaks of a code [m] by name, for those under design forces or an elastic spectrum."""
-    both = [n for n in (1, 2) if f"peak_{n}" in values]
-    factors = [values[f"{rule.multiplies}_{n}"] for n in both]
-    if rule.larger_factor and not floors_align and len(both) > 1:
-        factors = [np.maximum(*factors)] * 2
-    peaks = {}
-    for n, factor, importance in zip(both, factors, _importances(values).values(), strict=False):
-        peak = values[f"peak_{n}"]
-        if displacements == REDUCED:
-            peak = rule.under_design_forces(peak, values[f"{BEHAVIOUR}_{n}"], importance)
-        peaks[f"peak_{n}"] = rule.designed(peak, factor, importance)
-    return peaks
-
-
-def _importances(values: Mapping[str, Any]) -> dict[str, Any]:
-    """The importance factors of both buildings, as `CodeRule.gap` takes them."""
-    of_both = values.get("importance", 1.0)
-    return {"importance_1": of_both, "importance_2": values.get("importance_2", of_both)}
+def code_row(rule: CodeRule, site: Site) -> Rule:
+    """The row of a code: its gap, or what is missing for it."""
+    missing = rule.missing(site)
+    displaced = site if missing else rule.displaced(site)
+    combines = not (site.alone or missing) and rule.takes_peaks()
+    return Rule(
+        rule.name,
+        "code",
+        np.nan if missing else rule.gap_of_displaced(displaced),
+        family=rule.family if site.same_property else rule.between or rule.family,
+        reference=rule.reference,
+        mark=rule.mark,
+        assumptions=rule.stated(site.alone),
+        missing=f"{NEEDS}{', '.join(missing)}" if missing else "",
+        judged=site.of_design or not rule.multiplies,
+        peaks=(displaced.peak_1, displaced.peak_2) if combines else None,
+    )
 
 
 def rules_with(numbers: Mapping[str, float] | None) -> list[CodeRule]:
     """All rules in their order, with the given numbers of rules in place of their defaults."""
     if numbers is not None and not isinstance(numbers, Mapping):
         raise TypeError(f"numbers = {brief(numbers)}; allowed: a mapping from names of rules to numbers")
-    stated: dict[str, float] = {}
-    for name, value in (numbers or {}).items():
-        rule = look_up(CODE_RULES, name, "a name in numbers")
-        if not is_number(value):
-            raise TypeError(f"numbers: {rule.name} = {brief(value)}; allowed: a positive number")
-        stated[rule.name] = value
+    stated = {
+        look_up(CODE_RULES, name, "a name in numbers").name: value
+        for name, value in (numbers or {}).items()
+    }
     usual = code_rule_names()
     return [code_rule(name, stated.get(name)) for name in CODE_RULES if name in usual or name in stated]
-
-
-def check_neighbours(neighbours: Neighbours, alone: bool, **others: object) -> None:
-    """Raise a ValueError if a fact is of a second building that is not there."""
-    named = {name: value is not None for name, value in others.items() if name.endswith("_2")}
-    facts = {**named, **vars(neighbours)}
-    for name in (name for name, stated in facts.items() if alone and stated):
-        raise ValueError(f"{name} is given, of a second building, and there is none; leave it out")
-
-
-def told_numbers(numbers: Mapping[str, float] | None) -> str:
-    """The given numbers of rules, for the run information."""
-    return f", numbers={ {str(n): float(v) for n, v in numbers.items()} }" if numbers else ""

@@ -1,76 +1,33 @@
-"""Critical gap in a recorded motion by the energy approach: eq. (3) with pseudo energy radii."""
+"""The energy approach in recorded motions: eq. (3) with pseudo energy radii, and added damping."""
 
 from __future__ import annotations
 
-from typing import Annotated, NamedTuple
+from collections.abc import Mapping
 
 import numpy as np
 import xarray as xr
 
-from stochlin.applications.records.cells import Records
+from stochlin.applications.records.cells import RECORD, OscillatorOnRecord, Records, checked_motions
 from stochlin.applications.records.gaps import recorded_gap
+from stochlin.applications.separation.existing_gap import damped
 from stochlin.kernels.correlation.combination import double_difference
-from stochlin.models.arguments import OneOf, checked
+from stochlin.models.arguments import Metres, checked
 from stochlin.models.grounds import Ground
-from stochlin.models.rules.effective_properties import EffectiveRule, effective_rule
+from stochlin.models.parameters import Model
 from stochlin.models.structures import Structure
 from stochlin.solver.correlation.correlation import correlate, rho_white_noise
-from stochlin.solver.correlation.effective import rho_effective
-from stochlin.solver.linearization.equivalent_systems import check_closure
 from stochlin.solver.tables import labels
 
-WHITE_NOISE, EFFECTIVE, LINEARIZATION = METHODS = ("white_noise", "effective", "linearization")
-Method = Annotated[str, OneOf(METHODS)]
-
-
-class RhoEstimate(NamedTuple):
-    """The estimate of the correlation in eq. (3): method and options."""
-
-    method: str = WHITE_NOISE
-    rule: str | EffectiveRule = "iwan_1980"
-    ground: Ground | None = None
-    closure: str = "gaussian"
-
-    def check(self, first: Structure, second: Structure) -> None:
-        """Raise an error for an unknown closure or rule, or for options of another method."""
-        for structure in (first, second):
-            check_closure(structure, self.closure)
-        effective_rule(self.rule)
-        if self.ground is None:
-            if self.method == LINEARIZATION:
-                raise ValueError(
-                    f"ground is missing, which method = {self.method!r} needs; give one like the "
-                    "record, for instance fit_ground(record)"
-                )
-            return
-        if self.method != LINEARIZATION:
-            raise ValueError(
-                f"ground is given, which method = {self.method!r} does not use; leave it out, or give "
-                f"method={LINEARIZATION!r}"
-            )
-
-    def of(self, first: Structure, second: Structure, recorded: xr.Dataset) -> xr.DataArray:
-        """Correlation of the structures [-]; ``recorded`` has their peaks in the record."""
-        if self.ground is not None:
-            return correlate(first, second, self.ground, closure=self.closure, bias=False).rho
-        pairs: dict[str, xr.DataArray] = {}
-        for n, structure in enumerate((first, second), start=1):
-            own = structure.arrays()
-            pairs |= {f"{name}_{n}": own[name] for name in ("period", "damping")}
-            if self.method == EFFECTIVE:
-                strength = own.get("yield_displacement", xr.DataArray(np.inf))
-                pairs[f"hardening_{n}"] = own.get("hardening", xr.DataArray(1.0))
-                pairs[f"ductility_{n}"] = (recorded[f"peak_{n}"] / strength).clip(min=1.0)
-        if self.method == EFFECTIVE:
-            return np.minimum(rho_effective(**pairs, rule=self.rule).rho, 1)
-        return np.minimum(rho_white_noise(**pairs).rho, 1)
-
-    @property
-    def told(self) -> str:
-        """The method and its options in words, for the run information."""
-        if self.method == EFFECTIVE:
-            return f"method={self.method!r}, rule={effective_rule(self.rule).name!r}"
-        return f"method={self.method!r}" + (f", closure={self.closure!r}" if self.ground else "")
+TRIED = np.linspace(0, 0.4, 41)  # added damping ratios
+STEPS = np.linspace(0, 1, 11)  # between two of these
+SIDES: Mapping[str, tuple[float, float]] = {
+    "both": (1.0, 1.0),
+    "structure 1": (1.0, 0.0),
+    "structure 2": (0.0, 1.0),
+}
+DAMPED, BY_DAMPING = "damped", "added_damping"
+LEAST = "least_added_damping"
+CURVES = ("critical_gap", "separation", "rho_estimate", *(f"pseudo_energy_radius_{n}" for n in (1, 2)))
 
 
 @checked
@@ -78,11 +35,8 @@ def energy_gap(
     first: Structure,
     second: Structure,
     record: Records,
-    method: Method = WHITE_NOISE,
     *,
-    rule: str | EffectiveRule = "iwan_1980",
     ground: Ground | None = None,
-    closure: str = "gaussian",
 ) -> xr.Dataset:
     """Critical gap in a recorded motion by the energy approach, compared with the required gap.
 
@@ -97,16 +51,10 @@ def energy_gap(
     record : xarray.DataArray, or list or mapping of them
         Ground acceleration [m/s^2] over ``time`` [s], as from `read_record`. Several records add the
         dimension ``record`` to the result.
-    method : str
-        Method for the correlation: ``"white_noise"``, eq. (4) with the elastic periods and damping
-        ratios; ``"effective"``, eq. (4) with effective properties by ``rule`` at the peak ductilities in
-        the record; ``"linearization"`` on ``ground``, as the paper recommends for yielding structures.
-    rule : str
-        One of `stochlin.rules.effective_rule_names`, or a rule, for ``"effective"``.
     ground : WhiteNoise, KanaiTajimi or CloughPenzien, optional
-        Ground that represents the record, as from `fit_ground`, for ``"linearization"``.
-    closure : str
-        As in `linearize`, for ``"linearization"``.
+        Ground that represents the record, as from `fit_ground`: the correlation is then that of
+        linearization on it, as the paper recommends for yielding structures. By default it is eq. (4)
+        with the elastic periods and damping ratios.
 
     Returns
     -------
@@ -119,15 +67,14 @@ def energy_gap(
     Raises
     ------
     ValueError, TypeError
-        As in `recorded_gap` and `correlate`; also if the ground is missing for ``"linearization"`` or
-        given for another method.
+        As in `recorded_gap` and `correlate`.
 
     Notes
     -----
     The elastic ``rho`` is too small for yielding structures, so that eq. (4) leads to too large a gap;
-    the errors of effective properties and linearization have either sign. All estimates of ``rho`` are
-    means over many motions. In a single record two structures may therefore touch with the gap of
-    eq. (3).
+    the error of linearization has either sign. Both are means over many motions. In a single record two
+    structures may therefore touch with the gap of eq. (3). With another correlation, such as that of
+    effective properties by ``correlate(..., "effective")``, `critical_gap` combines the radii.
 
     References
     ----------
@@ -144,24 +91,144 @@ def energy_gap(
     >>> bool(table.critical_gap == sl.critical_gap(*radii, table.rho_estimate).gap)
     True
     """
-    estimate = RhoEstimate(method, rule, ground, closure)
-    estimate.check(first, second)
     return labels.with_run_information(
-        labels.label(estimated_gap(first, second, record, estimate)),
+        labels.label(estimated_gap(first, second, record, ground)),
         "Critical gap in recorded motions by the energy approach, eq. (3)",
-        f"energy_gap({estimate.told})",
+        "energy_gap()",
         {"first": first, "second": second} | ({} if ground is None else {"ground": ground}),
     )
 
 
 def estimated_gap(
-    first: Structure, second: Structure, record: Records, estimate: RhoEstimate
+    first: Structure, second: Structure, record: Records, ground: Ground | None
 ) -> xr.Dataset:
     """The result of `energy_gap`, without labels and run information."""
     table = recorded_gap(first, second, record)
     radii = (table.pseudo_energy_radius_1, table.pseudo_energy_radius_2)
-    rho = estimate.of(first, second, table)
+    if ground is not None:
+        rho = correlate(first, second, ground, bias=False).rho
+    else:
+        sides = enumerate((first.arrays(), second.arrays()), start=1)
+        linear = {f"{name}_{n}": side[name] for n, side in sides for name in ("period", "damping")}
+        rho = np.minimum(rho_white_noise(**linear).rho, 1)
     gap = xr.apply_ufunc(double_difference, *radii, rho, join="exact")
     with np.errstate(divide="ignore", invalid="ignore"):
         error = gap / table.separation - 1
     return table.assign(critical_gap=gap, rho_estimate=rho, critical_gap_error=error)
+
+
+@checked
+def damping_for_gap(
+    record: Records,
+    first: OscillatorOnRecord,
+    second: OscillatorOnRecord,
+    gap: Metres,
+    *,
+    ground: Ground | None = None,
+) -> xr.Dataset:
+    """Least supplemental damping with which a gap is sufficient in a recorded motion.
+
+    It is computed in two ways: by the energy approach of the paper, that is eq. (3) with the pseudo
+    energy radii of the damped structures and a correlation by eq. (4) or by linearization on a ground;
+    and by integration of the response to the record.
+
+    Parameters
+    ----------
+    record, first, second
+        As in `energy_gap`.
+    gap : float
+        Existing gap [m], positive.
+    ground : WhiteNoise, KanaiTajimi or CloughPenzien, optional
+        As in `energy_gap`, for the correlation.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``damped``, the structures with added damping (``"both"`` with the same ratio,
+        ``"structure 1"`` or ``"structure 2"``): ``least_added_damping`` [-] by the energy approach, and
+        ``least_added_damping_recorded`` [-] by integration of the response. They are 0 if the gap is
+        sufficient without added damping, and NaN if it is not sufficient up to 0.4. Over ``damped`` and
+        ``added_damping``, the curves from which they are found: ``critical_gap``, ``separation``,
+        ``pseudo_energy_radius_1`` and ``_2`` [m] and ``rho_estimate`` [-]. Several records add the
+        dimension ``record``. ``status``.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If the gap is not positive; otherwise as in `energy_gap`.
+
+    Notes
+    -----
+    The required gap need not decrease with added damping: in a single record two structures may move out
+    of phase, and damping added to one of two equal buildings causes a relative displacement. The least
+    damping is the first sufficient value in steps of 0.01, and between two of these in steps of 0.001. A
+    somewhat larger value may not be sufficient again; this is shown by the curves over
+    ``added_damping``.
+
+    References
+    ----------
+    Valles-Mattox and Reinhorn (1996), eqs. (1) to (4), and for supplemental energy dissipation.
+
+    Examples
+    --------
+    >>> import numpy as np, xarray as xr, stochlin as sl
+    >>> time = 0.02 * np.arange(1000)
+    >>> record = xr.DataArray(np.sin(5 * time), dims="time", coords={"time": time})
+    >>> soft, stiff = sl.Bilinear(period=1.1, damping=0.05), sl.Bilinear(period=0.9, damping=0.05)
+    >>> table = sl.damping_for_gap(record, soft, stiff, gap=0.04)
+    >>> bool(0 < table.least_added_damping.sel(damped="both") < 0.4)
+    True
+    """
+    motions = checked_motions(record)
+    tables = [_least_damping(first, second, each, gap, ground) for each in motions.records]
+    table = tables[0]
+    if motions.names is not None:
+        names = xr.DataArray(motions.names, dims=RECORD, name=RECORD, attrs={"long_name": "record"})
+        table = xr.concat(tables, names, coords="minimal", compat="override")
+    table = table.assign_attrs(
+        gap_m=float(gap),
+        searched=f"added damping to {TRIED[-1]:g}, the first that is enough",
+        records=motions.describe(),
+    )
+    models: dict[str, Model] = {"first": first, "second": second}
+    return labels.with_run_information(
+        labels.label(table),
+        "Least added damping for a gap in recorded motions",
+        f"damping_for_gap(gap={gap:g})",
+        models | ({} if ground is None else {"ground": ground}),
+    )
+
+
+def _least_damping(
+    first: Structure, second: Structure, record: xr.DataArray, gap: float, ground: Ground | None
+) -> xr.Dataset:
+    """The curves over the added damping in one record, and the least that is sufficient."""
+    where = xr.DataArray(list(SIDES), dims=DAMPED, attrs={"long_name": "where damping is added"})
+    share_1, share_2 = (
+        xr.DataArray(np.array(each), {DAMPED: where}) for each in zip(*SIDES.values(), strict=True)
+    )
+
+    def gaps(added: xr.DataArray) -> xr.Dataset:
+        both = damped(first, share_1 * added), damped(second, share_2 * added)
+        return estimated_gap(*both, record, ground)
+
+    added = labels.axis(BY_DAMPING, "added damping ratio", TRIED)
+    table = gaps(added)[[*CURVES, "status"]]
+    for end, name in (("", "critical_gap"), ("_recorded", "separation")):
+        enough = table[name] <= gap
+        high = enough.argmax(BY_DAMPING)
+        low = added[np.maximum(high - 1, 0)].drop_vars(BY_DAMPING)
+        between = low + (added[high].drop_vars(BY_DAMPING) - low) * xr.DataArray(STEPS, dims=BY_DAMPING)
+        least = _crossing(gaps(between)[name], between, gap)
+        table[f"{LEAST}{end}"] = least.where(enough.any(BY_DAMPING))
+    return table
+
+
+def _crossing(required: xr.DataArray, added: xr.DataArray, gap: float) -> xr.DataArray:
+    """Added damping with which the required gap first falls to this one, linear between steps."""
+    after = (required <= gap).argmax(BY_DAMPING)
+    before = np.maximum(after - 1, 0)
+    (x, y), (x_after, y_after) = (
+        (added.isel({BY_DAMPING: n}), required.isel({BY_DAMPING: n})) for n in (before, after)
+    )
+    return x_after.where(after == 0, x + (y - gap) / (y - y_after) * (x_after - x))

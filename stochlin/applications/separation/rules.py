@@ -1,24 +1,45 @@
-"""All rules for the separation of two buildings, or the set-back of one, from simulated peaks."""
+"""Two structures, or one beside its property line, in simulated motions, and their gap by every rule."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import replace
-from functools import partial
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
+import xarray as xr
 
-from stochlin.applications.separation.code_gaps import Rule, code_rules
-from stochlin.applications.separation.critical_gap import equation_3
-from stochlin.applications.separation.pairs import PairInMotion
+from stochlin.applications.separation.code_gaps import Rule, code_row, rules_with
+from stochlin.applications.separation.critical_gap import ALIKE, equation_3
+from stochlin.applications.separation.storeys import (
+    combine_modes,
+    correlation_of,
+    facing_heights,
+    modes_of,
+    oscillators_of,
+    weights_at,
+)
 from stochlin.kernels.basics.arrays import Array
-from stochlin.models.rules.codes import Neighbours
+from stochlin.kernels.linearization.systems.response import StationaryResponse
+from stochlin.models.buildings import MultistoreyBuilding
+from stochlin.models.grounds import Ground
+from stochlin.models.rules.codes import Site
 from stochlin.models.rules.effective_properties import (
+    EffectiveRule,
     effective_rule,
     effective_rule_names,
 )
-from stochlin.models.rules.peak_factors import PEAK_FACTORS
+from stochlin.models.rules.peak_factors import PEAK_FACTORS, peak_factor_model
+from stochlin.models.structures import DRIFT, Structure
+from stochlin.models.systems import Arrangement, arrangement_of, first_mode
+from stochlin.solver.correlation.correlation import correlate
+from stochlin.solver.correlation.effective import rho_effective
+from stochlin.solver.linearization.equivalent_systems import solve_elastic
+from stochlin.solver.linearization.peaks import peak_table, response_moments
+from stochlin.solver.linearization.strength import solved_reduction_factor
+from stochlin.solver.linearization.systems.systems import linearized_motion
+from stochlin.solver.simulation.finite_motions import mean_with_error, pair_peaks, quantiles_of
 
 EQ_3 = "eq. (3) with the peaks of both structures"
 COMBINES = "needs a second building: eq. (3) combines the peaks of two"
@@ -30,30 +51,219 @@ ELASTIC_MODES = (
 OF_DUCTILITY = "rho by eq. (4) at the simulated mean peak ductility"
 PAPER = "Valles-Mattox and Reinhorn (1996), eq. (3) and Fig. 5"
 OF_CQC = "Der Kiureghian (1981), Earthquake Eng. Struct. Dyn. 9, here for a difference"
+GUMBEL = np.sqrt(6) / np.pi
 
 Gaps = tuple[Array, Array | None]
 """Gaps [m] and correlations over the heights; None for a rule without correlations."""
 
 
-def all_rules(
-    pair: PairInMotion,
-    neighbours: Neighbours,
-    site: dict[str, Any],
-    zone: str | None,
-    unverified: bool,
-    numbers: Mapping[str, float] | None,
-    simulated_rho: bool,
-) -> list[Rule]:
+@dataclass(frozen=True)
+class PairInMotion:
+    """Two structures, or one beside its property line, with their simulated motions of finite length.
+
+    All strengths are in metres. Arrays are over the heights at which the
+    structures could meet, or cross the line. Without storeys there is one height, which is NaN.
+    """
+
+    structures: tuple[Any, ...]
+    ground: Ground
+    motions: xr.Dataset
+    confidence: float
+    strong_seconds: float  # [s], duration of the stationary motion with equal energy
+    site: Site  # what else the rules of codes ask
+
+    @property
+    def alone(self) -> bool:
+        """Whether there is only one structure."""
+        return len(self.structures) == 1
+
+    @property
+    def has_storeys(self) -> bool:
+        """Whether one of the structures is a building with storeys."""
+        return any(isinstance(structure, MultistoreyBuilding) for structure in self.structures)
+
+    @property
+    def scatter(self) -> float:
+        """Scatter between the motions [-]."""
+        return float(self.motions.attrs.get("scatter", 0.0))
+
+    @cached_property
+    def system(self) -> Arrangement:
+        """All structures as one system, without links."""
+        return arrangement_of(self.structures)
+
+    @cached_property
+    def heights(self) -> Array:
+        """Heights at which the structures could meet [m]."""
+        return facing_heights(self.system)
+
+    @cached_property
+    def peaks(self) -> Array:
+        """Quantile of the peak ``|u|`` at the probability ``confidence`` [m], (structures, heights)."""
+        peaks = self.motions.peak
+        if self.has_storeys and not self.alone:
+            peaks = self.motions.peak_at_height.sel(height=self.heights)
+        samples = peaks.to_numpy().reshape(len(peaks), len(self.structures), -1)
+        return quantiles_of(samples, np.array([self.confidence]))[0]
+
+    @cached_property
+    def modes(self) -> list[Structure]:
+        """The first modes of the structures as oscillators."""
+        return [first_mode(structure) for structure in self.structures]
+
+    @cached_property
+    def elastic(self) -> list[xr.Dataset]:
+        """The response of each first mode as elastic."""
+        return [solve_elastic(mode, self.ground) for mode in self.modes]
+
+    @cached_property
+    def linearized(self) -> StationaryResponse:
+        """Stationary response of all structures by linearization."""
+        return linearized_motion(self.structures, self.ground)
+
+    @property
+    def yield_displacements(self) -> list[float]:
+        """Yield displacement of each first mode [m], known even if linearization fails."""
+        return [float(side.yield_displacement) for side in self.elastic]
+
+    @cached_property
+    def ductilities(self) -> Array:
+        """Mean peak ductility of the first modes, from roof displacements; 0 if elastic."""
+        roofs = self.motions.peak_mean.to_numpy()[self.system.first[1:] - 1]
+        shares = [
+            float(structure.first_mode_moves()[-1])
+            if isinstance(structure, MultistoreyBuilding)
+            else 1.0
+            for structure in self.structures
+        ]
+        ductilities: Array = roofs / np.array(shares) / np.array(self.yield_displacements)
+        return ductilities
+
+    @cached_property
+    def weights(self) -> list[Array]:
+        """Displacement of each structure at the heights, as weights of floors (heights, floors)."""
+        return weights_at(self.system, self.heights)
+
+    @property
+    def of_coordinates(self) -> list[Array]:
+        """The `weights` as those of the coordinates of the system (heights, coordinates)."""
+        return [weights @ self.system.storeys.shapes for weights in self.weights]
+
+    def linearized_rho(self) -> Array:
+        """Correlation by linearization [-], (heights,); an error if there is no solution."""
+        return correlation_of(self.linearized, *self.of_coordinates)
+
+    def drift_rho(self) -> Array:
+        """Correlation of oscillators by the drift closure [-], (1,); a ValueError if there is none."""
+        if self.has_storeys:
+            raise ValueError("the drift closure is only available for oscillators")
+        lacking = {type(s).__name__ for s in self.structures if DRIFT not in s.closure_names()}
+        if lacking:
+            raise ValueError(f"no {DRIFT} closure for {', '.join(sorted(lacking))}")
+        first, second = self.structures
+        return np.atleast_1d(correlate(first, second, self.ground, closure=DRIFT, bias=False).rho)
+
+    def amplified_peaks(self) -> Array:
+        """Quantile of the elastic peak ``|u|`` times ``D`` of linearization [m], as `peaks`.
+
+        A ValueError or an ArithmeticError if there is none.
+        """
+        if self.has_storeys:
+            raise ValueError("the linearized amplification of Fig. 5b is only available for oscillators")
+        peaks = np.empty((len(self.structures), 1))
+        for n, (elastic, weights) in enumerate(zip(self.elastic, self.of_coordinates, strict=True)):
+            moments = response_moments(elastic, self.ground)
+            peak = peak_quantile(moments, self.strong_seconds, self.confidence, sides=2)
+            amplification = self.linearized.std(weights).item() / elastic.displacement_std.item()
+            peaks[n] = amplification * peak.item()
+        return _finite(peaks)
+
+    def combined_modes(self) -> tuple[Array, Array]:
+        """Peak ``|u|`` by the CQC of elastic modes [m], as `peaks`, and its correlation (heights,).
+
+        The peak of a mode is the quantile of that of its oscillator. An ArithmeticError or a ValueError
+        if there is none.
+        """
+        modes = modes_of(self.system)
+        moments = response_moments(solve_elastic(oscillators_of(modes), self.ground), self.ground)
+        peaks = peak_quantile(moments, self.strong_seconds, self.confidence, sides=2).to_numpy()
+        return combine_modes(modes, _finite(peaks), self.ground, self.weights)
+
+    def effective_rho(self, rule: EffectiveRule) -> Array:
+        """Correlation by a rule for effective properties of the first modes [-], (1,)."""
+        arguments: dict[str, float] = {}
+        for n, (mode, ductility) in enumerate(zip(self.modes, self.ductilities, strict=True), start=1):
+            parameters = mode.arrays()
+            arguments |= {f"{key}_{n}": float(parameters[key]) for key in ("period", "damping")}
+            arguments[f"hardening_{n}"] = float(parameters["hardening"]) if mode.yields else 1.0
+            arguments[f"ductility_{n}"] = float(ductility) if mode.yields else 1.0
+        return np.atleast_1d(rho_effective(**arguments, rule=rule).rho.values)
+
+    def linearized_gaps(self) -> Array:
+        """Quantile of the peak of the linearized ``u_1 - u_2``, or ``u_1`` if alone [m], (heights,)."""
+        weights_1, *weights_2 = self.of_coordinates
+        apart = weights_1 - sum(weights_2)
+        moments = (xr.DataArray(each[0]) for each in self.linearized.spectral_moments(apart))
+        gaps = peak_quantile(tuple(moments), self.strong_seconds, self.confidence, sides=1).to_numpy()
+        alike = self.linearized.std(apart) < ALIKE * self.linearized.std(weights_1)
+        return _finite(np.where(alike[0], 0.0, gaps))
+
+    def quantities(self) -> dict[str, Any]:
+        """Variables of the table for the structures, by name."""
+        table: dict[str, Any] = {}
+        means, errors = mean_with_error(pair_peaks(self.motions))
+        for n, structure in enumerate(self.structures):
+            ductility = self.ductilities[n]
+            if self.has_storeys:
+                ductility = self.motions.ductility[self.motions.element_structure == n + 1].max()
+            own = {
+                "peak_mean": means[n],
+                "peak_mean_standard_error": errors[n],
+                "peak": self.peaks[n, -1],
+                "ductility": ductility if structure.yields else np.nan,
+                "yield_displacement": self.yield_displacements[n],
+                "reduction_factor": solved_reduction_factor(self.modes[n], self.elastic[n]),
+            }
+            table |= {f"{name}_{n + 1}": float(value) for name, value in own.items()}
+        if "collapse_probability" in self.motions:
+            shares = self.motions.collapse_probability.values
+            table |= {f"collapse_probability_{n}": share for n, share in enumerate(shares, start=1)}
+        if self.has_storeys:
+            of_storeys = ("peak_drift_mean", "peak_drift_mean_standard_error", "ductility")
+            table |= {name: self.motions[name] for name in of_storeys}
+        return table
+
+
+def _finite(peaks: Array) -> Array:
+    """Peaks by a formula; an ArithmeticError if there are none."""
+    if not np.isfinite(peaks).all():
+        raise ArithmeticError("not solved, or the motion is too short for a peak")
+    return peaks
+
+
+def peak_quantile(
+    moments: tuple[xr.DataArray, ...], seconds: float, confidence: float, sides: int
+) -> xr.DataArray:
+    """Quantile of the peak of a Gaussian motion [m] at ``confidence``, by a Gumbel distribution."""
+    l0, l1, l2 = moments
+    peak = peak_table(l0, l1, l2, xr.DataArray(seconds), peak_factor_model("vanmarcke"), sides)
+    reduced = -np.log(-np.log(confidence))
+    return peak.peak_mean + GUMBEL * (reduced - np.euler_gamma) * peak.peak_std
+
+
+def all_rules(pair: PairInMotion, numbers: Mapping[str, float] | None) -> list[Rule]:
     """All rules, including those that have no gap because something is missing.
 
-    ``site`` has the numbers of storeys and the peak ground acceleration of the design.
+    Rules of codes for the roof are applied at every level below it.
     """
-    rules = [_solved(pair, *each) for each in _formulas(pair, unverified, simulated_rho)]
+    rules = [_solved(pair, *each) for each in _formulas(pair)]
     # Of a building that falls codes say nothing.
     peaks = np.where(np.isfinite(pair.peaks), pair.peaks, np.nan)
-    values = dict(zip(("height_1", "height_2"), pair.code_heights, strict=False)) | site
-    values |= dict(zip(("peak_1", "peak_2"), peaks, strict=False))
-    return [*rules, *code_rules(values, neighbours, zone, numbers)]
+    known = {f"peak_{n}": peak for n, peak in enumerate(peaks, start=1)}
+    if pair.has_storeys:
+        known |= {f"height_{n}": pair.heights for n in range(1, len(peaks) + 1)}
+    site = pair.site.with_arrays(known)
+    return [*rules, *(code_row(code, site) for code in rules_with(numbers))]
 
 
 def _solved(pair: PairInMotion, rule: Rule, solve: Callable[[], Gaps]) -> Rule:
@@ -68,9 +278,7 @@ def _solved(pair: PairInMotion, rule: Rule, solve: Callable[[], Gaps]) -> Rule:
     return replace(rule, gaps=gaps, rhos=rhos)
 
 
-def _formulas(
-    pair: PairInMotion, unverified: bool, simulated_rho: bool
-) -> Iterator[tuple[Rule, Callable[[], Gaps]]]:
+def _formulas(pair: PairInMotion) -> Iterator[tuple[Rule, Callable[[], Gaps]]]:
     """Eq. (3) with each correlation, and rules without simulation, each with what solves it."""
 
     def eq_3(name: str, about: str, rho: Callable[[], Array], mark: str, source: str = "") -> Any:
@@ -78,8 +286,6 @@ def _formulas(
         rule = Rule(f"eq_3_{name}", EQUATION_3, reference=source, mark=mark, assumptions=about)
         return rule, lambda: _equation_3(pair.peaks, rho())
 
-    if simulated_rho:  # which raises an error for structures that yield too rarely for it
-        yield eq_3("simulated", "rho of stationary simulation", pair.simulated_rho, "C")
     yield eq_3("linearized", "rho of linearization", pair.linearized_rho, "C")
     yield eq_3("drift", "rho of linearization with plastic drift", pair.drift_rho, "C")
     without = f", without the scatter of {pair.scatter:g} between motions" if pair.scatter else ""
@@ -87,10 +293,8 @@ def _formulas(
     about = f"eq. (3) with elastic peaks times D; rho and D of linearization; {unsimulated}"
     paper = Rule("eq_3_paper", EQUATION_3, reference=PAPER, mark="P", assumptions=about)
     yield paper, lambda: _equation_3(pair.amplified_peaks(), pair.linearized_rho())
-    for rule in map(effective_rule, effective_rule_names(unverified)):
-        about = "; ".join(filter(None, [OF_DUCTILITY, rule.reason]))
-        rho = partial(pair.effective_rho, rule)
-        yield eq_3(rule.name, about, rho, rule.mark, rule.reference)
+    for rule in map(effective_rule, effective_rule_names()):
+        yield eq_3(rule.name, OF_DUCTILITY, partial(pair.effective_rho, rule), rule.mark, rule.reference)
     about = f"{ELASTIC_MODES}; {unsimulated}"
     of_modes = Rule("cqc", "response_spectrum", reference=OF_CQC, mark="C", assumptions=about)
     yield of_modes, partial(_of_modes, pair)

@@ -13,15 +13,9 @@ import xarray as xr
 from stochlin.applications.records.cells import checked_motions
 from stochlin.applications.records.gaps import recorded_gap
 from stochlin.applications.separation.code_gaps import TEXTS as CODE_TEXTS
-from stochlin.applications.separation.code_gaps import (
-    Rule,
-    check_neighbours,
-    rules_with,
-    told_numbers,
-)
-from stochlin.applications.separation.pairs import PairInMotion
-from stochlin.applications.separation.rules import all_rules
-from stochlin.applications.separation.storeys import check_levels, numbers_of_storeys, of_storeys
+from stochlin.applications.separation.code_gaps import Rule, inputs_in_words, rules_with
+from stochlin.applications.separation.rules import PairInMotion, all_rules
+from stochlin.applications.separation.storeys import of_storeys
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.models.arguments import (
@@ -36,7 +30,7 @@ from stochlin.models.arguments import (
 from stochlin.models.buildings import MultistoreyBuilding
 from stochlin.models.envelopes import Envelope, strong_seconds
 from stochlin.models.grounds import Ground
-from stochlin.models.rules.codes import BuildingPeaks, Neighbours, Zone
+from stochlin.models.rules.codes import Site, Zone
 from stochlin.models.systems import AnyStructure, first_period
 from stochlin.models.uncertain import median_of
 from stochlin.solver.linearization.strength import strength_in_metres
@@ -105,9 +99,7 @@ def separation(
     storeys_2: int | None = None,
     design_pga: float | None = None,
     numbers: Mapping[str, float] | None = None,
-    unverified: Truth = False,
     records: Any = None,
-    simulated_rho: Truth = True,
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Gap that two buildings require, by simulation and by every rule.
@@ -157,13 +149,8 @@ def separation(
         Peak ground acceleration of the design [m/s^2], as in `code_gaps`.
     numbers : mapping, optional
         Numbers of code rules by name, as in `code_gaps`.
-    unverified : bool
-        Whether to include rules whose formulas could not be verified.
     records : DataArray, or list or mapping of them, optional
         Recorded motions [m/s^2] over ``time`` [s], as from `read_record`.
-    simulated_rho : bool
-        Whether there is a row ``eq_3_simulated``, by a stationary simulation that takes longer than all
-        else for buildings with storeys.
     progress : callable, optional
         Called with the share of a simulation that is done.
 
@@ -241,20 +228,26 @@ def separation(
     rules_with(numbers)
     if records is not None:
         checked_motions(records)
-    of_codes = BuildingPeaks(0.0, 0.0, height_1, height_2, storeys_1, storeys_2, design_pga)
-    check_scalars(of_codes, "separation", "a number")
-    by_role = standing(first, second)
-    alone = second is None
-    neighbours = for_codes = Neighbours(floors_align, same_property, same_system)
-    check_neighbours(neighbours, alone, height_2=height_2, storeys_2=storeys_2)
+    by_role, alone = standing(first, second), second is None
     both = {role: median_of(structure) for role, structure in by_role.items()}
+    site = Site(
+        peak_1=0.0,  # until it is simulated
+        peak_2=None if alone else 0.0,
+        height_1=height_1,
+        height_2=height_2,
+        floors_align=floors_align,
+        zone=zone,
+        same_property=same_property,
+        same_system=same_system,
+        storeys_1=storeys_1,
+        storeys_2=storeys_2,
+        design_pga=design_pga,
+    )
+    check_scalars(site, "separation", "a number")
     check_duration(duration, both)
-    tall = (height_1, height_2)[: len(both)]
-    site = {"design_pga": design_pga}
-    site |= numbers_of_storeys(list(both.values()), (storeys_1, storeys_2))
+    inputs = inputs_in_words(site, numbers)
     if any(isinstance(structure, MultistoreyBuilding) for structure in both.values()):
-        check_levels(list(both.values()), tall, floors_align)
-        for_codes = of_storeys(neighbours, list(both.values()), tall)
+        site = of_storeys(site, list(both.values()))
 
     # All cells of a table have the same number of motions.
     count = paths or (MOTIONS[1] if arrays_of({**by_role, "ground": ground}) else None)
@@ -271,11 +264,9 @@ def separation(
             # The rules take the structures at their medians, and the peaks of all samples.
             ground = median_of(ground)
             structures = tuple(strength_in_metres(structure, ground) for structure in known)
-            pair = PairInMotion(
-                structures, ground, motions, confidence, strong_seconds(duration, envelope), tall
-            )
-            rules = all_rules(pair, for_codes, site, zone, unverified, numbers, simulated_rho)
-            table = _judged(rules, pair)
+            seconds = strong_seconds(duration, envelope)
+            pair = PairInMotion(structures, ground, motions, confidence, seconds, site)
+            table = _judged(all_rules(pair, numbers), pair)
             if "input_factor" in motions:
                 table["input_factor"] = motions.input_factor
             table.attrs = {name: motions.attrs[name] for name in MOTION} | labels.of_scatter(scatter)
@@ -300,7 +291,7 @@ def separation(
         f"{SET_BACK if alone else 'Separation of two buildings'} by rule, "
         f"{median_of(ground).name} ground",
         f"separation(duration={duration:g}, confidence={confidence:g}, "
-        f"paths={table.attrs['paths']}, seed={seed}{neighbours.told()}{told_numbers(numbers)})",
+        f"paths={table.attrs['paths']}, seed={seed}{', ' * bool(inputs)}{inputs})",
         models,
     )
 

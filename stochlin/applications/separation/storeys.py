@@ -1,20 +1,34 @@
-"""Correlations of floors of buildings with storeys, and what codes are told about their levels."""
+"""Displacements of two structures where they could meet: storeys, and the CQC of elastic modes.
+
+The CQC (complete quadratic combination) of one building is the root of ``sum_ij a_i a_j rho_ij D_i D_j``
+over its modes: ``D`` are the spectral displacements of their oscillators, ``a`` the displacements of the
+floor over these, and ``rho`` their correlations. With ``-a`` for the modes of building 2, the same sum
+over the modes of both is the square of the gap. Written as eq. (3), its peaks are the CQC of each
+building, and its correlation is ``sum_ij a_i b_j rho_ij D_i D_j`` over the modes of one and the other,
+over the product of both peaks.
+"""
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
+import scipy.linalg
 import xarray as xr
 
+from stochlin.applications.sites.spectra import checked_spectrum, interpolated
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.parallel import Progress
+from stochlin.kernels.basics.systems import Modes
 from stochlin.kernels.linearization.systems.response import StationaryResponse
+from stochlin.messages import DoubtfulInput
 from stochlin.models.buildings import MultistoreyBuilding
+from stochlin.models.buildings.base import MODE
 from stochlin.models.grounds import Ground
+from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.links import Link
-from stochlin.models.rules.codes import Neighbours
+from stochlin.models.rules.codes import Site
+from stochlin.models.structures import Structure
 from stochlin.models.systems import (
     LEVEL,
     AnyStructure,
@@ -22,14 +36,15 @@ from stochlin.models.systems import (
     arrangement_of,
     slabs_on_columns,
 )
+from stochlin.solver.correlation.correlation import correlate
 from stochlin.solver.linearization.systems.systems import linearized_motion
-from stochlin.solver.simulation.simulation import simulate
-from stochlin.solver.simulation.structures_in_motion import structures_in_motion
+from stochlin.solver.simulation.finite_motions import HEIGHT
 from stochlin.solver.simulation.views import at_height, meeting_heights
 from stochlin.solver.tables import labels
+from stochlin.solver.tables.checks import check_scalars
 
-PATHS, RELAXATION_TIMES = 64, 5.0  # of the stationary simulation; the error of rho is about 0.01
-SLOWEST = 20.0  # largest relaxation time of a drift over the duration for a stationary simulation
+OTHER = f"{MODE}_2"
+SAME_DAMPING = 0.01  # difference of damping ratios, as a share, up to which they are equal
 
 
 def facing_heights(system: Arrangement) -> Array:
@@ -70,44 +85,6 @@ def correlation_of(motion: StationaryResponse, weights_1: Array, weights_2: Arra
     return rho
 
 
-def stationary_motions(
-    structures: Sequence[AnyStructure],
-    ground: Ground,
-    duration: float,
-    seed: int = 0,
-    progress: Progress | None = None,
-) -> xr.Dataset:
-    """A stationary simulation that is long enough for a correlation.
-
-    Raises a ValueError if the drift of a storey relaxes far more slowly than the duration [s], or is not
-    resolved.
-    """
-    slowest = float(structures_in_motion(structures, ground, None, stationary=True).drift_times.max())
-    if slowest > SLOWEST * duration:
-        raise ValueError(
-            f"a storey yields so rarely that its drift relaxes in {slowest:.3g} s: a stationary "
-            f"simulation does not apply to {duration:g} s"
-        )
-    times = RELAXATION_TIMES
-    motions = simulate(
-        structures, ground, paths=PATHS, seed=seed, relaxation_times=times, progress=progress
-    )
-    return resolved(motions)
-
-
-def resolved(table: xr.Dataset) -> xr.Dataset:
-    """A stationary simulation; raises a ValueError if it is too short for a structure."""
-    if (table.status == labels.NOT_RESOLVED).any():
-        raise ValueError("a structure yields so rarely that a stationary simulation does not resolve it")
-    return table
-
-
-def correlation_in(table: xr.Dataset, weights_1: Array, weights_2: Array) -> Array:
-    """Correlation of two displacements with these weights of the floors, in a stationary simulation."""
-    sigma = table.displacement_std.values
-    return combined(table.rho.values * np.outer(sigma, sigma), [weights_1, weights_2])[1]
-
-
 def combined(covariance: Array, weights: Sequence[Array]) -> tuple[Array, Array]:
     """Standard deviations (s, heights) of sums with these weights, and correlation of first and last.
 
@@ -118,61 +95,129 @@ def combined(covariance: Array, weights: Sequence[Array]) -> tuple[Array, Array]
     return sizes, shared / (sizes[0] * sizes[-1])
 
 
-def of_storeys(
-    neighbours: Neighbours, structures: Sequence[AnyStructure], heights: Sequence[float | None]
-) -> Neighbours:
-    """What two buildings have in common; the same structural system only if their roofs are level.
+def of_storeys(site: Site, structures: Sequence[AnyStructure]) -> Site:
+    """What rules of codes are told of structures with storeys: their numbers, and levels that fit.
 
-    Codes that reduce the gap for the same system also ask for the same height, and with storeys they
-    are given the height of the level, which is the same for both.
+    The same structural system counts only if the roofs are level: codes that reduce the gap for it also
+    ask for the same height, and with storeys they are given the height of the level, which is the same
+    for both. Raises a ValueError if a height, a number of storeys or level floors contradict them.
     """
-    roofs = [
-        float(structure.levels()[-1]) if isinstance(structure, MultistoreyBuilding) else height
-        for structure, height in zip(structures, heights, strict=True)
-    ]
-    level = None not in roofs and len(set(roofs)) == 1
-    return replace(neighbours, same_system=neighbours.same_system and level)
-
-
-def numbers_of_storeys(
-    structures: Sequence[AnyStructure], storeys: Sequence[int | None]
-) -> dict[str, int | None]:
-    """Numbers of storeys by name, of the structures or as given for oscillators.
-
-    Raises a ValueError if a number contradicts the structure.
-    """
-    numbers = {f"storeys_{n}": number for n, number in enumerate(storeys, start=1)}
-    for (name, number), structure in zip(numbers.items(), structures, strict=False):
-        if not isinstance(structure, MultistoreyBuilding):
-            continue
-        if number not in (None, structure.storeys):
-            raise ValueError(
-                f"{name} = {number}, but that building has {structure.storeys} storeys; leave it out"
-            )
-        numbers[name] = structure.storeys
-    return numbers
-
-
-def check_levels(
-    structures: Sequence[AnyStructure], heights: Sequence[float | None], floors_align: bool
-) -> None:
-    """Raise a ValueError if heights contradict the storeys, or floors that should align do not."""
-    for n, (structure, height) in enumerate(zip(structures, heights, strict=True), start=1):
-        if isinstance(structure, MultistoreyBuilding) and height is not None:
+    roofs, numbers = [], {}
+    for n, structure in enumerate(structures, start=1):
+        height, storeys = getattr(site, f"height_{n}"), getattr(site, f"storeys_{n}")
+        if isinstance(structure, MultistoreyBuilding):
             roof = float(structure.levels()[-1])
-            if abs(height - roof) > LEVEL:
+            if height is not None and abs(height - roof) > LEVEL:
                 raise ValueError(
                     f"height_{n} = {height:g} m, but the storeys of that building add up to {roof:g} m; "
                     "leave it out"
                 )
-    levels = [
-        structure.levels() for structure in structures if isinstance(structure, MultistoreyBuilding)
-    ]
-    if not floors_align or len(levels) < len(structures):
-        return
-    off = [levels[side][floor - 1] for side, floor in slabs_on_columns(*levels)]
+            if storeys not in (None, structure.storeys):
+                raise ValueError(
+                    f"storeys_{n} = {storeys:g}, but that building has {structure.storeys} storeys; "
+                    "leave it out"
+                )
+            height, storeys = roof, structure.storeys
+        roofs.append(height)
+        numbers[f"storeys_{n}"] = storeys
+    if site.floors_align:
+        _check_floors(structures)
+    level = None not in roofs and len({*roofs}) == 1
+    return site.with_arrays({**numbers, "same_system": site.same_system and level})
+
+
+def _check_floors(structures: Sequence[AnyStructure]) -> None:
+    """Raise a ValueError if floors of two structures with storeys are not at the same levels."""
+    levels = [each.levels() for each in structures if isinstance(each, MultistoreyBuilding)]
+    off = slabs_on_columns(*levels) if len(levels) == 2 else ()
     if off:
+        at = ", ".join(f"{levels[side][floor - 1]:g}" for side, floor in off)
         raise ValueError(
-            f"floors_align = True, but at {', '.join(f'{level:g}' for level in off)} m only one of both "
-            "has a floor; allowed: False, since a slab then meets a column"
+            f"floors_align = True, but at {at} m only one of both has a floor; allowed: False, since a "
+            "slab then meets a column"
         )
+
+
+def modes_of(system: Arrangement) -> Modes:
+    """The elastic modes of all structures of a system, structure by structure.
+
+    Raises a ValueError for a mode that does not vibrate.
+    """
+    period, damping, moves = zip(*(stack.system.modes() for stack in system.stacks), strict=True)
+    modes = Modes(np.concatenate(period), np.concatenate(damping), scipy.linalg.block_diag(*moves))
+    worst = int(np.argmax(modes.damping))
+    if modes.damping[worst] >= 1:
+        raise ValueError(
+            f"dampers or Rayleigh damping give the mode of {modes.period[worst]:.3g} s the damping "
+            f"ratio {modes.damping[worst]:.3g}; allowed where modes are combined: below 1"
+        )
+    return modes
+
+
+def oscillators_of(modes: Modes, dimension: str = MODE) -> Bilinear:
+    """The elastic oscillators of the modes."""
+    return Bilinear(*(xr.DataArray(values, dims=dimension) for values in modes[:2]))
+
+
+def combine_modes(
+    modes: Modes, displacements: Array, ground: Ground, weights: Sequence[Array]
+) -> tuple[Array, Array]:
+    """CQC of each structure [m] (structures, heights), and the correlation of both (heights,).
+
+    ``displacements`` [m] are those of the oscillators, ``weights`` of the floors at the heights.
+    """
+    both = oscillators_of(modes), oscillators_of(modes, OTHER)
+    rho = correlate(*both, ground, bias=False).rho.transpose(MODE, OTHER).to_numpy()
+    shared = rho * np.outer(displacements, displacements)
+    return combined(shared, [row @ modes.moves for row in weights])
+
+
+def spectral_peaks(
+    structures: Sequence[AnyStructure], spectrum: xr.DataArray, ground: Ground, site: Site
+) -> tuple[Site, xr.DataArray]:
+    """The site with displacements by the modes at the heights where they could meet, and ``rho`` there.
+
+    Raises a ValueError if an oscillator or the ground has arrays as parameters, heights contradict the
+    storeys or the spectrum has no value for a mode.
+    """
+    check_scalars(ground, "ground", "numbers")
+    for n, structure in enumerate(structures, start=1):
+        if isinstance(structure, Structure):
+            check_scalars(structure, f"modes_{n}", "numbers")
+    system = arrangement_of(structures)
+    heights = facing_heights(system)
+    modes = modes_of(system)
+    displacements = spectral_displacements(modes, spectrum)
+    sizes, rho = combine_modes(modes, displacements, ground, weights_at(system, heights))
+    arrays = [xr.DataArray(values, dims="height") for values in (*sizes, rho)]
+    if np.isnan(heights).any():  # of oscillators
+        *peaks, correlation = (array.squeeze("height") for array in arrays)
+    else:
+        site, axis = of_storeys(site, structures), labels.axis("height", HEIGHT, heights, "m")
+        *peaks, correlation = (array.assign_coords(height=axis) for array in arrays)
+        site = site.with_arrays({f"height_{n}": axis for n, _ in enumerate(peaks, start=1)})
+    return site.with_arrays({f"peak_{n}": peak for n, peak in enumerate(peaks, 1)}), correlation
+
+
+def spectral_displacements(modes: Modes, spectrum: xr.DataArray) -> Array:
+    """Displacements [m] of the oscillators of the modes under a spectrum of pseudo-accelerations.
+
+    A mode that is shorter than its shortest period has the ordinate there.
+    """
+    period, values, damping = checked_spectrum(spectrum)
+    if modes.period.max() > period[-1]:
+        raise ValueError(
+            f"spectrum ends at {period[-1]:g} s, and a mode has {modes.period.max():.3g} s; allowed: a "
+            "spectrum up to the longest period of the modes"
+        )
+    if (np.abs(modes.damping / damping - 1) > SAME_DAMPING).any():
+        ends = " to ".join(f"{end:.3g}" for end in np.unique([modes.damping.min(), modes.damping.max()]))
+        warnings.warn(
+            f"spectrum is of the damping {damping:g}, and the modes have {ends}: its ordinates are "
+            "taken as they are",
+            DoubtfulInput,
+            stacklevel=5,
+        )
+    ordinates = interpolated(period, values, modes.period)
+    displacements: Array = ordinates * (modes.period / (2 * np.pi)) ** 2
+    return displacements

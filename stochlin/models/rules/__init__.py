@@ -1,1 +1,60 @@
-"""Published formulas, selected by name: code rules, effective properties, peak factors."""
+"""What published formulas (rules) have in common: name, reference and mark, and the search by name.
+
+The mark says how a formula was verified: S, compared with a copy of its source; P, in the
+available text of Valles-Mattox and Reinhorn (1996); C, derived and checked here; M, not compared with
+its source, with a high or a low confidence that the formula and its constants agree with it.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import TypeVar
+
+from stochlin.messages import brief
+from stochlin.registry import LAST, Registry
+
+
+@dataclass(frozen=True, kw_only=True)
+class Published:
+    """A published formula, by name."""
+
+    name: str
+    reference: str
+    mark: str = ""
+    title: str = ""  # published name, authors and year
+    reason: str = ""  # why the rule is too uncertain to be listed with the others, if it is
+
+    def published_name(self) -> str:
+        """The title of the rule, or else its name, with a remark if its constants are unverified."""
+        return f"{self.title or self.name}{', constants unverified' if self.reason else ''}"
+
+    def describe(self) -> str:
+        """Name, reference, mark and any reason for doubt in one line, for metadata."""
+        return f"{self.name}: {self.reference} [{'; '.join(filter(None, (self.mark, self.reason)))}]"
+
+
+Rule = TypeVar("Rule", bound=Published)
+
+
+def publish(registry: Registry[Rule], rule: Rule, place: int = LAST) -> None:
+    """Make a rule known by its name; lists show a lower ``place`` first."""
+    registry.register(rule.name, place)(rule)
+
+
+def look_up(registry: Registry[Rule], name: object, parameter: str) -> Rule:
+    """The rule with this name, in any case, with or without the year.
+
+    For an unknown name a ValueError lists all rules; ``parameter`` is the name of the argument.
+    """
+    known = {_plain(key).rstrip("0123456789"): rule for key, rule in registry.items()}
+    known |= {_plain(key): rule for key, rule in registry.items()}
+    if _plain(name) in known:
+        return known[_plain(name)]
+    allowed = ", ".join(registry)
+    raise ValueError(f"{parameter} = {brief(name)} is not a known {registry.kind}; allowed: {allowed}")
+
+
+def _plain(name: object) -> str:
+    """The name in lower case, without spaces, underscores and hyphens."""
+    return re.sub(r"[\s_-]", "", str(name).lower())

@@ -11,7 +11,7 @@ from stochlin.applications.explorer.answers import PATHS, OnGround, correlations
 from stochlin.applications.explorer.uploads import read_upload, uploaded
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.views.separation.report import first_sections
-from stochlin.views.separation.rules import rules_notes, rules_table
+from stochlin.views.separation.words import rules_sections
 from stochlin.views.shared.blocks import Picture, Text, ViewSection
 from stochlin.views.shared.page import page
 from stochlin.views.shared.style import CURVES, label_axis, legend_above, open_frame
@@ -44,8 +44,7 @@ def gap_of(folder: str, name: str, text: str, progress: Progress) -> str:
     of_few = f"From {PATHS} motions; 'stochlin gap' takes more for the saved case where it needs them."
     sections = [
         *first_sections(answer),
-        ViewSection("The rules and the answer", [rules_table(answer)]),
-        ViewSection("", rules_notes(answer)),
+        *rules_sections(answer),
         ViewSection("", [Text(of_few * (case.simulated.motions > PATHS), "note")]),
     ]
     return _html(case, doubts, sections, "gap")

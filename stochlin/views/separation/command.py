@@ -21,7 +21,7 @@ from stochlin.views.shared.screen import (
 )
 
 REPORTS = (".html", ".htm")
-MORE = "'--details' adds the shaking, heights, drifts and the notes on the rules."
+MORE = "'--details' adds the shaking, drifts, all other rules and the notes on them."
 
 
 @COMMANDS.register("gap")
@@ -46,12 +46,7 @@ MORE = "'--details' adds the shaking, heights, drifts and the notes on the rules
     "or .pdf, and save the data beside the picture.",
 )
 @click.option(
-    "--all-rules",
-    is_flag=True,
-    help="Show all rules and codes, not only the usual ones and your codes; with details.",
-)
-@click.option(
-    "--details", is_flag=True, help="Also print shaking, heights, drifts and notes on the rules."
+    "--details", is_flag=True, help="Also print the shaking, drifts, all other rules and notes on them."
 )
 @click.option(
     "--example",
@@ -69,7 +64,6 @@ def gap(
     out: Path | None,
     picture: Path | None,
     sensitivity: Path | None,
-    all_rules: bool,
     details: bool,
     example: str | None,
     example_record: bool,
@@ -88,7 +82,6 @@ def gap(
       stochlin gap case.toml --details
       stochlin gap case.toml --report gap.html --out gap.nc
       stochlin gap case.toml --picture gap.png
-      stochlin gap case.toml --all-rules
       stochlin gap case.toml --sensitivity tornado.png
     """
     with bad_input():
@@ -116,9 +109,8 @@ def gap(
         check_target("--sensitivity", sensitivity, PICTURES, described.files)
         check_target("--sensitivity", beside, FORMATS, described.files)
         with progress_bar("simulating") as progress:
-            answer = answer_case(described, progress, sensitivity is not None, all_rules)
+            answer = answer_case(described, progress, sensitivity is not None)
         page = report_page(answer) if report else ""
-        details = details or all_rules
         show([*lines(answer_sections(answer), details), *([] if details else ["", MORE])])
         table = answer.table(samples=data is not None and data.suffix.lower() != CSV)
         write(table, data, picture, lambda _: elevation_figure(answer))

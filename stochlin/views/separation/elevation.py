@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from stochlin.views.separation.rules import own_codes
 from stochlin.views.separation.words import (
     SHARE,
     confidence,
     judged,
     meeting_level,
     needed,
+    own_codes,
     share_of,
     subject_of,
 )

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from stochlin.applications.cases.rows import name_of_file
 from stochlin.views.sensitivity import words as what_matters
 from stochlin.views.sensitivity.pictures import draw_sensitivity
-from stochlin.views.separation import pictures, rules, words
+from stochlin.views.separation import pictures, words
 from stochlin.views.separation.elevation import elevation_picture
 from stochlin.views.separation.risk import risk_blocks
 from stochlin.views.shared.blocks import Block, Items, Picture, Table, Text, ViewSection, texts
@@ -20,10 +20,7 @@ from stochlin.views.sites.pictures import draw_spectrum
 if TYPE_CHECKING:
     from stochlin.applications.cases.separation import CaseAnswer
 
-SPECTRUM = (
-    "Response spectra of the motions and of the target; below, the ratio with its 95 % interval. "
-    "Vertical: elastic periods."
-)
+SPECTRUM = "Response spectra of the motions and of the target. Vertical: elastic periods."
 SIGNED = "Date, prepared by, checked by:"  # by hand: the same case makes the same page
 
 
@@ -50,12 +47,10 @@ def answer_sections(answer: CaseAnswer) -> list[ViewSection]:
         ViewSection(f"How often {about.meet}", risk_blocks(answer)),
         ViewSection("The records", [Text(many)]),
         ViewSection("" if many else "The records", [_records(answer)], on_screen=not many),
-        ViewSection("The rules and the answer", [rules.rules_table(answer)]),
-        ViewSection("Rules that are not available", [rules.not_available(answer)], on_page=False),
-        ViewSection("", rules.rules_notes(answer), detail=True),
+        *words.rules_sections(answer),
         ViewSection("Pictures", _pictures(answer), on_screen=False, columns=True),
         ViewSection("Influence of the inputs", _influence(answer)),
-        ViewSection("Method", [Items(words.method(case)), rules.assumptions(answer)], on_screen=False),
+        ViewSection("Method", [Items(words.method(case)), words.assumptions(answer)], on_screen=False),
         ViewSection("The case", words.case_file(case), on_screen=False),
         ViewSection("", [Text(f"{name_of_file(case)}. {SIGNED}", "signed")], on_screen=False),
     ]

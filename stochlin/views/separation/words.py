@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from scipy import constants
 
-from stochlin.messages import hyphenated
-from stochlin.models.buildings import ModalBuilding, MultistoreyBuilding
+from stochlin.applications.cases.codes import APPLIED, APPLY, KIND
+from stochlin.applications.separation.separation import COMBINED
+from stochlin.models.rules.codes import CODE_RULES
 from stochlin.solver.tables.toml import toml_text
-from stochlin.views.shared.blocks import Block, Table, Text
+from stochlin.views.shared.blocks import Block, Items, Row, Table, Text, ViewSection
 from stochlin.views.shared.words import (
     SPACE,
+    along,
     centimetres,
     floors,
     interval,
@@ -20,17 +22,17 @@ from stochlin.views.shared.words import (
     length,
     over_records,
     per_cent,
+    rule_label,
     scatter,
     shaking,
     site_in_words,
     with_interval,
 )
-from stochlin.views.sites.words import fit_in_words
+from stochlin.views.sites.pictures import fit_in_words
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from stochlin.applications.cases.reading.buildings import Building
     from stochlin.applications.cases.reading.case import Case
     from stochlin.applications.cases.separation import CaseAnswer
 
@@ -40,6 +42,29 @@ LINE = (
     "Nothing beyond the property line is in the model: two neighbours that each stay on their own side "
     "cannot meet; for a neighbour nearer to the line, compute the gap between both buildings."
 )
+
+AS_APPLIED, COMBINATION = "the code as you apply it", "the code's combination of simulated peaks"
+KINDS = {
+    "simulation": "",
+    "equation_3": "eq. (3) with a correlation coefficient",
+    "response_spectrum": "response spectrum analysis",
+    "linearization": "linearization",
+    "code": "families of rules of building codes",
+    KIND: AS_APPLIED,
+}
+GROUPS = (*KINDS.values(), COMBINATION)  # in the order in which they are shown
+NAMED = {AS_APPLIED: "as you apply it", COMBINATION: "of simulated peaks"}
+USUAL = ("simulation", "srss", "eq_3_linearized", "eq_3_drift", "eq_3_paper")  # without details
+NO_CODES = (
+    'For a building code as you apply it write, for instance, codes = ["eurocode_8"] in [separation], '
+    "and in each building displacements of your analysis and the factors of the code."
+)
+MARKS = (
+    "Marks: S, compared with its source; C, derived and checked; P, in the text of the paper; M, not "
+    "compared with its source."
+)
+AT_LEAST, LESS, WITHIN = "at least the answer", "less than the answer", "within error"  # verdicts
+OF_TWO = "needs a second building"  # the reason why a rule is not available
 
 
 class Subject(NamedTuple):
@@ -290,28 +315,15 @@ def method(case: Case) -> list[str]:
     """The models of the answer and what they leave out, for the page."""
     spread = f"; a scatter of {case.site.scatter:g} about it is in the answer" * bool(case.site.scatter)
     known = " that are not uncertain here" * bool(case.uncertain)
-    models = ", ".join(f"{building.name} is {_model(building)}" for building in case.buildings)
     return [
         f"Motions: {case.simulated.motions} of a stationary random process with an envelope "
         f"({site_in_words(case)}); the interval covers their sampling only. The strength of the next "
         f"earthquake is the largest unknown{spread}.",
-        f"Buildings: {models}. Modes beyond these models, torsion of irregular plans, soil under the "
-        f"foundations, loss of strength and the error of the parameters{known} are left out.",
-        "Rules: they combine the simulated peaks, and only a code as you apply it uses displacements "
-        "of a design. Load factors and minimum distances of codes are left out.",
+        "Left out: modes beyond the models of the case, torsion of irregular plans, soil under the "
+        f"foundations, loss of strength, the error of the parameters{known}; load factors and least "
+        "distances of codes.",
         *([LINE] if case.alone else []),
     ]
-
-
-def _model(building: Building) -> str:
-    """The model of a building: storeys, modes, or one oscillator."""
-    structure = building.structure
-    law = structure.element_law if isinstance(structure, MultistoreyBuilding) else structure
-    name = hyphenated(type(law).__name__).replace("Bilinear", "bilinear")
-    if isinstance(structure, ModalBuilding):
-        count = structure.modes
-        return f"a sum of {count} modes, each a {name} oscillator" if count > 1 else f"one {name} mode"
-    return f"a row of {name} storeys" if building.has_storeys else f"one {name} oscillator"
 
 
 def case_file(case: Case) -> list[Text]:
@@ -320,3 +332,124 @@ def case_file(case: Case) -> list[Text]:
     words = "With the same version of stochlin the case file gives the same numbers."
     needs = f" It needs these files beside it: {beside}." if beside else ""
     return [Text(words + needs), Text(toml_text(case.whole.table.values), "file")]
+
+
+class RuleLine(NamedTuple):
+    """One rule as it is shown."""
+
+    rule: str  # as in the dataset
+    name: str  # on the screen
+    label: str  # as in a text
+    group: str
+    usual: bool  # whether it is shown without details
+    metres: float
+    gap: str
+    error: str
+    probability: str
+    verdict: str
+    mark: str
+    reference: str
+    assumptions: str
+    missing: str
+
+
+def rows(answer: CaseAnswer) -> list[RuleLine]:
+    """All rules, the answer first; for one building those that apply to one building."""
+    table = answer.separation
+    if answer.case.alone:
+        of_two = [str(text).startswith(OF_TWO) for text in table.missing.values]
+        table = table.isel(rule=~np.array(of_two))
+    grouped = [(_group(answer.case, row), row) for row in along(table, "rule")]
+    grouped.sort(key=lambda of_rule: GROUPS.index(of_rule[0]))
+    return [_line(answer, *of_rule) for of_rule in grouped]
+
+
+def usual_rows(answer: CaseAnswer) -> list[RuleLine]:
+    """The usual rules, and those that the case asks for: codes as applied, and rules with a number."""
+    return [row for row in rows(answer) if row.usual]
+
+
+def _group(case: Case, row: xr.Dataset) -> str:
+    """The group to which a rule belongs; a code without displacements is applied as it is."""
+    kind, rule = str(row.kind.item()), str(row.rule.item())
+    if kind == "code" and CODE_RULES[rule].multiplies:
+        return COMBINATION
+    return AS_APPLIED if rule in case.codes else KINDS[kind]
+
+
+def _line(answer: CaseAnswer, group: str, row: xr.Dataset) -> RuleLine:
+    meanings = answer.separation.verdict.attrs["flag_meanings"].split()
+    rule, words = str(row.rule.item()), NAMED.get(group, "")
+    stem = rule.removesuffix(APPLIED)
+    return RuleLine(
+        rule=rule,
+        name=f"{stem} {words}" if words else rule,
+        label=f"{rule_label(stem)}, {words}" if words else rule_label(stem),
+        group=group,
+        usual=rule in USUAL or group == AS_APPLIED or rule in answer.case.wanted.of_rules(),
+        metres=float(row.gap),
+        gap=centimetres(float(row.gap)),
+        error=per_cent(float(row.error), sign="+") if group else "",
+        probability=per_cent(float(row.no_pounding_probability), 1),
+        verdict=meanings[int(row.verdict)].replace("_", " "),
+        **{name: str(row[name].item()) for name in ("mark", "reference", "assumptions", "missing")},
+    )
+
+
+def own_codes(answer: CaseAnswer) -> list[RuleLine]:
+    """The codes of the case file as its engineer applies them, and the rules with numbers of its own."""
+    numbers = answer.case.wanted.of_rules()
+    return [row for row in usual_rows(answer) if row.group == AS_APPLIED or row.rule in numbers]
+
+
+def rules_table(answer: CaseAnswer, shown: list[RuleLine]) -> Table:
+    """A row for each rule that has a gap: on the screen by its name in files, on a page by its title."""
+    about = subject_of(answer.case)
+    heads = ("rule", f"{about.gap} [cm]", "error", about.column, "verdict", "mark")
+    table_rows = [
+        Row(
+            (row.name, row.gap, row.error, row.probability, row.verdict, row.mark),
+            label=row.label.removeprefix("eq. (3), "),
+            group=row.group,
+            look=row.verdict,
+        )
+        for row in shown
+        if not row.missing
+    ]
+    return Table(heads, table_rows, words=heads[4:], minor=heads[5:])
+
+
+def not_available(shown: list[RuleLine]) -> Items:
+    """The rules without a gap, each with the reason."""
+    return Items([f"{row.name}: {row.missing}" for row in shown if row.missing])
+
+
+def rules_sections(answer: CaseAnswer) -> list[ViewSection]:
+    """The usual rules beside the answer; in details the notes on them, and all others."""
+    usual = usual_rows(answer)
+    others = [row for row in rows(answer) if not row.usual]
+    combined = Text(COMBINED if COMBINATION in {row.group for row in others} else "", "note")
+    more: list[Block] = [rules_table(answer, others), not_available(others), combined]
+    return [
+        ViewSection("The rules and the answer", [rules_table(answer, usual)]),
+        ViewSection("Rules that are not available", [not_available(usual)], on_page=False),
+        ViewSection("", [rules_notes(answer)], detail=True),
+        ViewSection("All other rules", more, on_page=False, detail=True),
+    ]
+
+
+def rules_notes(answer: CaseAnswer) -> Text:
+    """The meaning of the columns and marks, and how a code is applied."""
+    about, groups = subject_of(answer.case), {row.group for row in usual_rows(answer)}
+    columns = f"Error: relative to the answer. {about.column.capitalize()}: {about.good}. {MARKS}"
+    return Text(f"{columns} {APPLY if AS_APPLIED in groups else NO_CODES}", "note")
+
+
+def assumptions(answer: CaseAnswer) -> Items:
+    """What the codes of the case assume, and their sources; those of all rules are in the dataset."""
+    texts = [
+        f"{row.label}: {'. '.join(filter(None, (row.assumptions, row.reference)))}."
+        for row in own_codes(answer)
+        if not row.missing
+    ]
+    return Items(texts)

@@ -1,4 +1,4 @@
-"""The response spectrum of motions relative to the target: one column wide, and for print in grey."""
+"""The response spectrum of motions beside the target: a picture for print, and its fit in words."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 from scipy import constants
 
+from stochlin.applications.cases.separation import BAND
 from stochlin.views.shared.style import (
     AS_GIVEN,
     CURVES,
@@ -19,18 +20,15 @@ from stochlin.views.shared.style import (
     styled,
 )
 from stochlin.views.shared.words import per_cent
-from stochlin.views.sites.words import fit_in_words
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-WIDTH, UPPER, LOWER, EDGES, LINE = 4.6, 2.4, 1.05, 1.2, 0.14  # inches; LINE is that of a line of text
+WIDTH, HEIGHT, LINE = 4.6, 3.6, 0.14  # inches; LINE is that of a line of text
 CAPTION = 70  # characters
 TICKS = (0.05, 0.1, 0.2, 0.5, 1, 2, 4, 10)  # s
-WITHIN = 0.06  # what fits to spectra hold to
-NORMAL = 1.96  # standard errors to either side of a 95 % interval
-LEAST, MOST = 0.12, 1.2  # shown of the ratio, to either side of 1
+BAND_IN_WORDS = f"{BAND[0]:g} to {BAND[1]:g} times the periods of the buildings"
 
 
 @styled(AS_GIVEN | {"font.size": 10})
@@ -50,9 +48,8 @@ def draw_spectrum(dataset: xr.Dataset, caption: bool = True, periods: Sequence[f
     Returns
     -------
     matplotlib.figure.Figure
-        Above, the response spectra over the period: the target, and of the simulated motions the mean
-        and the range from 16 to 84 %. Below, if there is a target, the ratio
-        of the mean to it with its 95 % interval, and lines at 6 % to either side.
+        The response spectra over the period: the target, if there is one, and of the simulated motions
+        the mean and the range from 16 to 84 %.
 
     Raises
     ------
@@ -68,24 +65,16 @@ def draw_spectrum(dataset: xr.Dataset, caption: bool = True, periods: Sequence[f
             "returns, of two periods or more"
         )
     text = filled(_caption(dataset, periods), CAPTION) if caption else ""
-    heights = [UPPER, LOWER] if "target" in dataset else [UPPER]
-    size = WIDTH, sum(heights) + EDGES + LINE * text.count("\n")
-    figure = Figure(size, layout="constrained")
-    panels = figure.subplots(len(heights), sharex=True, squeeze=False, height_ratios=heights)[:, 0]
-    period: Any = dataset.period.values
-    _spectra(panels[0], dataset)
+    figure = Figure((WIDTH, HEIGHT + LINE * text.count("\n")), layout="constrained")
+    axes, period = figure.add_subplot(), np.asarray(dataset.period)
+    _spectra(axes, dataset)
     for number, mark in enumerate(periods, start=1):
         look: Any = {"color": CURVES[2][0], "lw": 1.0, "linestyle": (0, (1, 1)) if number == 1 else "-."}
-        for axes in panels:
-            axes.axvline(mark, label=f"building {number}" if axes is panels[0] else None, **look)
-    for axes in panels[1:]:
-        _ratio(axes, dataset)
-    for axes in panels:
-        axes.set(xscale="log", xlim=(period[0], period[-1]))
-        plain_ticks(axes.xaxis, [tick for tick in TICKS if period[0] <= tick <= period[-1] * 1.001])
-        open_frame(axes, ("top",))
-    panels[-1].set_xlabel("period [s]")
-    legend_above(panels[0])
+        axes.axvline(mark, label=f"building {number}", **look)
+    axes.set(xscale="log", xlim=(period[0], period[-1]), xlabel="period [s]")
+    plain_ticks(axes.xaxis, [tick for tick in TICKS if period[0] <= tick <= period[-1] * 1.001])
+    open_frame(axes, ("top",))
+    legend_above(axes)
     figure.supxlabel(text, x=0.02, ha="left", size=8)
     return figure
 
@@ -101,31 +90,8 @@ def _spectra(axes: Axes, dataset: xr.Dataset) -> None:
     if "target" in dataset:
         axes.plot(period, dataset.target, color=black, linestyle=solid, lw=1.1, label="wanted")
     axes.set(ylim=(0, None), ylabel="spectral acceleration [m/s²]")
-    axes.secondary_yaxis("right", functions=(_in_g, _of_g)).set_ylabel("[g]")
-
-
-def _in_g(acceleration: Any) -> Any:
-    return acceleration / constants.g
-
-
-def _of_g(acceleration: Any) -> Any:
-    return acceleration * constants.g
-
-
-def _ratio(axes: Axes, dataset: xr.Dataset) -> None:
-    """The ratio of the mean of the motions to the target, with its interval."""
-    period, ratio = dataset.period.values, dataset.ratio.values
-    error: Any = NORMAL * dataset.ratio_standard_error.values
-    color, dash = CURVES[1]
-    axes.fill_between(period, ratio - error, ratio + error, color="0.75", lw=0)
-    axes.plot(period, ratio, color=color, linestyle=dash)
-    axes.axhline(1, color=CURVES[0][0], lw=0.9)
-    for end in (1 - WITHIN, 1 + WITHIN):
-        axes.axhline(end, color="0.3", lw=0.8, ls=(0, (1, 1.5)))
-        beside = axes.get_yaxis_transform()
-        axes.text(1.015, end, per_cent(end - 1, sign="+"), size=8, va="center", transform=beside)
-    away = min(max(1.1 * float(np.abs(ratio - 1).max()), LEAST), MOST)
-    axes.set(ylim=(max(1 - away, 0), 1 + away), ylabel="ratio")
+    in_g = (lambda acceleration: acceleration / constants.g, lambda ratio: ratio * constants.g)
+    axes.secondary_yaxis("right", functions=in_g).set_ylabel("[g]")
 
 
 def _caption(dataset: xr.Dataset, periods: Sequence[float]) -> list[str]:
@@ -136,3 +102,25 @@ def _caption(dataset: xr.Dataset, periods: Sequence[float]) -> list[str]:
     motions = [f"Damping {attrs['damping']:g}; motions of {attrs['duration_s']:.4g} s, "
                f"{attrs.get('envelope', 'stationary')}."]  # fmt: skip
     return [attrs["title"], *wanted, *fit_in_words(dataset, periods), *motions, attrs["ground"]]
+
+
+def fit_in_words(dataset: xr.Dataset, periods: Sequence[float] = ()) -> list[str]:
+    """Sentences about what `simulated_spectrum` returned; none without a target.
+
+    With the ``periods`` of buildings [s], the fit is that in their band, if the spectrum reaches it.
+    """
+    if "target" not in dataset:
+        return []
+    shown, where = dataset, ""
+    if periods:
+        low, high = BAND[0] * min(periods), BAND[1] * max(periods)
+        inside = dataset.sel(period=slice(low, high))
+        if inside.sizes["period"]:
+            shown, where = inside, f" from {low:.2g} to {high:.2g} s, {BAND_IN_WORDS}"
+    away = shown.ratio - 1
+    worst = shown.isel(period=int(abs(away).argmax("period")))
+    return [
+        f"Response spectrum, mean of the motions relative to the target{where}: off by "
+        f"{per_cent(float((away**2).mean() ** 0.5), 1)} (root mean square), at most by "
+        f"{per_cent(float(worst.ratio) - 1, 1, '+')}, at {float(worst.period):.2g} s."
+    ]

@@ -20,8 +20,8 @@ for name in sl.rules.code_rule_names():
     told = [(align, "III", one, True) for one in (True, False) for align in (True, False)]
     gaps = (float(rule.gap(0.12, 0.09, 24.0, 15.0, *facts, **of_site)) for facts in told)
     print(name, rule.mark, *(f"{gap:.9g}" for gap in gaps))
-    if not rule.missing((*rule.needs, "height_1"), alone=True):
-        alone = rule.gap(0.12, None, 24.0, None, False, "III", **of_site)
+    if rule.line:
+        alone = rule.gap(0.12, None, 24.0, zone="III", storeys_1=8, design_pga=2.5)
         print(name, f"{float(alone):.9g}")
 for name, value in (("share_of_sum", 0.8), ("share_of_height", 0.01), ("fixed_distance", 0.05)):
     print(name, value, sl.rules.code_rule(name, value).gap(0.12, 0.09, 24.0, 15.0))

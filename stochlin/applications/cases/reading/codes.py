@@ -86,7 +86,6 @@ class Wanted(Form):
     codes: list[str] = key(ListOf(TEXT, "listed"), "Building codes that you apply, or countries", ())
     zone: str | None = key(Word(tuple(ZONES)), "Zone of Mexico City", None)
     design_pga: float | None = key(PEAK, "Peak ground acceleration of the design", None)
-    unverified: bool = key(TRUTH, "Rules that are not compared with their source", False)
     numbers: Table | None = key(Inner(), "Numbers of rules in place of the usual ones", None)
 
     def of_rules(self) -> Mapping[str, float]:

@@ -7,16 +7,16 @@ from its property line.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
 from stochlin.messages import brief
-from stochlin.models.arguments import OneOf, check_fields, checked
-from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Model, Parameter, Range, parameter
-from stochlin.models.rules.published import Published, look_up
+from stochlin.models.arguments import OneOf, Truth, check_fields, checked, is_number
+from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Model, Range, parameter
+from stochlin.models.rules import Published, look_up
 from stochlin.registry import Registry
 
 ZONES: Mapping[str, float] = {"I": 0.001, "II": 0.003, "III": 0.006}  # share of the height, Mexico City
@@ -31,35 +31,86 @@ AT_LEAST_1 = Range(1.0, include_lower=True, reason="it multiplies displacements 
 OF_IMPORTANCE = Range(0.5, 2.0, True, True, "codes have 0.8 to 1.5")
 STOREYS = Range(1.0, include_lower=True, reason="storeys above the ground")
 MULTIPLIED = "displacements that are multiplied already: it has no factor on those under design forces"
+BOTH = ("floors_align", "same_property", "same_system")  # facts of two buildings
 
 
 @dataclass(frozen=True)
-class BuildingPeaks(Model):
-    """Peak displacements [m] of two buildings or of one, and what rules need besides.
+class Site(Model):
+    """What rules ask of two buildings, or of one beside its property line: see `CodeRule.gap`.
 
-    These are their heights [m] and storeys, the peak ground acceleration of the design [m/s^2], and the
-    factors of codes if the peaks are those under design forces.
+    With a behaviour or displacement factor the peaks are those under design forces, which each code
+    multiplies by its factors; with ``elastic`` they are those of the elastic spectrum.
     """
 
     of_arguments = True
 
-    peak_1: Parameter = parameter("m", "peak displacement, structure 1", NOT_NEGATIVE)
-    peak_2: Parameter | None = parameter("m", "peak displacement, structure 2", NOT_NEGATIVE, None)
-    height_1: Parameter | None = parameter("m", "height, structure 1", POSITIVE, None)
-    height_2: Parameter | None = parameter("m", "height, structure 2", POSITIVE, None)
-    storeys_1: Parameter | None = parameter("1", "number of storeys, structure 1", STOREYS, None)
-    storeys_2: Parameter | None = parameter("1", "number of storeys, structure 2", STOREYS, None)
-    design_pga: Parameter | None = parameter(
-        "m/s^2", "peak ground acceleration of the design", POSITIVE, None
-    )
-    behaviour_1: Parameter | None = parameter("1", "behaviour factor, structure 1", AT_LEAST_1, None)
-    behaviour_2: Parameter | None = parameter("1", "behaviour factor, structure 2", AT_LEAST_1, None)
-    deflection_1: Parameter | None = parameter("1", "displacement factor, structure 1", AT_LEAST_1, None)
-    deflection_2: Parameter | None = parameter("1", "displacement factor, structure 2", AT_LEAST_1, None)
-    importance: Parameter | None = parameter("1", "importance factor", OF_IMPORTANCE, None)
-    importance_2: Parameter | None = parameter(
-        "1", "importance factor, structure 2", OF_IMPORTANCE, None
-    )
+    peak_1: Any = parameter("m", "peak displacement, structure 1", NOT_NEGATIVE)
+    peak_2: Any = parameter("m", "peak displacement, structure 2", NOT_NEGATIVE, None)
+    height_1: Any = parameter("m", "height, structure 1", POSITIVE, None)
+    height_2: Any = parameter("m", "height, structure 2", POSITIVE, None)
+    floors_align: Truth = False
+    zone: Zone | None = None
+    same_property: Truth = False
+    same_system: Truth = False
+    storeys_1: Any = parameter("1", "number of storeys, structure 1", STOREYS, None)
+    storeys_2: Any = parameter("1", "number of storeys, structure 2", STOREYS, None)
+    importance_1: Any = parameter("1", "importance, structure 1", OF_IMPORTANCE, None)
+    importance_2: Any = parameter("1", "importance, structure 2", OF_IMPORTANCE, None)
+    design_pga: Any = parameter("m/s^2", "peak acceleration of the design", POSITIVE, None)
+    behaviour_1: Any = parameter("1", "behaviour factor, structure 1", AT_LEAST_1, None)
+    behaviour_2: Any = parameter("1", "behaviour factor, structure 2", AT_LEAST_1, None)
+    deflection_1: Any = parameter("1", "displacement factor, structure 1", AT_LEAST_1, None)
+    deflection_2: Any = parameter("1", "displacement factor, structure 2", AT_LEAST_1, None)
+    elastic: bool = False
+    number: Any = None  # of the rule
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_fields(self)
+        of_second = [name for name in self.known if name.endswith("_2")]
+        of_second += [name for name in BOTH if getattr(self, name)]
+        if self.alone and of_second:
+            raise ValueError(f"{of_second[0]} is given, of a second building that is not there")
+
+    @property
+    def alone(self) -> bool:
+        """Whether there is one building, beside its property line."""
+        return self.peak_2 is None
+
+    @property
+    def of_design(self) -> bool:
+        """Whether the peaks are displacements under design forces, or are reduced to these."""
+        return any(name.startswith((BEHAVIOUR, DEFLECTION)) for name in self.known)
+
+    @property
+    def known(self) -> list[str]:
+        """Names of what is given."""
+        return [name for name, value in vars(self).items() if value is not None]
+
+    @property
+    def importance(self) -> Any:
+        """Importance factor of building 1 [-], by default 1."""
+        return 1.0 if self.importance_1 is None else self.importance_1
+
+    @property
+    def lower_height(self) -> Any:
+        """Height of the lower building [m], at which its roof would meet the other building."""
+        return np.minimum(self.height_1, self.height_2)
+
+    def mirrored(self) -> Site:
+        """The same pair with the buildings exchanged."""
+        of_both = [name[:-1] for name in vars(self) if name.endswith("_1")]
+        exchanged = {f"{of}{n}": getattr(self, f"{of}{3 - n}") for of in of_both for n in (1, 2)}
+        return self.with_arrays(exchanged)
+
+    def beside_line(self) -> Site:
+        """Building 1 beside a building of the same height that does not move."""
+        still = {"peak_2": 0 * self.peak_1, "height_2": self.height_1}
+        return self.with_arrays(still | dict.fromkeys(BOTH, False))
+
+    def if_aligned(self, factor: float) -> float:
+        """The factor if the floors align, else 1."""
+        return factor if self.floors_align else 1.0
 
 
 class Number(NamedTuple):
@@ -97,41 +148,40 @@ class CodeRule(Published):
     called: Mapping[str, str] = field(default_factory=dict, hash=False)  # by name in FACTORS
     countries: Sequence[str] = ()  # in which the code is in use
     number: Number | None = None
-    value: float | None = None  # of its number
+    value: float | None = None  # of its number, in place of the usual one
 
-    def __post_init__(self) -> None:
-        if self.number is None:
-            return
-        if self.value is None:
-            object.__setattr__(self, "value", self.number.usual)
-        elif not 0 < self.value < np.inf:
-            raise ValueError(
-                f"{self.name}: {self.number.name} = {brief(self.value)}; allowed: a positive number"
-            )
+    @property
+    def stated_number(self) -> Any:
+        """The number of the rule: that of the user, or the usual one."""
+        return self.number.usual if self.number and self.value is None else self.value
 
     @property
     def lacks_number(self) -> bool:
         """Whether the rule needs a number that it does not have."""
-        return self.number is not None and self.value is None
+        return self.number is not None and self.stated_number is None
 
     def takes_peaks(self) -> bool:
         """Whether the rule uses displacements at all."""
         return self.family not in (HEIGHT, FIXED)
 
-    def designed(self, displacement: Any, factor: Any, importance: Any = 1.0) -> Any:
-        """The displacement of the code [m], for that of a building under design forces [m].
+    def displaced(self, site: Site) -> Site:
+        """The pair with the displacements of the code [m], for those under design forces.
 
-        ``factor`` is the one that the code ``multiplies`` displacements by.
+        Those of an elastic spectrum are divided first by the behaviour factor, as design forces are.
         """
-        return self.share * factor * displacement / (importance if self.over_importance else 1.0)
-
-    def under_design_forces(self, displacement: Any, behaviour: Any, importance: Any = 1.0) -> Any:
-        """The displacement under design forces [m], for that of the elastic spectrum [m].
-
-        Design forces are those of the spectrum over the behaviour factor. A code that divides
-        displacements by the importance factor has multiplied the forces by it.
-        """
-        return displacement * (importance if self.over_importance else 1.0) / behaviour
+        if not (site.of_design and self.multiplies):
+            return site
+        both = [site] if site.alone else [site, site.mirrored()]
+        factors = [getattr(each, f"{self.multiplies}_1") for each in both]
+        if self.larger_factor and not (site.alone or site.floors_align):
+            factors = [np.maximum(*factors)] * 2
+        peaks = {}
+        for n, (each, factor) in enumerate(zip(both, factors, strict=True), start=1):
+            # A code that divides displacements by the importance factor has multiplied the forces by it.
+            importance = each.importance if self.over_importance and not site.elastic else 1.0
+            behaviour = each.behaviour_1 if site.elastic else 1.0
+            peaks[f"peak_{n}"] = self.share * factor * each.peak_1 / behaviour / importance
+        return site.with_arrays(peaks)
 
     def gap(self, peak_1: Any, peak_2: Any, *more: Any, **others: Any) -> Any:
         """Required separation [m] for peak displacements [m] as the rule defines them.
@@ -144,105 +194,50 @@ class CodeRule(Published):
         ``importance_1`` and ``importance_2``, importance factors; and ``design_pga``, the peak ground
         acceleration of the design [m/s^2]. A ValueError names what a rule needs and is missing.
         """
-        if peak_2 is None and not self.line:
-            raise ValueError(f"{self.name} needs {TWO}; give peak_2")
-        site = replace(Site(peak_1, peak_2, *more, **others), number=self.value)
-        named = [name for name, value in vars(site).items() if value is not None]
-        if missing := self.missing(named, peak_2 is None):
-            raise ValueError(
-                f"{self.name} needs {', '.join(missing)}, which is not given; allowed: heights [m], "
-                f"numbers of storeys, design_pga [m/s^2], zone one of {', '.join(ZONES)}"
-            )
-        if peak_2 is None:
-            return self._from_line(site)
-        if self.gap_of is None or (self.between and not site.same_property):
-            return self._from_line(site) + self._from_line(site.mirrored())
-        return self.gap_of(site)
+        site = Site(peak_1, peak_2, *more, **others)
+        if missing := self.missing(site):
+            raise ValueError(f"{self.name} needs {', '.join(missing)}, which is not given")
+        return self.gap_of_displaced(self.displaced(site))
 
-    def _from_line(self, site: Site) -> Any:
-        """Distance of building 1 from a property line [m]."""
+    def gap_of_displaced(self, site: Site) -> Any:
+        """Required separation [m] for a pair with the displacements of the code."""
+        site = site.with_arrays({"number": self.stated_number})
         formula = self.line_of or self.gap_of
         assert formula is not None
-        alone = {"peak_2": 0 * site.peak_1, "height_2": site.height_1}
-        return formula(replace(site, **alone, **vars(Neighbours())))
+        if site.alone:
+            return formula(site.beside_line())
+        if self.gap_of is None or (self.between and not site.same_property):
+            return formula(site.beside_line()) + formula(site.mirrored().beside_line())
+        return self.gap_of(site)
 
-    def missing(self, named: Collection[str], alone: bool) -> list[str]:
-        """Arguments that the rule requires and that are not ``given``, for two buildings or for one."""
-        if alone and not self.line:
+    def missing(self, site: Site) -> list[str]:
+        """What the rule requires and is not given, a factor with the name that the code has for it."""
+        if site.alone and not self.line:
             return [TWO]
-        return [n for n in self.needs if n not in named and not (alone and n.endswith("_2"))]
+        needed = [name for name in self.needs if not (site.alone and name.endswith("_2"))]
+        lacking = [name for name in needed if name not in site.known]
+        if not (site.of_design and self.takes_peaks()):
+            return lacking
+        if not self.multiplies:
+            return [*lacking, MULTIPLIED]
+        for factor in dict.fromkeys((self.multiplies, *([BEHAVIOUR] * site.elastic))):
+            both = [f"{factor}_{n}" for n in "12"[: 1 if site.alone else 2]]
+            if unknown := [name for name in both if name not in site.known]:
+                lacking += [f"{unknown[0]} ({self.called[factor]})", *unknown[1:]]
+        return lacking
 
-    def governed_by(self, same_property: bool) -> str:
-        """The family of the rule for two buildings of one property or of two."""
-        return self.family if same_property else self.between or self.family
-
-    def told(self, alone: bool) -> str:
+    def stated(self, alone: bool) -> str:
         """The assumptions of the rule in words, with its number before them if it is not the default.
 
         For one building (``alone``) they begin with the statement on property lines, and those on two
         buildings are left out.
         """
-        of_line = alone and bool(self.line)
-        own = self.number is not None and self.value != self.number.usual
-        return "; ".join(
-            [
-                *([f"{self.number.name} {self.value:g}"] if self.number and own else []),
-                *([self.line] if of_line else []),
-                self.assumptions,
-                *([] if of_line else self.of_pairs),
-            ]
-        )
-
-
-@dataclass(frozen=True)
-class Neighbours:
-    """What two buildings have in common, each False where it is not so or not known."""
-
-    floors_align: bool = False  # floors at the same levels
-    same_property: bool = False  # no property line between them
-    same_system: bool = False  # the same structural system
-
-    def told(self) -> str:
-        """What is true, for the run information: ``", floors_align=True"``, or empty."""
-        return "".join(f", {name}=True" for name, value in vars(self).items() if value)
-
-
-@dataclass(frozen=True)
-class Site:
-    """The arguments of `CodeRule.gap` for a pair of buildings."""
-
-    peak_1: Any
-    peak_2: Any
-    height_1: Any = None
-    height_2: Any = None
-    floors_align: bool = False
-    zone: Zone | None = None
-    same_property: bool = False
-    same_system: bool = False
-    storeys_1: Any = None
-    storeys_2: Any = None
-    importance_1: Any = 1.0
-    importance_2: Any = 1.0
-    design_pga: Any = None
-    number: Any = None  # of the rule
-
-    def __post_init__(self) -> None:
-        check_fields(self)
-
-    @property
-    def lower_height(self) -> Any:
-        """Height of the lower building [m], at which its roof would meet the other building."""
-        return np.minimum(self.height_1, self.height_2)
-
-    def mirrored(self) -> Site:
-        """The same pair with the buildings exchanged."""
-        buildings = ("peak", "height", "storeys", "importance")
-        swapped = {f"{of}_{n}": getattr(self, f"{of}_{3 - n}") for of in buildings for n in (1, 2)}
-        return replace(self, **swapped)
-
-    def if_aligned(self, factor: float) -> float:
-        """The factor if the floors align, else 1."""
-        return factor if self.floors_align else 1.0
+        texts = [self.assumptions, *self.of_pairs]
+        if alone and self.line:
+            texts = [self.line, self.assumptions]
+        if self.number is not None and self.stated_number != self.number.usual:
+            texts.insert(0, f"{self.number.name} {self.stated_number:g}")
+        return "; ".join(texts)
 
 
 def code_rule_names() -> tuple[str, ...]:
@@ -303,17 +298,20 @@ def code_rule(name: str, value: float | None = None) -> CodeRule:
     rule = look_up(CODE_RULES, name, "name")
     if value is None and rule.lacks_number:
         raise ValueError(f"value is not given; {rule.name} needs it; allowed: a positive number")
-    if value is not None and rule.number is None:
+    if value is None:
+        return rule
+    if rule.number is None:
         known = ", ".join(name for name, each in CODE_RULES.items() if each.number)
         raise ValueError(f"value = {brief(value)} is given to {rule.name}; allowed for {known} only")
-    return rule if value is None else replace(rule, value=value)
+    if not (is_number(value) and 0 < value < np.inf):
+        what = f"{rule.name}: {rule.number.name} = {brief(value)}"
+        raise ValueError(f"{what}; allowed: a positive number")
+    return replace(rule, value=value)
 
 
 def rules_of(name: str) -> tuple[CodeRule, ...]:
     """The rules of a code by its name or by the name of a country; empty if there are none."""
     plain = name.strip().lower()
-    of_country = [
-        rule for rule in CODE_RULES.values() if plain in (country.lower() for country in rule.countries)
-    ]
+    of_country = [rule for rule in CODE_RULES.values() if plain in map(str.lower, rule.countries)]
     key = plain.replace("-", "_").replace(" ", "_")
     return tuple(of_country or ([CODE_RULES[key]] if key in CODE_RULES else []))

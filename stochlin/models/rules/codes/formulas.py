@@ -1,14 +1,17 @@
-"""Formulas of the separation rules [m]; `national.toml` names them, and explains the clauses."""
+"""Formulas of the separation rules [m], which the rows of `national.toml` name and explain."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import tomllib
+from collections.abc import Callable, Mapping
+from importlib.resources import files
 from typing import Any
 
 import numpy as np
 from scipy.constants import g
 
-from stochlin.models.rules.codes import ZONES, Site
+from stochlin.models.rules import publish
+from stochlin.models.rules.codes import CODE_RULES, ZONES, CodeRule, Number, Site
 
 SIMPLIFIED = {"I": 0.007, "II": 0.009, "III": 0.012}  # share of the height by zone, Mexico City
 
@@ -110,7 +113,7 @@ def italy(site: Site) -> Any:
 
 def iran_line(site: Site) -> Any:
     """Of one building 0.005 of its height, or its peak if it is tall or important."""
-    displaced = (site.storeys_1 > 8) | (site.importance_1 > 1)
+    displaced = (site.storeys_1 > 8) | (site.importance > 1)
     return np.maximum(0.005 * site.height_1, displaced * site.peak_1)
 
 
@@ -129,3 +132,19 @@ def _beside(site: Site) -> Any:
 def colombia_line(site: Site) -> Any:
     """What one building keeps in Colombia beside an empty plot."""
     return 0.01 * (site.storeys_1 > 3) * site.height_1 + 0 * site.peak_1
+
+
+def _read(name: str, row: dict[str, Any]) -> CodeRule:
+    """A rule from its row of the table."""
+    row = {key: tuple(value) if isinstance(value, list) else value for key, value in row.items()}
+    row["of_pairs"] = tuple(PAIRS[pair] for pair in row.pop("pairs", ()))
+    if "number" in row:
+        row["number"] = Number(**row["number"])
+    named = {key: globals()[row.pop(key)] for key in ("gap_of", "line_of") if key in row}
+    return CodeRule(name=name, **named, **row)
+
+
+TABLE = tomllib.loads(files(__package__).joinpath("national.toml").read_text(encoding="utf-8"))
+PAIRS: Mapping[str, str] = TABLE.pop("pairs")
+for place, (name, row) in enumerate(TABLE.items()):
+    publish(CODE_RULES, _read(name, row), place)

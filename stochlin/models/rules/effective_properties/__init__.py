@@ -20,7 +20,7 @@ import numpy as np
 from stochlin.kernels.basics.arrays import Array
 from stochlin.models.arguments import Truth, checked
 from stochlin.models.parameters import POSITIVE, Parameter, parameter
-from stochlin.models.rules.published import Published, look_up, publish
+from stochlin.models.rules import Published, look_up, publish
 from stochlin.models.structures import STATIONARY_HARDENING, LinearPair
 from stochlin.registry import Registry
 
@@ -70,7 +70,7 @@ def effective_rule_names(unverified: Truth = False) -> tuple[str, ...]:
     >>> sl.rules.effective_rule_names()
     ('elastic', 'secant', 'penzien_1997', 'iwan_1980', 'fema_440')
     """
-    return tuple(name for name in EFFECTIVE_RULES if unverified or effective_rule(name).verified)
+    return tuple(name for name in EFFECTIVE_RULES if unverified or not effective_rule(name).reason)
 
 
 @checked
@@ -88,7 +88,7 @@ def effective_rule(name: str | EffectiveRule) -> EffectiveRule:
     EffectiveRule
         The rule, with the functions ``period_ratio(ductility, hardening)`` and
         ``damping(ductility, hardening, damping)`` [-] and the attributes ``reference``, ``mark`` and
-        ``verified``.
+        ``reason``, why its constants are in doubt, if they are.
 
     Raises
     ------

@@ -21,7 +21,7 @@ from stochlin.kernels.linearization.quadrature import on_panels
 from stochlin.messages import brief
 from stochlin.models.arguments import checked
 from stochlin.models.parameters import POSITIVE, Model, Parameter, parameter
-from stochlin.models.rules.published import Published, look_up, publish
+from stochlin.models.rules import Published, look_up, publish
 from stochlin.registry import Registry
 
 PEAK_FACTORS: Registry[PeakFactor] = Registry("peak factor", "stochlin.models.rules.peak_factors")
@@ -65,9 +65,7 @@ class PeakFactor(Published):
 
     def _both(self, crossings: Array, bandwidth: Array, sides: int) -> tuple[Array, Array]:
         if sides not in {1, 2}:
-            raise ValueError(
-                f"sides = {brief(sides)}; allowed: 2 (largest absolute value), 1 (one direction)"
-            )
+            raise ValueError(f"sides = {brief(sides)}; allowed: 2, the largest |u|, or 1, the largest u")
         n, delta = np.broadcast_arrays(np.asarray(crossings, float), np.asarray(bandwidth, float))
         widest = 1.0
         if sides == 1:
