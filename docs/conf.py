@@ -2,6 +2,7 @@
 
 import re
 import shutil
+from dataclasses import MISSING
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,8 @@ from docutils.utils.math.latex2mathml import tex2mathml
 from sphinx.ext import autosummary
 
 import stochlin
-from stochlin.applications.cases.reading.explained import keys_of_table
+from stochlin.applications.cases.reading.case import forms_of
+from stochlin.applications.cases.reading.tables import NO_TABLE
 
 project = "stochlin"
 author = "The stochlin developers"
@@ -128,14 +130,17 @@ def _list_keys(app: Any, page: str, source: list[str]) -> None:
 
 
 def _keys(name: str) -> str:
-    keys = list(keys_of_table(name))
-    forms = any(key.forms for key in keys)
-    heads = ["key", "what it is", "allowed", "if it is missing"] + ["of"] * forms
+    each = {form: form.keys(NO_TABLE) for form in forms_of(name)}
+    keys = {key: known for of_form in reversed(each.values()) for key, known in of_form.items()}
+    several = len(each) > 1
+    heads = ["key", "what it is", "allowed", "if it is missing"] + ["of"] * several
     rows = [heads, ["---"] * len(heads)]
-    for key in keys:
-        default = f"`{key.default}`" if key.default else ""
-        of = ["; ".join(map(_called, key.forms)) or "all"] * forms
-        rows.append([f"`{key.name}`", key.key.about, key.key.kind.words, default, *of])
+    for key in dict.fromkeys(key for of_form in each.values() for key in of_form):
+        default = keys[key].default
+        usual = "" if default in (None, MISSING, (), "") else f"`{str(default).lower()}`"
+        having = [form for form in each if key in each[form]]
+        of = ["all" if len(having) == len(each) else "; ".join(map(_called, having))] * several
+        rows.append([f"`{key}`", keys[key].about, keys[key].kind.words, usual, *of])
     return "\n".join(f"| {' | '.join(row)} |" for row in rows)
 
 

@@ -25,10 +25,12 @@ class Plausible(NamedTuple):
         """Whether a value is plausible; 0 is none, less is refused elsewhere, and NaN is not known."""
         return value <= 0 or not (value < self.low or value > self.high)
 
-    @property
-    def usually(self) -> str:
-        """What is usual, in words."""
-        return f"usual are {self.usual}"
+    def doubt(self, value: float) -> str:
+        """What is usual instead of a value that is not plausible; empty for one that is."""
+        if self.holds(value):
+            return ""
+        question = self.below if value < self.low else self.above
+        return f"usual are {self.usual}{question and f'; {question}'}"
 
 
 OF_STOREYS = "masses", "heights", "storey_height"  # of which a list is of one building
@@ -55,7 +57,7 @@ PLAUSIBLE: Mapping[str, Plausible] = {
     "reduction_factor": Plausible(0.6, 20.0, "1 to 8"),
     "base_shear_coefficient": Plausible(0.0, 1.0, "0.02 to 0.5 of the weight", "", "is it in %?"),
     "intensity": Plausible(2e-6, 0.5, "1e-4 to 0.1 m^2/s^3, 0.01 for 0.3 g", "", "is it the default?"),
-    **dict.fromkeys(("pga", "design_pga"), Plausible(0.001 * g, 3 * g, "0.01 to 1 g", "is it in g?")),
+    **dict.fromkeys(("pga", "design_pga"), Plausible(0.04 * g, 3 * g, "0.05 to 1 g", "is it in g?")),
     "ag": Plausible(0.05 * g, 3 * g, "0.05 to 0.5 g, with 1 g = 9.81 m/s^2", "is it in g?"),
     "sds": Plausible(0.167 * g, 7.5 * g, "0.2 to 2.5 g, with 1 g = 9.81 m/s^2", "is it in g?"),
     "sa": Plausible(1e-4 * g, 7.5 * g, "0.01 to 2.5 g, with 1 g = 9.81 m/s^2", "is it in g?"),
@@ -71,8 +73,7 @@ def implausible(values: Mapping[str, Any]) -> Iterator[str]:
         value = getattr(number, "median", number)  # of an uncertain parameter
         each = value if name in OF_STOREYS and isinstance(value, (list, tuple)) else [value]
         if odd := [n for n in each if type(n) in (int, float) and not known.holds(n) and n < FAR]:
-            question = known.below if odd[0] < known.low else known.above
-            yield f"{name} = {odd[0]:g}: {known.usually}{question and f'; {question}'}"
+            yield f"{name} = {odd[0]:g}: {known.doubt(odd[0])}"
 
 
 def warn_caller(of: str, doubts: Iterable[str]) -> None:

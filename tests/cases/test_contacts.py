@@ -88,7 +88,7 @@ def test_devices_stand_in_storeys(tmp_path: Path) -> None:
 link_damping_constant = "3 MN (s/m)^0.3"
 link_damping_exponent = 0.3
 [measures.Fluid.dampers_1]
-damping_constant = ["2 MN (s/m)^0.5", "1000 kN (s/m)^0.5"]
+damping_constant = "2000 kN (s/m)^0.5"
 damping_exponent = 0.5
 [measures.Fluid.dampers_2]
 storeys = [2]
@@ -100,7 +100,7 @@ damping_constant = "1 MN s/m"
     assert between == sl.Link(0.0, 3e6, damping_exponent=0.3, structures=(1, 2))
     assert devices == [
         sl.Link(0.0, 2e6, damping_exponent=0.5, structures=(1, 1), floors=(1, 0)),
-        sl.Link(0.0, 1e6, damping_exponent=0.5, structures=(1, 1), floors=(2, 1)),
+        sl.Link(0.0, 2e6, damping_exponent=0.5, structures=(1, 1), floors=(2, 1)),
         sl.Link(5e6, 1e6, structures=(2, 2), floors=(2, 1)),
     ]
 

@@ -87,13 +87,16 @@ def test_of_one_component_the_scatter_is_that_of_the_other(fitted: Case) -> None
 
 
 def test_components_that_are_none_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match=r"motion.components = 2 .* have the sample counts 2501, 2481"):
-        read_both(tmp_path, "short")
+    case = read_both(tmp_path, "short")
+    with pytest.raises(ValueError, match=r"motion.envelope = 'fitted' .* the sample counts 2501, 2481"):
+        _ = case.site.course
     read(tmp_path, FITTED)
     path = tmp_path / "case.toml"
     text = path.read_text(encoding="utf-8").replace(FITTED, f"{FITTED}components = 2\n")
     path.write_text(text, encoding="utf-8")
-    with pytest.raises(ValueError, match=r"motion.components = 2 needs two \[\[site.records\]\]"):
+    with pytest.raises(
+        ValueError, match=r"site.ground = 'fitted' needs .*; allowed: 2 \[\[site.records\]\]"
+    ):
         sl.read_case(path)
 
 

@@ -216,7 +216,7 @@ def test_many_records_have_quantiles_and_a_share(suite):
 @pytest.mark.filterwarnings("ignore::stochlin.messages.DoubtfulInput")
 def test_shaking_that_no_record_has_is_doubted(tmp_path):
     (doubt,) = answer_case(read(tmp_path, f'{FIRM}intensity = "1.5 m^2/s^3"\n', ALONE)).doubts()
-    assert re.match(r"peak ground acceleration: [34]\S* g, and usual are 0.01 to 1 g", doubt)
+    assert re.match(r"peak ground acceleration: [34]\S* g, and usual are 0.05 to 1 g", doubt)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert not answer_case(read(tmp_path, f'{FIRM}pga = "0.3 g"\n', ALONE)).doubts()

@@ -71,11 +71,9 @@ def test_a_typed_text_changes_one_line_of_the_file(text, table, name, typed, val
     read_text(tmp_path, changed)
 
 
-def test_what_has_no_line_is_written_anew():
-    text = 'separation = { confidence = "90 %" }\n'
-    confidence = shown(text, "separation", "confidence")
-    changed = changed_text(text, confidence._replace(value="95 %"))
-    assert tomllib.loads(changed) == {"separation": {"confidence": "95 %"}}
+def test_what_has_no_line_of_its_own_is_written_as_text_alone():
+    text = 'separation = { confidence = "90 %" }\n[building_1]\nmasses = [\n"300 t",\n"200 t",\n]\n'
+    assert entries(text) == []
 
 
 @pytest.mark.parametrize(

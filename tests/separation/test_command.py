@@ -163,7 +163,8 @@ def test_symbols_are_set_with_indices_and_names_of_the_user_are_not(example: Don
     )
     for index in "0a":
         assert f"<i>S</i><sub>{index}</sub>" in example.page
-    assert not re.search(r"\b(S0|Sa|rho)\b", Page(re.sub("<sub>", "<sub> ", example.page)).text)
+    without_file = re.sub("(?s)<pre.*?</pre>", "", example.page)
+    assert not re.search(r"\b(S0|Sa|rho)\b", Page(without_file.replace("<sub>", "<sub> ")).text)
 
 
 def test_text_of_the_user_stays_text_and_the_page_warns_of_what_is_doubtful(site: Done) -> None:
@@ -171,7 +172,6 @@ def test_text_of_the_user_stays_text_and_the_page_warns_of_what_is_doubtful(site
     words = Page(site.page).text
     assert NASTY not in site.page
     assert NASTY in words
-    assert "storeys are 2.50 m and 3.00 m high" in words
     assert "Record Gap [cm] Peak 1 at 15 m [cm]" in words
     assert re.search(r"keeps them apart in [\d.]+.% of the motions \([^)]*\)\. Verdict: enough; ", words)
 

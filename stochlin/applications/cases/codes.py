@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from stochlin.applications.cases.reading.codes import factors_of
+from stochlin.applications.cases.reading.case import factors_of
 from stochlin.applications.cases.rows import of_codes, one_or_two
 from stochlin.applications.separation.code_gaps import Rule, code_row, rules_with
 from stochlin.applications.separation.separation import COMBINED, gaps_by_height, judged_rules
@@ -43,7 +43,7 @@ def with_applied_codes(case: Case, table: xr.Dataset) -> xr.Dataset:
 
     A code that takes no displacements has its row already.
     """
-    codes = [code for code in rules_with(case.wanted.of_rules()) if code.name in case.codes]
+    codes = [code for code in rules_with(case.wanted.of_rules) if code.name in case.codes]
     codes.sort(key=lambda code: case.codes.index(code.name))
     rules = [_applied(case, code, table) for code in codes if code.multiplies]
     if not rules:

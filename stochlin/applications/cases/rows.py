@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
-from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -98,13 +97,3 @@ def of_codes(case: Case) -> dict[str, Any]:
         facts["floors_align"] = wanted.floors_align and not case.slabs
         facts |= {"same_property": wanted.same_property, "same_system": wanted.same_system}
     return facts
-
-
-def unlike_storeys(case: Case) -> tuple[Building, Building] | None:
-    """Neighbours with different mean storey heights, whose floor levels are not all known."""
-    for building, other in pairwise(case.buildings):
-        left, right = building.storey_height, other.storey_height
-        known = building.has_storeys and other.has_storeys
-        if not known and left is not None and right is not None and abs(left - right) > 0.01 * left:
-            return building, other
-    return None

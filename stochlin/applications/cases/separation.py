@@ -10,8 +10,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.applications.cases.codes import with_applied_codes
-from stochlin.applications.cases.reading.case import Case
-from stochlin.applications.cases.reading.codes import FEWEST_PATHS
+from stochlin.applications.cases.reading.case import FEWEST_PATHS, Case
 from stochlin.applications.cases.rows import (
     gap_of,
     motion_of,
@@ -106,7 +105,7 @@ def answer_case(
     simulated = separation(
         *models,
         **motion | of_codes(case),
-        numbers=case.wanted.of_rules(),
+        numbers=case.wanted.of_rules,
         records=dict(case.site.records) or None,
         progress=part_of(progress, middle, end),
     )

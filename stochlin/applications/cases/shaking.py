@@ -71,7 +71,6 @@ def share_apart(case: Case, values: xr.DataArray, most: float) -> dict[str, xr.D
 
 def doubts(shaken: xr.Dataset) -> list[str]:
     """Texts on implausible shaking."""
-    pga, known = float(shaken["peak_ground_acceleration"]), PLAUSIBLE["pga"]
-    if known.holds(pga):
-        return []
-    return [f"peak ground acceleration: {pga / constants.g:.3g} g, and {known.usually}"]
+    pga = float(shaken["peak_ground_acceleration"])
+    usual = PLAUSIBLE["pga"].doubt(pga).partition(";")[0]
+    return [f"peak ground acceleration: {pga / constants.g:.3g} g, and {usual}"] if usual else []

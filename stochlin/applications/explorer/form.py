@@ -6,10 +6,10 @@ import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import MISSING, replace
 from typing import Any, NamedTuple
 
-from stochlin.applications.cases.reading.case import NUMBERED
-from stochlin.applications.cases.reading.explained import form_of_table
+from stochlin.applications.cases.reading.case import NUMBERED, forms_of
 from stochlin.applications.cases.reading.kinds import (
     FROM_TO,
     NUMBER,
@@ -20,10 +20,11 @@ from stochlin.applications.cases.reading.kinds import (
     Quantity,
     Word,
 )
-from stochlin.applications.cases.reading.tables import key_lines
-from stochlin.solver.tables.toml import toml_tables, toml_text
+from stochlin.applications.cases.reading.site import FITTED
+from stochlin.applications.cases.reading.tables import NO_TABLE, key_lines
+from stochlin.solver.tables.toml import toml_tables
 
-SHOWN = "site", "motion", "building", "separation"  # tables on which the gap depends
+SHOWN = "site", "motion", "separation"  # besides the buildings, tables on which the gap depends
 TIMES = 4.0  # a slider goes from the value over this to the value times this
 STEP = 0.025  # of a slider: a power of that number
 WRITTEN = re.compile(r'[^=#]*=\s*("[^"]*"|\[[^\]]*\]|[^\s#]+)')  # a key and its value in a line
@@ -74,47 +75,54 @@ class Entry(NamedTuple):
 def form_of(text: str) -> Iterator[tuple[str, list[Entry]]]:
     """Titles of the tables on which the gap depends, with the values that they have."""
     for name, table in toml_tables(text).items():
-        kind = "building" if NUMBERED.fullmatch(name) else name
-        if kind in SHOWN and isinstance(table, dict):
+        if name in SHOWN or NUMBERED.fullmatch(name):
             called = f": {table['name']}" if "name" in table else ""
-            yield f"{name.replace('_', ' ').capitalize()}{called}", list(_entries(name, kind, table))
+            of_lines = {key: value for key, value in table.items() if _line(text, name, key, value)}
+            yield f"{name.replace('_', ' ').capitalize()}{called}", list(_entries(name, table, of_lines))
 
 
-def _entries(name: str, kind: str, table: Mapping[str, Any]) -> Iterator[Entry]:
+def _line(text: str, table: str, name: str, value: Any) -> int:
+    """Number of the line, from 1, that has a key and its whole value; 0 if there is no such line."""
+    number = key_lines(text).get((table, name), 0)
+    with suppress(ValueError):
+        if number and toml_tables(text.splitlines()[number - 1]) == {name: value}:
+            return number
+    return 0
+
+
+def _entries(name: str, table: Mapping[str, Any], shown: Mapping[str, Any]) -> Iterator[Entry]:
     """Words, numbers, lists of numbers and truth values of a table."""
-    _, keys = form_of_table(kind, table)
-    for each, value in ((each, value) for each, value in table.items() if each in keys):
+    keys = _keys(name, table)
+    for each, value in ((each, value) for each, value in shown.items() if each in keys):
         accepted = keys[each].kind
         of_all = accepted.kind if isinstance(accepted, ListOf) else accepted
-        whole = isinstance(of_all, Kind) and of_all.example.isdigit()
-        words = _words(kind, table, each, accepted) if isinstance(accepted, Word) else []
-        if whole or of_all is TRUTH or isinstance(of_all, Quantity) or (value in words and words[1:]):
+        number = isinstance(of_all, Quantity) or (isinstance(of_all, Kind) and of_all.whole)
+        words = _words(name, table, each, accepted) if isinstance(accepted, Word) else []
+        if number or of_all is TRUTH or (value in words and words[1:]):
             yield Entry(name, each, keys[each], value, words)
 
 
-def _words(kind: str, table: Mapping[str, Any], name: str, accepted: Word) -> list[str]:
+def _keys(name: str, values: Mapping[str, Any]) -> Mapping[str, Key]:
+    """The keys that a table with these values accepts."""
+    table = replace(NO_TABLE, values=values)
+    return table.fitting(forms_of("building_1" if NUMBERED.fullmatch(name) else name)).keys(table)
+
+
+def _words(table: str, values: Mapping[str, Any], name: str, accepted: Word) -> list[str]:
     """The words of a key with which the other keys of its table are all that it needs."""
     fitting = []
-    for word in accepted.words.split(", "):
-        _, keys = form_of_table(kind, {**table, name: word})
-        if {each for each, key in keys.items() if key.needed} <= table.keys() <= keys.keys():
+    for word in (word for word in accepted.known if word != FITTED):  # which has other keys
+        keys = _keys(table, {**values, name: word})
+        needed = {each for each, key in keys.items() if key.default is MISSING}
+        if needed <= values.keys() <= keys.keys():
             fitting.append(word)
     return fitting
 
 
 def changed_text(text: str, entry: Entry) -> str:
-    """The text of a case file with the value of an entry.
-
-    Only the line of the key changes, so that comments stay; where this is not possible, all is written
-    anew.
-    """
-    tables, line = toml_tables(text), key_lines(text).get((entry.table, entry.name))
-    wanted = {**tables, entry.table: {**tables[entry.table], entry.name: entry.value}}
-    if line is not None:
-        lines, written = text.splitlines(), toml_text({entry.name: entry.value}).strip()
-        lines[line - 1] = WRITTEN.sub(lambda _: written, lines[line - 1], count=1)
-        changed = "\n".join(lines) + "\n"
-        with suppress(ValueError):
-            if toml_tables(changed) == wanted:
-                return changed
-    return toml_text(wanted)
+    """The text of a case file with the value of an entry; only its line changes, comments stay."""
+    value = toml_tables(text)[entry.table][entry.name]
+    number, lines = _line(text, entry.table, entry.name, value), text.splitlines()
+    written = f"{entry.name} = {json.dumps(entry.value, ensure_ascii=False)}".replace("\x7f", r"\u007f")
+    lines[number - 1] = WRITTEN.sub(lambda _: written, lines[number - 1], count=1)
+    return "\n".join(lines) + "\n"

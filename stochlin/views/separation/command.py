@@ -48,13 +48,7 @@ MORE = "'--details' adds the shaking, drifts, all other rules and the notes on t
 @click.option(
     "--details", is_flag=True, help="Also print the shaking, drifts, all other rules and notes on them."
 )
-@click.option(
-    "--example",
-    type=click.Choice(["short", "full"]),
-    is_flag=False,
-    flag_value="short",
-    help="Print a case file to start from, and stop; with 'full' all its keys.",
-)
+@click.option("--example", is_flag=True, help="Print a case file to start from, and stop.")
 @click.option(
     "--example-record", is_flag=True, help="Print a synthetic record to try, a PEER AT2 file, and stop."
 )
@@ -65,7 +59,7 @@ def gap(
     picture: Path | None,
     sensitivity: Path | None,
     details: bool,
-    example: str | None,
+    example: bool,
     example_record: bool,
 ) -> None:
     """Compute the gap that two buildings need, by simulation, by formulas and by your building codes.
@@ -76,7 +70,6 @@ def gap(
     \b
     Examples:
       stochlin gap --example > case.toml
-      stochlin gap --example full
       stochlin gap --example-record > record.at2
       stochlin gap case.toml
       stochlin gap case.toml --details
@@ -88,7 +81,8 @@ def gap(
         if example or example_record:
             from stochlin.applications.cases import examples
 
-            click.echo(examples.printed(example or "record"), nl=False)
+            text = examples.short_example() if example else examples.example_record()
+            click.echo(text, nl=False)
             return
         if case is None:
             raise ValueError(

@@ -10,7 +10,6 @@ from scipy import constants
 from stochlin.applications.cases.codes import APPLIED, APPLY, KIND
 from stochlin.applications.separation.separation import COMBINED
 from stochlin.models.rules.codes import CODE_RULES
-from stochlin.solver.tables.toml import toml_text
 from stochlin.views.shared.blocks import Block, Items, Row, Table, Text, ViewSection
 from stochlin.views.shared.words import (
     SPACE,
@@ -327,11 +326,11 @@ def method(case: Case) -> list[str]:
 
 
 def case_file(case: Case) -> list[Text]:
-    """The tables of the case file, from which the same case can be typed again."""
+    """The text of the case file, from which the same case can be computed again."""
     beside = ", ".join(path.name for path in case.files[1:])
     words = "With the same version of stochlin the case file gives the same numbers."
     needs = f" It needs these files beside it: {beside}." if beside else ""
-    return [Text(words + needs), Text(toml_text(case.whole.table.values), "file")]
+    return [Text(words + needs), Text(case.whole.table.source.text, "file")]
 
 
 class RuleLine(NamedTuple):
@@ -386,7 +385,7 @@ def _line(answer: CaseAnswer, group: str, row: xr.Dataset) -> RuleLine:
         name=f"{stem} {words}" if words else rule,
         label=f"{rule_label(stem)}, {words}" if words else rule_label(stem),
         group=group,
-        usual=rule in USUAL or group == AS_APPLIED or rule in answer.case.wanted.of_rules(),
+        usual=rule in USUAL or group == AS_APPLIED or rule in answer.case.wanted.of_rules,
         metres=float(row.gap),
         gap=centimetres(float(row.gap)),
         error=per_cent(float(row.error), sign="+") if group else "",
@@ -398,7 +397,7 @@ def _line(answer: CaseAnswer, group: str, row: xr.Dataset) -> RuleLine:
 
 def own_codes(answer: CaseAnswer) -> list[RuleLine]:
     """The codes of the case file as its engineer applies them, and the rules with numbers of its own."""
-    numbers = answer.case.wanted.of_rules()
+    numbers = answer.case.wanted.of_rules
     return [row for row in usual_rows(answer) if row.group == AS_APPLIED or row.rule in numbers]
 
 

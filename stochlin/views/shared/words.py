@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import constants
 
-from stochlin.applications.cases.rows import unlike_storeys
 from stochlin.models.arguments import checked
 from stochlin.models.grounds.named import ground_names
 from stochlin.models.rules.codes import CODE_RULES
@@ -222,20 +221,10 @@ def left_out(case: Case) -> list[str]:
 
 def floors(case: Case) -> str:
     """A warning that floors are not level, and the provision of codes; empty where that is not known."""
-    slabs, unlike = case.slabs, unlike_storeys(case)
-    if slabs:
-        more = {0: "", 1: ", and one more does"}.get(len(slabs) - 1, f", and {len(slabs) - 1} more do")
-        return f"Floors are not level: {slabs[0].words}{more}. {SLABS}"
-    if unlike:
-        names, heights = zip(
-            *((building.name, f"{building.storey_height:.2f} m") for building in unlike), strict=True
-        )
-        said = ", although the file says so" if case.wanted.floors_align else ""
-        return (
-            f"Floors can hardly all be level{said}: storeys are {' and '.join(heights)} high in "
-            f"{' and '.join(names)}. {SLABS}"
-        )
-    return ""
+    if not (slabs := case.slabs):
+        return ""
+    more = {0: "", 1: ", and one more does"}.get(len(slabs) - 1, f", and {len(slabs) - 1} more do")
+    return f"Floors are not level: {slabs[0].words}{more}. {SLABS}"
 
 
 def with_uncertainty(case: Case, what: str) -> str:

@@ -46,23 +46,27 @@ from stochlin.models.rules.codes import AT_LEAST_1, OF_IMPORTANCE
 from stochlin.models.systems import slabs_on_columns
 from stochlin.models.uncertain import applied, median_of
 from stochlin.solver.linearization.drift_map import calibrated_closure
-from stochlin.solver.linearization.strength import DuctilityTarget, strength_for_ductility
+from stochlin.solver.linearization.strength import strength_for_ductility
 
 CODE_FACTOR = Quantity("1", AT_LEAST_1, PLAUSIBLE["behaviour"])
-PARTICIPATION = Quantity("1", Range(1.0, 3.0, True, True, "1 for one storey, about 1.3 to 1.6 for more"))
 HEIGHT = Quantity("m", POSITIVE, PLAUSIBLE["height"])
 MOVE = Quantity("m", NOT_NEGATIVE, PLAUSIBLE["displacements"])
 DIVISOR = Quantity("1", OF_IMPORTANCE)
+DUCTILITY = Quantity("1", Range(1.0, reason="1 for a building that just does not yield"))
 TWO_MODES = ListOf(integer(1, MOST_STOREYS), length=2)
+PER_STOREY = 0.01, 2.0  # s, first periods over the number of storeys without a warning
+STRENGTH, HEIGHTS = "strength", "height of its storeys"
+WITH_HARDENING = (
+    *("reduction_factor", "yield_displacement", "ductility"),
+    *("base_shear_coefficient", "yield_drifts", "yield_displacements"),
+)
 
 
 @dataclass(frozen=True, kw_only=True)
 class OfBuilding(Form):
     """Keys of every building; ``more`` are the parameters of its hysteresis law."""
 
-    one_called = "strength"
-    goes_with: ClassVar[Sequence[tuple[str, str]]] = (("pushover_units", "pushover"),)
-    at_most = (("storey_height", "heights"),)
+    goes_with: ClassVar[Any] = tuple((strength, "hardening") for strength in WITH_HARDENING)
     of_law: ClassVar[Mapping[str, Any]] = {"single": "alone"}  # one number for all elements, or a list
 
     name: str = key(TEXT, "Name in results", "")
@@ -70,8 +74,6 @@ class OfBuilding(Form):
     damping: Any = of(Bilinear, "damping")
     hardening: Any = of(Bilinear, "hardening", default=None)
     elastic: bool = key(TRUTH, "It does not yield", False)
-    pushover: str = key(TEXT, "File of its pushover curve", "")
-    pushover_units: Any = key(ListOf(TEXT, length=2), "Units of displacement and force in it", None)
     displacements: Any = key(ListOf(MOVE, "listed"), "Displacements under design forces", ())
     behaviour_factor: float | None = key(CODE_FACTOR, "Behaviour factor of the code", None)
     displacement_factor: float | None = key(CODE_FACTOR, "Displacement factor of the code", None)
@@ -81,53 +83,15 @@ class OfBuilding(Form):
     def keys(cls, table: Table) -> dict[str, Key]:
         """With the parameters of the law."""
         law = laws_in_numbers().get(str(table.values.get("law", "bilinear")))
-        names = law.own_parameters() if law else ()
-        return keys_of(cls) | keys_of_model(law, names, **cls.of_law)
-
-    @classmethod
-    def elsewhere(cls, table: Table, name: str) -> str:
-        """Whether a key is a parameter of another law."""
-        law = table.values.get("law", "bilinear")
-        owners = (other for other, kind in laws_in_numbers().items() if name in kind.own_parameters())
-        owner = next(owners, "")
-        what = f'belongs to law = "{owner}", not to "{law}"; write that law, or leave it out'
-        return what if owner else ""
+        return keys_of(cls) | keys_of_model(law, law and law.own_parameters(), **cls.of_law)
 
     def model(self) -> Any:
-        """The structure, maybe uncertain."""
-        return self._pushed(self.described()) if self.pushover else self.described()
-
-    def described(self) -> Any:
-        """The structure without what a curve changes."""
+        """The structure, which may be uncertain."""
         raise NotImplementedError
 
     def of_hardening(self) -> dict[str, Any]:
-        """The hardening of a building whose keys give its strength."""
-        if self.elastic or self.pushover:
-            return {}
-        if self.hardening is None:
-            raise self.missing("hardening")
-        return {"hardening": self.hardening}
-
-    def with_curve(self, structure: Any, ideal: xr.Dataset) -> Any:
-        """The structure with the strength of an idealized pushover curve."""
-        return structure.with_pushover(ideal)
-
-    def _pushed(self, elastic: Any) -> Any:
-        """An elastic structure, maybe uncertain, with what its pushover curve says."""
-        units = self.pushover_units or (None, None)
-        with self.table.naming("pushover"):
-            path = self.table.path("pushover")
-            curve = read_pushover(path, length_units=units[0], force_units=units[1])
-            ideal = bilinear_of(curve, hardening=self.hardening)
-            self.with_curve(median_of(elastic), ideal)  # with its warnings
-
-        def quietly(structure: Any) -> Any:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore", DoubtfulInput)
-                return self.with_curve(structure, ideal)
-
-        return applied(quietly, elastic)
+        """The hardening, of a building whose keys give its strength."""
+        return {"hardening": self.hardening} if self.chosen(STRENGTH) in WITH_HARDENING else {}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -135,47 +99,64 @@ class Oscillator(OfBuilding):
     """A building as one oscillator."""
 
     described_as = "a building without storeys"
-    one_of = ("reduction_factor", "yield_displacement", "ductility", "pushover", "elastic")
-    goes_with: ClassVar[Sequence[tuple[str, str]]] = (
-        *OfBuilding.goes_with,
-        ("participation", "pushover"),
-        ("pushover", "participation"),
-    )
+    one_of: ClassVar[Any] = {STRENGTH: (*WITH_HARDENING[:3], "elastic")}
     of_law: ClassVar[Mapping[str, Any]] = {"uncertain": True}
 
     period: Any = of(Bilinear, "period")
     reduction_factor: Any = of(Bilinear, "reduction_factor", default=None)
     yield_displacement: Any = of(Bilinear, "yield_displacement", default=None)
-    ductility: Any = of(DuctilityTarget, "ductility", default=None, uncertain=False)
+    ductility: float | None = key(DUCTILITY, "Mean peak ductility", None)
     mass: Any = of(Bilinear, "mass", default=None)
     height: float | None = key(HEIGHT, "Height", None)
     storeys: int | None = key(integer(1), "Storeys", None)
-    participation: Any = key(PARTICIPATION, "Displacement of the roof over its own", None)
 
-    def described(self) -> Any:
+    def model(self) -> Any:
         """The oscillator, elastic until `Building.on` finds a strength for its ductility."""
         names = "period", "damping", "reduction_factor", "yield_displacement", "mass"
         values = {**self.given(*names), **self.of_hardening(), **self.more}
         return self.table.made(laws_in_numbers()[self.law], **values)
 
-    def with_curve(self, structure: Any, ideal: xr.Dataset) -> Any:
-        """The oscillator of the curve, which moves less than the roof."""
-        softer = float(np.sqrt(ideal.initial_stiffness / ideal.effective_stiffness))
-        return replace(
-            structure,
-            period=structure.period * softer,
-            hardening=float(ideal.hardening),
-            yield_displacement=float(ideal.yield_displacement) / self.participation,
-        )
+
+@dataclass(frozen=True, kw_only=True)
+class WithFloors(OfBuilding):
+    """Keys of every building whose floors are known."""
+
+    goes_with: ClassVar[Any] = (*OfBuilding.goes_with, ("pushover_units", "pushover"))
+
+    storeys: int | None = key(integer(1, MOST_STOREYS), "Storeys", None)
+    pushover: str = key(TEXT, "File of its pushover curve", "")
+    pushover_units: Any = key(ListOf(TEXT, length=2), "Units of displacement and force in it", None)
+
+    def described(self) -> Any:
+        """The structure without what a pushover curve changes."""
+        raise NotImplementedError
+
+    def model(self) -> Any:
+        """The structure with the strength of its pushover curve, if it has one."""
+        structure = self.described()
+        if not self.pushover:
+            return structure
+        units, path = self.pushover_units or (None, None), self.table.path("pushover")
+        with self.table.naming("pushover"):
+            curve = read_pushover(path, length_units=units[0], force_units=units[1])
+            ideal = bilinear_of(curve, hardening=self.hardening)
+            median_of(structure).with_pushover(ideal)  # with its warnings
+        return applied(partial(_pushed, ideal=ideal), structure)
+
+
+def _pushed(structure: Any, ideal: xr.Dataset) -> Any:
+    """A structure, perhaps one of many samples, with an idealized pushover curve, without warnings."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DoubtfulInput)
+        return structure.with_pushover(ideal)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Storeyed(OfBuilding):
+class Storeyed(WithFloors):
     """Keys of every chain of storeys."""
 
     described_as = "a building by its storeys"
 
-    storeys: int | None = key(integer(1, MOST_STOREYS), "Storeys", None)
     storey_height: float | None = of(ShearBuilding, "heights", "Storey height", None, uncertain=False)
     heights: Any = of(ShearBuilding, "heights", "Heights of storeys", None, uncertain=False, single="")
     dampers: Any = of(ShearBuilding, "dampers", default=None, single="alone")
@@ -187,18 +168,16 @@ class Storeyed(OfBuilding):
         names = "damping", "dampers", "law", "p_delta", "damping_modes"
         return {**self.given(*names), "law_parameters": self.more, **self.of_hardening()}
 
-    def each_height(self) -> Any:
-        """Height of every storey, or a list."""
-        if self.heights is None and self.storey_height is None:
-            raise self.missing("storey_height")
-        return self.storey_height if self.heights is None else self.heights
-
 
 @dataclass(frozen=True, kw_only=True)
 class Regular(Storeyed):
     """A building with equal floors, by a few numbers."""
 
-    one_of = ("base_shear_coefficient", "pushover", "elastic")
+    goes_with: ClassVar[Any] = (*Storeyed.goes_with, ("storey_height", "storeys"))
+    one_of: ClassVar[Any] = {
+        STRENGTH: ("base_shear_coefficient", "pushover", "elastic"),
+        HEIGHTS: ("storey_height", "heights"),
+    }
 
     period: Any = of(RegularBuilding, "period")
     floor_mass: Any = of(RegularBuilding, "mass")
@@ -206,16 +185,12 @@ class Regular(Storeyed):
 
     def described(self) -> Any:
         """The building."""
-        heights = self.each_height()
-        if not isinstance(heights, list) and self.storeys is None:
-            raise self.missing("storeys")
         return self.table.made(
             ShearBuilding.regular,
-            period=self.period,
-            storeys=self.storeys or len(heights),
-            storey_height=heights,
+            storeys=self.storeys or len(self.heights),
+            storey_height=self.heights or self.storey_height,
             mass=self.floor_mass,
-            **self.given("base_shear_coefficient"),
+            **self.given("period", "base_shear_coefficient"),
             **self.shared(),
         )
 
@@ -224,7 +199,10 @@ class Regular(Storeyed):
 class Singly(Storeyed):
     """A building storey by storey, from the ground up."""
 
-    one_of = ("yield_drifts", "pushover", "elastic")
+    one_of: ClassVar[Any] = {
+        STRENGTH: ("yield_drifts", "pushover", "elastic"),
+        HEIGHTS: ("storey_height", "heights"),
+    }
 
     masses: Any = of(ShearBuilding, "masses", single="")
     stiffnesses: Any = of(ShearBuilding, "stiffnesses", single="")
@@ -232,28 +210,21 @@ class Singly(Storeyed):
 
     def described(self) -> Any:
         """The building."""
-        heights, count = self.each_height(), np.size(median_of(self.masses))
-        return self.table.made(
-            ShearBuilding,
-            masses=self.masses,
-            stiffnesses=self.stiffnesses,
-            heights=heights if isinstance(heights, list) else [heights] * count,
-            **self.given("yield_drifts"),
-            **self.shared(),
-        )
+        heights = self.heights or [self.storey_height] * np.size(median_of(self.masses))
+        names = "masses", "stiffnesses", "yield_drifts"
+        return self.table.made(ShearBuilding, heights=heights, **self.given(*names), **self.shared())
 
 
 @dataclass(frozen=True, kw_only=True)
-class ByModes(OfBuilding):
+class ByModes(WithFloors):
     """A building by the modes of a file, as programs of structural analysis write it."""
 
     described_as = "a building by its modes"
-    one_of = ("yield_displacements", "pushover", "elastic")
+    one_of: ClassVar[Any] = {STRENGTH: ("yield_displacements", "pushover", "elastic")}
 
     damping: Any = of(ModalBuilding, "damping", single="alone")
     hardening: Any = of(ModalBuilding, "hardening", default=None, single="alone")
     yield_displacements: Any = of(ModalBuilding, "yield_displacements", default=None, single="alone")
-    storeys: int | None = key(integer(1, MOST_STOREYS), "Storeys", None)
     modes: str = key(TEXT, "File of its modes")
     direction: str | None = key(Word(DIRECTIONS), "Direction of the gap in the file", None)
     points: list[str] = key(ListOf(TEXT, "listed"), "Points with the shapes, one on each floor", ())
@@ -264,9 +235,10 @@ class ByModes(OfBuilding):
     @cached_property
     def of_modes(self) -> xr.Dataset:
         """The modes of the file, read once."""
+        path = self.table.path("modes")
         options = self.given("direction", "points", "tower", "mass_units", "length_units")
         with self.table.naming("modes", "cannot be read"):
-            return read_modes(self.table.path("modes"), **options)
+            return read_modes(path, **options)
 
     def described(self) -> Any:
         """The building."""
@@ -294,7 +266,7 @@ class Building:
     @property
     def strength(self) -> str:
         """The key that gives the strength."""
-        return str(self.form.chosen())
+        return str(self.form.chosen(STRENGTH))
 
     @property
     def has_storeys(self) -> bool:
@@ -314,18 +286,13 @@ class Building:
     @property
     def storeys(self) -> int | None:
         """Number of storeys, if it is known."""
-        return int(self.structure.storeys) if self.has_storeys else self.form.storeys
+        return self.floors if self.has_storeys else self.form.storeys
 
     @property
     def period(self) -> float:
         """Period of the first mode, of small oscillations [s]."""
         structure = self.structure
         return float(structure.mode_periods()[0] if self.has_storeys else structure.arrays()["period"])
-
-    @property
-    def storey_height(self) -> float | None:
-        """Mean storey height [m], if it is known."""
-        return self.height / self.storeys if self.height and self.storeys else None
 
     @property
     def turning(self) -> str:
@@ -337,11 +304,10 @@ class Building:
         """The building with the strength that gives it its ductility on the ground of a site."""
         if self.strength != "ductility":
             return self
-        ground = site.ground
-        closure = calibrated_closure(self.structure, ground)
+        closure = calibrated_closure(self.structure, site.ground)
+        target = self.structure, site.ground, self.form.ductility
         with self.form.table.naming("ductility", "has no strength"):
-            solved = strength_for_ductility(self.structure, ground, self.form.ductility, closure=closure)
-        factor = float(solved.reduction_factor)
+            factor = float(strength_for_ductility(*target, closure=closure).reduction_factor)
         return replace(self, sampled=applied(partial(replace, reduction_factor=factor), self.sampled))
 
 
@@ -352,6 +318,10 @@ def read_building(table: Table, number: int) -> Building:
     counts = {"displacements": len(form.displacements)}
     if building.has_storeys:
         counts["storeys"] = form.storeys
+        shortest, longest = (building.floors * each for each in PER_STOREY)
+        if not shortest <= building.period <= longest:
+            period = f"a first period of {building.period:.3g} s with {building.floors} storeys"
+            table.warn("", f"is doubtful: it has {period}; are masses and stiffnesses in their units?")
     for name, count in counts.items():
         if count not in (None, 0, building.floors):
             raise table.error(name, f"does not fit {building.floors} floors; allowed: {building.floors}")

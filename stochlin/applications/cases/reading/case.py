@@ -2,33 +2,348 @@
 
 from __future__ import annotations
 
+import inspect
 import os
 import re
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import MISSING, dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 from stochlin.applications.cases.reading.buildings import (
+    FORMS,
     Building,
     SlabOnColumn,
     read_building,
     slabs_of_row,
 )
-from stochlin.applications.cases.reading.codes import Simulated, Wanted
-from stochlin.applications.cases.reading.kinds import TEXT, Inner, Key, key, keys_of
-from stochlin.applications.cases.reading.measures import OfContact, read_measures
-from stochlin.applications.cases.reading.site import Site, read_site
-from stochlin.applications.cases.reading.tables import Form, Table, read_table
-from stochlin.models.arguments import checked
+from stochlin.applications.cases.reading.kinds import (
+    TEXT,
+    TRUTH,
+    Inner,
+    Key,
+    ListOf,
+    Quantity,
+    Word,
+    integer,
+    key,
+    key_of,
+    keys_of,
+    keys_of_model,
+    text_or,
+)
+from stochlin.applications.cases.reading.records import PEAK
+from stochlin.applications.cases.reading.site import MOTIONS, SITES, Site, read_site
+from stochlin.applications.cases.reading.tables import NO_TABLE, Form, Table, read_table
+from stochlin.applications.risk.risk import check_target
+from stochlin.kernels.simulation.stepping import whole_groups
+from stochlin.messages import hint, plain
+from stochlin.models.arguments import A_LABEL, checked, is_label
 from stochlin.models.contacts import Contact
+from stochlin.models.contacts.base import CONTACTS, DAMPING, RESTITUTION
+from stochlin.models.hazards import Hazard
+from stochlin.models.links import Link
 from stochlin.models.measures import Measure
+from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Range
+from stochlin.models.plausible import PLAUSIBLE
+from stochlin.models.rules.codes import (
+    BEHAVIOUR,
+    CODE_RULES,
+    DEFLECTION,
+    IMPORTANCE,
+    ZONES,
+    CodeRule,
+    code_rule_names,
+    rules_of,
+)
 from stochlin.models.uncertain import UncertainModel
 from stochlin.solver.tables.inputs import input_path
 
 MOST_BUILDINGS = 100
 NUMBERED = re.compile(r"building_([1-9]\d{0,5})")
-TABLE = Inner()
+ALL = "all"
+FEWEST_PATHS, MOST_PATHS = 100, 2048  # for a quantile with an interval, and where none is given
+GAP = Quantity("m", NOT_NEGATIVE, PLAUSIBLE["gap"])
+SHARE = Quantity("1", Range(upper=1.0, reason="a probability"), PLAUSIBLE["confidence"])
+RATE = Quantity("1", Range(upper=1.0, reason="a year"), PLAUSIBLE["risk"])
+RISK = text_or(RATE, 'a text such as "2 % in 50 years", or a number per year')
+DEVICE = ("stiffness", "damping_constant", "damping_exponent", "hardening", "yield_displacement")
+# Keys of the factors that codes name differently.
+FACTORS = {
+    BEHAVIOUR: "behaviour_factor",
+    DEFLECTION: "displacement_factor",
+    IMPORTANCE: "importance_factor",
+}
+
+
+# --- the tables [separation] and [simulation] ---
+
+
+@dataclass(frozen=True, kw_only=True)
+class Numbers(Form):
+    """Numbers of code rules in place of their defaults; ``more`` has them by name."""
+
+    @classmethod
+    def keys(cls, table: Table) -> dict[str, Key]:
+        """The rules that have a number."""
+        rules = {name: rule.number for name, rule in CODE_RULES.items() if rule.number}
+        return {name: Key(Quantity(n.units, POSITIVE), name, None) for name, n in rules.items()}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Wanted(Form):
+    """What the separation is asked for."""
+
+    existing: list[float] = key(ListOf(GAP, "listed"), "Existing gap", ())
+    confidence: float = key(SHARE, "Confidence of no pounding")
+    risk: str | float | None = key(RISK, "Allowed risk of pounding", None)
+    floors_align: bool = key(TRUTH, "Floors at the same levels", False)
+    same_property: bool = key(TRUTH, "On one property", False)
+    same_system: bool = key(TRUTH, "Same structural system", False)
+    codes: list[str] = key(ListOf(TEXT, "listed"), "Building codes that you apply, or countries", ())
+    zone: str | None = key(Word(tuple(ZONES)), "Zone of Mexico City", None)
+    design_pga: float | None = key(PEAK, "Peak ground acceleration of the design", None)
+    numbers: Numbers | None = key(Inner((Numbers,)), "Numbers of rules for the usual ones", None)
+
+    @property
+    def of_rules(self) -> Mapping[str, float]:
+        """Numbers of rules by name."""
+        return {} if self.numbers is None else self.numbers.more
+
+    def check(self, buildings: Sequence[Building], hazard: Hazard | None) -> None:
+        """Raise a ValueError for a wrong number of gaps, or a risk that the hazard does not reach."""
+        count = max(len(buildings) - 1, 1)
+        if len(self.existing) not in (0, count):
+            what = f"does not fit the number of buildings, {len(buildings)}; allowed: {count} in all"
+            raise self.table.error("existing", what)
+        if self.risk is not None:
+            if hazard is None:
+                raise self.table.error("risk", "needs a hazard; allowed: with [site.hazard]")
+            with self.table.naming("risk"):
+                check_target(hazard, self.risk)
+        if self.floors_align and (slabs := slabs_of_row(buildings)):
+            what = f"is not so: {slabs[0].words}; codes are asked as if it were false"
+            self.table.warn("floors_align", what)
+
+    def applied_codes(self, buildings: Sequence[Building], site: Site) -> tuple[str, ...]:
+        """Names of the codes that are applied; by default that of the spectrum of the site."""
+        has_spectrum = site.spectrum is not None
+        if "codes" not in self.table:
+            about = {} if site.spectrum is None else site.spectrum.attrs
+            of_site = CODE_RULES.get(about.get("code", ""))
+            if of_site is None or any(missing_of(building, of_site, True) for building in buildings):
+                _warn_of_unused(buildings)
+                return ()
+            return (of_site.name,)
+        rules = {rule.name: rule for name in self.codes for rule in self._rules(name)}
+        for rule in rules.values():
+            for building in buildings:
+                if lacking := missing_of(building, rule, has_spectrum):
+                    where = "" if has_spectrum else ", or a site by its spectrum"
+                    what = f"is missing: {rule.name} needs it{where}, or leave the code out of codes"
+                    raise building.form.table.error(lacking, what)
+        return tuple(rules)
+
+    def _rules(self, name: str) -> tuple[CodeRule, ...]:
+        """The rules of a code or a country that can be applied."""
+        rules = rules_of(name)
+        if not rules:
+            countries = sorted({country for rule in CODE_RULES.values() for country in rule.countries})
+            known = [*CODE_RULES, *countries]
+            what = f"has {plain(name)!r}, which is not known; {hint(name, known)}allowed: "
+            raise self.table.error("codes", what + ", ".join(known))
+        for rule in rules:
+            if rule.takes_peaks() and not rule.multiplies:
+                what = f"has {rule.name}, which states no factor on displacements under design forces"
+                raise self.table.error("codes", f"{what}; leave it out")
+            if rule.name not in (*code_rule_names(), *self.of_rules):
+                what = f"has {rule.name}, but its number is missing"
+                raise self.table.error("codes", f"{what}, as numbers = {{ {rule.name} = 0.02 }}")
+        return rules
+
+
+def factors_of(building: Building) -> dict[str, float]:
+    """Factors of the code of a building that the file has, by their general names."""
+    values = {name: getattr(building.form, key) for name, key in FACTORS.items()}
+    return {name: value for name, value in values.items() if value is not None}
+
+
+def missing_of(building: Building, rule: CodeRule, has_spectrum: bool) -> str:
+    """The first key of a building that is missing for a rule; empty if none is.
+
+    Displacements under design forces are given, or those of the spectrum divided by the behaviour
+    factor, which has no effect for a code that multiplies by it again.
+    """
+    if not rule.multiplies:
+        return ""
+    if building.form.displacements:
+        needed = [rule.multiplies]
+    elif not has_spectrum:
+        return "displacements"
+    else:
+        needed = [] if rule.multiplies == BEHAVIOUR else [BEHAVIOUR, rule.multiplies]
+    known = factors_of(building)
+    return next((FACTORS[name] for name in needed if name not in known), "")
+
+
+def _warn_of_unused(buildings: Sequence[Building]) -> None:
+    """Warn of keys of a design that no code uses."""
+    for building in buildings:
+        unused = [n for n in ("displacements", *FACTORS.values()) if n in building.form.table]
+        if unused:
+            what = 'is not used; name your code, as codes = ["eurocode_8"]'
+            building.form.table.warn(unused[0], what)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Simulated(Form):
+    """The table [simulation]."""
+
+    paths: int | None = key(integer(FEWEST_PATHS), "Simulated motions; else as many as needed", None)
+    seed: int = key(integer(0), "Seed of the motions", 0)
+
+    @property
+    def motions(self) -> int:
+        """Number of simulated motions, in whole groups of 32."""
+        return whole_groups(self.paths or MOST_PATHS)
+
+
+# --- the tables [contact] and [measures] ---
+
+
+@dataclass(frozen=True, kw_only=True)
+class OfContact(Form):
+    """A contact by the name of its model; ``more`` are the arguments of the model."""
+
+    model: str = key(Word(lambda: [*CONTACTS]), "Model of the contact")
+
+    @classmethod
+    def keys(cls, table: Table) -> dict[str, Key]:
+        """With the arguments of the model; those that it does not declare are ratios."""
+        keys, kind = keys_of(cls), CONTACTS.get(str(table.values.get("model")))
+        arguments = inspect.signature(kind).parameters if kind else {}
+        for name, argument in arguments.items():
+            ratio = Quantity("1", RESTITUTION if name == "restitution" else DAMPING)
+            declared = kind is not None and name in kind.parameter_names()
+            known = key_of(kind, name) if kind and declared else Key(ratio, "")
+            keys[name] = known._replace(default=MISSING if argument.default is argument.empty else None)
+        if "stiffness" in keys and "exponent" in keys:
+            exponent = table.values.get("exponent", arguments["exponent"].default)
+            keys["stiffness"] = _in_units(keys["stiffness"], f"N/m^{exponent}")
+        return keys
+
+    def contact(self) -> Contact:
+        """The contact."""
+        contact: Contact = self.table.made(CONTACTS[self.model], **self.more)
+        return contact
+
+
+@dataclass(frozen=True, kw_only=True)
+class Devices(Form):
+    """Damping devices in storeys of one building, all alike."""
+
+    storeys: Any = key(
+        text_or(ListOf(integer(1), "listed"), '"all", or a list of numbers'), "Storeys with one", ALL
+    )
+
+    @classmethod
+    def keys(cls, table: Table) -> dict[str, Key]:
+        """With the parameters of a link."""
+        return keys_of(cls) | _keys_of_link("", table)
+
+    def links(self, number: int, building: Building) -> list[Link]:
+        """A link in each storey; an oscillator has one storey."""
+        every = range(1, building.floors + 1)
+        storeys = every if self.storeys == ALL else self.storeys
+        if not {*storeys} <= {*every}:
+            what = f"is not in {building.name}; allowed: {ALL!r}, or storeys 1 to {building.floors}"
+            raise self.table.error("storeys", what)
+        ends = [{"structures": (number, number), "floors": (n, n - 1)} for n in storeys]
+        return [_link(self.table, self.more, **each) for each in ends]
+
+
+@dataclass(frozen=True, kw_only=True)
+class OfMeasure(Form):
+    """A measure between the first two buildings, or in them; ``more`` are parameters of its link."""
+
+    link_floors: list[int] | None = key(
+        ListOf(integer(1), length=2), "Floors that the link ties, one of each building", None
+    )
+    dampers_1: Devices | None = key(Inner((Devices,)), "Devices in storeys of building 1", None)
+    dampers_2: Devices | None = key(Inner((Devices,)), "Devices in storeys of building 2", None)
+    contact: OfContact | None = key(Inner((OfContact,)), "Contact with the measure", None)
+
+    @classmethod
+    def keys(cls, table: Table) -> dict[str, Key]:
+        """With the parameters of a measure, and of a link after a prefix."""
+        return keys_of_model(Measure) | keys_of(cls) | _keys_of_link("link_", table)
+
+    def measure(self, buildings: Sequence[Building]) -> Measure:
+        """The measure."""
+        if not self.table.values:
+            raise self.table.error("", f"does nothing; allowed: {', '.join(self.keys(self.table))}")
+        link = {n.removeprefix("link_"): v for n, v in self.more.items() if n.startswith("link_")}
+        values = {name: value for name, value in self.more.items() if not name.startswith("link_")}
+        for name, value in values.items():
+            if "ening" in name and value < 1:
+                self.table.warn(name, "is doubtful: usual are factors above 1, on what there is")
+        links = []
+        if link or self.link_floors:
+            links.append(_link(self.table, link, floors=self._floors(buildings)))
+        for number, devices in enumerate((self.dampers_1, self.dampers_2), start=1):
+            if devices is not None:
+                links += devices.links(number, buildings[number - 1])
+        if links:
+            values["link"] = links[0] if len(links) == 1 else links
+        if self.contact is not None:
+            values["contact"] = self.contact.contact()
+        measure: Measure = self.table.made(Measure, **values)
+        return measure
+
+    def _floors(self, buildings: Sequence[Building]) -> list[int] | None:
+        """The floors that the link ties, one of each building."""
+        counts = [building.floors for building in buildings]
+        if self.link_floors and any(map(int.__gt__, self.link_floors, counts)):
+            what = f"are not floors of both buildings; allowed: up to link_floors = {counts}"
+            raise self.table.error("link_floors", what)
+        return self.link_floors
+
+
+def _keys_of_link(prefix: str, table: Table) -> dict[str, Key]:
+    """The parameters of a link; the unit of a damping constant depends on the exponent."""
+    keys = keys_of_model(Link, DEVICE)
+    power = table.values.get(f"{prefix}damping_exponent", 1)
+    if power != 1:
+        keys["damping_constant"] = _in_units(keys["damping_constant"], f"N (s/m)^{power}")
+    return {f"{prefix}{name}": each for name, each in keys.items()}
+
+
+def _in_units(known: Key, units: str) -> Key:
+    """A key with this unit of its number."""
+    return known._replace(kind=replace(known.kind, units=units))
+
+
+def _link(table: Table, values: Mapping[str, Any], **ends: Any) -> Link:
+    """A link with these parameters and ends."""
+    if not {"stiffness", "damping_constant"} & values.keys():
+        what = "has a link that does nothing; allowed: a stiffness, a damping constant, or both"
+        raise table.error("", what)
+    link: Link = table.made(Link, **values, **ends)
+    return link
+
+
+def _measures(table: Table, buildings: Sequence[Building]) -> dict[str, Measure]:
+    """The measures for the first two buildings, by name, in the order of the file."""
+    for name in table.values:
+        if not is_label(name):
+            raise table.error(name, f"has a name that cannot be shown; allowed: {A_LABEL}")
+        if len(buildings) == 1:
+            raise table.error(name, "is a measure for two buildings; allowed: with [building_2]")
+    return {n: table.table(n).read(OfMeasure).measure(buildings[:2]) for n in table.values}
+
+
+# --- the whole file ---
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,13 +351,12 @@ class Whole(Form):
     """The tables of a file; ``more`` are the buildings from left to right."""
 
     title: str = key(TEXT, "Title of all results", "")
-    site: Table = key(TABLE, "Ground and records")
-    motion: Table = key(TABLE, "Duration and envelope")
-    separation: Table = key(TABLE, "What is wanted")
-    simulation: Table | None = key(TABLE, "Simulated motions", None)
-    contact: Table | None = key(TABLE, "Contact between the buildings", None)
-    measures: Table | None = key(TABLE, "Measures against pounding, each with its name", None)
-    mitigation: Table | None = key(TABLE, "What measures have to achieve", None)
+    site: Table = key(Inner(SITES, later=True), "Ground and records")
+    motion: Table = key(Inner(MOTIONS, later=True), "Duration and envelope")
+    separation: Wanted = key(Inner((Wanted,)), "What is wanted")
+    simulation: Simulated | None = key(Inner((Simulated,)), "Simulated motions", None)
+    contact: OfContact | None = key(Inner((OfContact,)), "Contact between the buildings", None)
+    measures: Table | None = key(Inner((), later=True), "Measures, each with its name", None)
 
     @classmethod
     def keys(cls, table: Table) -> dict[str, Key]:
@@ -50,8 +364,8 @@ class Whole(Form):
         count = max(1, sum(1 for name in table.values if NUMBERED.fullmatch(name)))
         names = [f"building_{n}" for n in range(1, min(count, MOST_BUILDINGS) + 1)]
         after = next((name for name in names if name not in table), f"building_{count + 1}")
-        keys = {after: Key(TABLE, "A building", None)}
-        return keys_of(cls) | keys | dict.fromkeys(names, Key(TABLE, "A building"))
+        building = Key(Inner(FORMS, later=True), "A building")
+        return keys_of(cls) | {after: building._replace(default=None)} | dict.fromkeys(names, building)
 
 
 @dataclass(frozen=True)
@@ -177,18 +491,22 @@ def case_of(table: Table) -> Case:
     site = read_site(whole.site, whole.motion)
     row = range(1, len(whole.more) + 1)
     buildings = tuple(read_building(whole.more[f"building_{n}"], n) for n in row)
-    wanted = whole.separation.read(Wanted)
-    wanted.check(len(buildings), site.hazard)
-    if wanted.floors_align and (slabs := slabs_of_row(buildings)):
-        what = f"is not so: {slabs[0].words}; codes are asked as if it were false"
-        wanted.table.warn("floors_align", what)
+    whole.separation.check(buildings, site.hazard)
     return Case(
         whole=whole,
         site=site,
         described=buildings,
-        wanted=wanted,
-        simulated=table.table("simulation").read(Simulated),
-        codes=wanted.applied_codes(buildings, site.spectrum),
-        contact=whole.contact.read(OfContact).contact() if whole.contact else None,
-        measures=read_measures(table.table("measures"), buildings),
+        wanted=whole.separation,
+        simulated=whole.simulation or table.table("simulation").read(Simulated),
+        codes=whole.separation.applied_codes(buildings, site),
+        contact=None if whole.contact is None else whole.contact.contact(),
+        measures=_measures(table.table("measures"), buildings),
     )
+
+
+def forms_of(name: str) -> Sequence[type[Form]]:
+    """The forms of a table by its name, such as ``site.hazard`` or ``building_1``."""
+    forms: Sequence[type[Form]] = (Whole,)
+    for part in name.split("."):
+        forms = next(form.keys(NO_TABLE)[part].kind.forms for form in forms)
+    return forms

@@ -1,25 +1,31 @@
-"""The records of a case file: single ones, and a suite that is scaled."""
+"""The records and the hazard of a site in a case file."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from pathlib import Path
+from typing import Any, ClassVar
 
+import numpy as np
 import xarray as xr
 
 from stochlin.applications.cases.reading.kinds import (
     COLUMN,
     TEXT,
     TRUTH,
+    Key,
     ListOf,
     Quantity,
     Word,
     integer,
     key,
+    keys_of,
 )
 from stochlin.applications.cases.reading.tables import Form, Table
 from stochlin.applications.records.records import read_record
+from stochlin.applications.risk.risk import simulated_at
+from stochlin.applications.sites.hazard_files import read_hazard
 from stochlin.applications.sites.suites import (
     doubtful_factor,
     read_records,
@@ -27,12 +33,17 @@ from stochlin.applications.sites.suites import (
     scaled_record,
 )
 from stochlin.messages import brief
-from stochlin.models.parameters import POSITIVE
+from stochlin.models.hazards import MEASURES, Hazard, HazardCurve, PowerLawHazard
+from stochlin.models.parameters import POSITIVE, Range
 from stochlin.models.plausible import PLAUSIBLE
 
-TIME = Quantity("s", POSITIVE)
+TIME, YEARS = Quantity("s", POSITIVE), Quantity("yr", POSITIVE)
 FACTOR = Quantity("1", POSITIVE)
 PEAK, RESPONSE = (Quantity("m/s^2", POSITIVE, PLAUSIBLE[name]) for name in ("pga", "sa"))
+DEGREES = Quantity("1", Range(-360.0, 360.0, True, True))
+INTENSITIES = {
+    measure: Quantity("m^2/s^3" if measure == "intensity" else "m/s^2", POSITIVE) for measure in MEASURES
+}
 READING = ("units", "dt", "column", "time_column", "component", "wrapped", "skip")
 
 
@@ -59,8 +70,9 @@ class Record(Reading):
 
     def read(self) -> xr.DataArray:
         """The record with its factor."""
+        path = self.table.path("path")
         with self.table.naming("path", "cannot be read"):
-            record = read_record(self.table.path("path"), **self.given(*READING))
+            record = read_record(path, **self.given(*READING))
         if self.scale == 1:
             return record
         if warning := doubtful_factor(self.scale):
@@ -91,37 +103,114 @@ class Suite(Reading):
             goal["period"] = self.sa_period
         if self.scale_to is not None:
             if spectrum is None:
-                what = "is not there: the site has a ground; allowed: pga, sa, or a site by its spectrum"
-                raise self.table.error("scale_to", what)
+                raise self.table.error("scale_to", "needs a site by its spectrum; allowed: pga, sa")
             goal["spectrum"] = spectrum
-        path, options = self.table.path("path"), self.given(*READING, "skip_unreadable")
+        path = self.table.path("path")
         with self.table.naming("path"):
-            suite = read_records(path, **options)
+            suite = read_records(path, **self.given(*READING, "skip_unreadable"))
         beside = path if path.is_dir() else path.parent
         self.table.source.files.extend(beside / record.attrs["file"] for record in suite.values())
         with self.table.naming("band" if self.band else "path"):
             return scale_records(suite, **goal) if goal else suite
 
 
-def read_single_records(tables: list[Table]) -> dict[str, xr.DataArray]:
-    """The single records by name, in the order of the file."""
+def read_records_of(
+    singly: Sequence[Record], suite: Suite | None, spectrum: xr.DataArray | None
+) -> dict[str, xr.DataArray]:
+    """All records by name, in the order of the file; no name is used twice."""
     records: dict[str, xr.DataArray] = {}
-    for table in tables:
-        record = table.read(Record)
-        name = record.name or (table.source.path.parent / record.path).name
+    for record in singly:
+        name = record.name or Path(record.path).name
         if name in records:
             where = "name" if record.name else "path"
-            raise table.error(where, "is used twice; give it another name")
+            raise record.table.error(where, "is used twice; allowed: another name")
         records[name] = record.read()
-    return records
+    several = {} if suite is None else suite.read(spectrum)
+    if suite and (twice := next((name for name in several if name in records), "")):
+        what = f"has {brief(twice)}, as site.records has; allowed: another name there"
+        raise suite.table.error("path", what)
+    return records | several
 
 
-def read_suite(
-    table: Table, records: Mapping[str, xr.DataArray], spectrum: xr.DataArray | None
-) -> dict[str, xr.DataArray]:
-    """The records of a suite by name; none may have the name of a single one."""
-    suite = table.read(Suite).read(spectrum)
-    if twice := next((name for name in suite if name in records), ""):
-        what = f"has {brief(twice)}, which site.records also has; give that another name"
-        raise table.error("path", what)
-    return suite
+@dataclass(frozen=True, kw_only=True)
+class OfHazard(Form):
+    """Keys of every hazard."""
+
+    measure: str = key(Word(MEASURES), "Measure of the shaking; intensity is S0")
+    sa_period: float | None = key(TIME, "Period of the spectral acceleration", None)
+
+    def hazard(self) -> Hazard:
+        """The hazard."""
+        raise NotImplementedError
+
+    @property
+    def of(self) -> dict[str, Any]:
+        """The measure and its period."""
+        return {"measure": self.measure, "period": self.sa_period}
+
+
+@dataclass(frozen=True, kw_only=True)
+class OfFile(OfHazard):
+    """A file of intensities and annual frequencies, or several of them."""
+
+    at_most = (("site", "coordinates"),)
+
+    file: list[str] = key(ListOf(TEXT, "listed"), "File of this site, of OpenQuake or of the USGS")
+    units: str | None = key(Word(INTENSITIES["pga"].spellings), "Unit in the file", None)
+    site: int | None = key(integer(1), "Number of the site in a file of OpenQuake", None)
+    coordinates: list[float] | None = key(
+        ListOf(DEGREES, length=2), "Its longitude and latitude, in place of the number", None
+    )
+    investigation_time: float | None = key(YEARS, "Time in which probabilities of the file hold", None)
+
+    def hazard(self) -> Hazard:
+        """The curve of the file."""
+        paths = self.table.paths("file", self.file)
+        options = self.given("units", "investigation_time") | {"site": self.coordinates or self.site}
+        with self.table.naming("file"):
+            return read_hazard(paths, **self.of, **options)
+
+
+@dataclass(frozen=True, kw_only=True)
+class OfPoints(OfHazard):
+    """A few points of a curve."""
+
+    one_of: ClassVar[Any] = {"annual frequencies": ("frequencies", "return_periods")}
+
+    intensities: list[float] = key(ListOf(INTENSITIES["pga"]), "Intensities of a few points")
+    frequencies: list[float] | None = key(ListOf(FACTOR), "Their annual frequencies", None)
+    return_periods: list[float] | None = key(ListOf(YEARS), "Their return periods", None)
+
+    @classmethod
+    def keys(cls, table: Table) -> dict[str, Key]:
+        """The intensities have the unit of their measure."""
+        keys = keys_of(cls)
+        quantity = INTENSITIES.get(str(table.values.get("measure")), INTENSITIES["pga"])
+        return keys | {"intensities": keys["intensities"]._replace(kind=ListOf(quantity))}
+
+    def hazard(self) -> Hazard:
+        """The curve through the points."""
+        rates = self.frequencies or [1 / years for years in self.return_periods or ()]
+        with self.table.naming("intensities", "does not fit the others"):
+            return HazardCurve(tuple(self.intensities), tuple(rates), **self.of)
+
+
+@dataclass(frozen=True, kw_only=True)
+class OfPowerLaw(OfHazard):
+    """A power law; ``k0`` is the annual frequency of exceedance of 1 in the unit of the file."""
+
+    k0: float = key(FACTOR, "Annual frequency of exceedance of one unit, of a power law")
+    k: float = key(FACTOR, "Exponent of the power law")
+    units: str = key(TEXT, "Unit of k0")
+
+    def hazard(self) -> Hazard:
+        """The law in SI units."""
+        intensity = INTENSITIES[self.measure]
+        unit = intensity.size(self.table.value("units", Word(intensity.spellings))) or 1.0
+        with self.table.naming("k"), np.errstate(over="ignore"):
+            law = PowerLawHazard(float(self.k0 * np.float64(unit) ** self.k), self.k, **self.of)
+            simulated_at(law)
+            return law
+
+
+HAZARDS = (OfFile, OfPoints, OfPowerLaw)

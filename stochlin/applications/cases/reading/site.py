@@ -6,11 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from itertools import islice
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import xarray as xr
 
-from stochlin.applications.cases.reading.hazards import EXAMPLE, YEARS, read_hazard_of
 from stochlin.applications.cases.reading.kinds import (
     COLUMN,
     TEXT,
@@ -26,11 +25,15 @@ from stochlin.applications.cases.reading.kinds import (
 )
 from stochlin.applications.cases.reading.records import (
     FACTOR,
+    HAZARDS,
     PEAK,
     RESPONSE,
     TIME,
-    read_single_records,
-    read_suite,
+    YEARS,
+    OfHazard,
+    Record,
+    Suite,
+    read_records_of,
 )
 from stochlin.applications.cases.reading.tables import Form, Table
 from stochlin.applications.records.ground_fit import fitted_grounds
@@ -67,9 +70,12 @@ DAMPING = Quantity("1", Range(0.0, 1.0))
 LIKE = 0.8, 1.25  # energy of motions over that of a record without a warning
 
 
-def grounds() -> list[str]:
-    """Grounds by name and by their parameters."""
-    return [*ground_names(), *GROUNDS]
+class Course(NamedTuple):
+    """Duration [s] and envelope of motions, and their ground if it is fitted together with them."""
+
+    duration: float
+    envelope: Envelope | None
+    ground: Ground | None = None
 
 
 # --- the table [motion] ---
@@ -88,14 +94,14 @@ class Motion(Form):
         """With the parameters of the envelope."""
         return keys_of(cls) | keys_of_model(ENVELOPES.get(str(table.values.get("envelope"))))
 
-    def shape(self) -> Envelope | None:
-        """The envelope, or None."""
+    def course(self) -> Course:
+        """The duration and the envelope."""
         if self.envelope == NONE:
-            return None
+            return Course(self.duration, None)
         envelope: Envelope = self.table.made(ENVELOPES[self.envelope], **self.more)
         if warning := envelope.doubt(self.duration):
             self.table.warn("duration", f"is doubtful: {warning}")
-        return envelope
+        return Course(self.duration, envelope)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,6 +113,8 @@ class MotionOfRecord(Form):
     scatter: float | None = key(SPREAD, "Scatter of the strength between earthquakes", None)
 
 
+MOTIONS = (Motion, MotionOfRecord)
+
 # --- the table [site] ---
 
 
@@ -114,13 +122,21 @@ class MotionOfRecord(Form):
 class OfSite(Form):
     """Keys of every site."""
 
-    records: list[Table] = key(Inner(several=True), "Recorded motions", ())
-    suite: Table | None = key(Inner(), "A suite of records", None)
-    hazard: Table | None = key(Inner(), "Hazard", None)
+    records: list[Record] = key(Inner((Record,), several=True), "Recorded motions", ())
+    suite: Suite | None = key(Inner((Suite,)), "A suite of records", None)
+    hazard: OfHazard | None = key(Inner(HAZARDS), "Hazard", None)
 
     def goal(self, hazard: Hazard | None) -> dict[str, Any]:
         """The wanted strength, as arguments of `scale_ground`; empty if the ground has its own."""
         return {}
+
+    def described(self) -> Any:
+        """The ground of the file, which may be uncertain; None if it is fitted."""
+        return None
+
+    def target(self) -> xr.DataArray | None:
+        """The design spectrum of the site, if it has one."""
+        return None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -137,21 +153,23 @@ class Scaled(OfSite):
 
     def goal(self, hazard: Hazard | None) -> dict[str, Any]:
         """Also the intensity, of a hazard of S0."""
-        if self.return_period is None:
-            of_sa = {} if self.sa_period is None else {"period": self.sa_period}
-            return self.given("pga", "sa") | of_sa
-        if hazard is None:
-            raise self.table.error("return_period", f"needs a hazard; {EXAMPLE}")
-        with self.table.naming("return_period", "is not in the hazard"):
-            strength = {hazard.measure: float(hazard.intensity(self.return_period))}
-        return strength if hazard.period is None else strength | {"period": hazard.period}
+        strength, period = self.given("pga", "sa"), self.sa_period
+        if self.return_period is not None:
+            if hazard is None:
+                raise self.table.error("return_period", "needs a hazard; allowed: with [site.hazard]")
+            with self.table.naming("return_period", "is not in the hazard"):
+                strength = {hazard.measure: float(hazard.intensity(self.return_period))}
+            period = hazard.period
+        return strength if period is None else strength | {"period": period}
 
 
 @dataclass(frozen=True, kw_only=True)
 class ByParameters(Scaled):
     """A ground by its name, or by its kind and its parameters."""
 
-    ground: str = key(Word(grounds), "Name or kind of the ground")
+    one_of: ClassVar[Any] = {"strength of the shaking": STRENGTHS}
+
+    ground: str = key(Word(lambda: [*ground_names(), *GROUNDS, FITTED]), "Name or kind of the ground")
     intensity: Any = of(WhiteNoise, "intensity", "Intensity S0", None)
 
     @classmethod
@@ -160,10 +178,8 @@ class ByParameters(Scaled):
         kind = GROUNDS.get(str(table.values.get("ground")))
         return keys_of_model(kind, uncertain=True) | keys_of(cls)
 
-    def model(self) -> Any:
-        """The ground, which may be uncertain; of intensity 1 if it is scaled."""
-        if not any(name in self.table for name in STRENGTHS):
-            raise self.missing("intensity")
+    def described(self) -> Any:
+        """The ground, of intensity 1 if it is scaled."""
         values = {"intensity": 1.0 if self.intensity is None else self.intensity, **self.more}
         kind = GROUNDS.get(self.ground)
         return self.table.made(kind or partial(named_ground, self.ground), **values)
@@ -190,6 +206,8 @@ class WithMotionOfRecord(OfSite):
 class Spectrum(OfSite):
     """Keys of every site by its design spectrum."""
 
+    described_as = "a site by its spectrum"
+
     spectrum: str = key(TEXT, "Code or file of a design spectrum, in place of a ground")
     filters: int | None = key(integer(1, MOST_FILTERS), "Number of filters of the ground", None)
 
@@ -198,38 +216,32 @@ class Spectrum(OfSite):
 class Eurocode8(Spectrum):
     """The elastic spectrum of EN 1998-1."""
 
-    described_as = 'spectrum = "eurocode_8"'
-
     ag: float = key(AG, "Acceleration ag")
     soil: str = key(Word(tuple("ABCDE")), "Ground type")
     type: int = key(integer(1, 2), "Type of spectrum", 1)
     damping: float = key(DAMPING, "Damping ratio", 0.05)
 
-    def table_of(self) -> xr.DataArray:
-        """The spectrum."""
-        return eurocode_8(self.ag, self.soil, type=self.type, damping=self.damping)
+    def target(self) -> xr.DataArray:
+        """The spectrum of the code."""
+        return self.table.made(eurocode_8, **self.given("ag", "soil", "type", "damping"))
 
 
 @dataclass(frozen=True, kw_only=True)
 class Asce7(Spectrum):
     """The design spectrum of ASCE 7."""
 
-    described_as = 'spectrum = "asce_7"'
-
     sds: float = key(SDS, "SDS")
     sd1: float = key(RESPONSE, "SD1")
     tl: float = key(TIME, "TL")
 
-    def table_of(self) -> xr.DataArray:
-        """The spectrum."""
-        return asce_7(self.sds, self.sd1, self.tl)
+    def target(self) -> xr.DataArray:
+        """The spectrum of the code."""
+        return self.table.made(asce_7, sds=self.sds, sd1=self.sd1, tl=self.tl)
 
 
 @dataclass(frozen=True, kw_only=True)
 class SpectrumFile(Spectrum):
     """A spectrum from a file, with a factor."""
-
-    described_as = "spectrum of a file"
 
     units: str | None = key(TEXT, "Unit of the accelerations in the file", None)
     column: str | int | None = key(COLUMN, "Column of the accelerations", None)
@@ -238,40 +250,29 @@ class SpectrumFile(Spectrum):
     scale: float = key(FACTOR, "Scale of the spectrum", 1.0)
     damping: float | None = key(DAMPING, "Damping ratio", None)
 
-    def table_of(self) -> xr.DataArray:
-        """The spectrum."""
+    def target(self) -> xr.DataArray:
+        """The spectrum of the file."""
         path = self.table.path("spectrum")
         if not path.exists():
             known = f"{hint(path.name, CODES)}allowed: {', '.join(CODES)}, or such a file"
             raise self.table.error("spectrum", f"is neither a code nor a file beside this one; {known}")
         options = self.given("units", "column", "period_column", "between", "damping")
-        spectrum = read_spectrum(path, **options)
+        with self.table.naming("spectrum"):
+            spectrum = read_spectrum(path, **options)
         return (self.scale * spectrum).assign_attrs(spectrum.attrs)
 
 
 CODES = {"eurocode_8": Eurocode8, "asce_7": Asce7}
+SITES = (ByParameters, OfRecord, WithMotionOfRecord, *CODES.values(), SpectrumFile)
 
 
-def _read_form(table: Table, with_motion: bool) -> Any:
-    """The form of the table [site]."""
-    if "spectrum" in table and "ground" in table:
-        raise table.error("ground", "is given beside a spectrum; allowed: one of them")
-    if "spectrum" in table:
-        return table.read(CODES.get(table.text("spectrum"), SpectrumFile))
-    name = table.values.get("ground", "")
+def _form_of(table: Table, with_motion: bool) -> Any:
+    """The form of the table [site]; with a motion of records the ground is theirs as well."""
     if with_motion:
         return table.read(WithMotionOfRecord)
-    if "ground" in table:
-        table.value("ground", Word(lambda: [*grounds(), FITTED]))
-    return table.read(OfRecord if name == FITTED else ByParameters)
-
-
-class Course(NamedTuple):
-    """Duration [s] and envelope of motions, and their ground if it is fitted together with them."""
-
-    duration: float
-    envelope: Envelope | None
-    ground: Ground | None = None
+    if "spectrum" in table:
+        return table.read(CODES.get(table.value("spectrum", TEXT), SpectrumFile))
+    return table.read(OfRecord if table.values.get("ground") == FITTED else ByParameters)
 
 
 @dataclass(frozen=True)
@@ -304,7 +305,7 @@ class Site:
     def course(self) -> Course:
         """Duration and envelope, which may be fitted to records together with the ground."""
         if isinstance(self.motion, Motion):
-            return Course(self.motion.duration, self.motion.shape())
+            return self.motion.course()
         with self.motion.table.naming("envelope", f"cannot be fitted to {listed(self.components)}"):
             fitted = fit_motion(self.components, filters=self.form.filters)
         return Course(fitted.duration, fitted.envelope, fitted.ground)
@@ -312,7 +313,7 @@ class Site:
     @cached_property
     def usual_scatter(self) -> UsualScatter:
         """Scatter by default: 0 for a ground by name or by parameters, else that of its use."""
-        if isinstance(self.form, ByParameters):
+        if self.described is not None:
             return UsualScatter(0.0, "")
         if len(self.components) == 2:
             return between_components(checked_components(self.components))
@@ -345,27 +346,23 @@ class Site:
                 scaled = scale_ground(ground, duration, envelope, **self.goal, paths=paths)
         if not isinstance(described, UncertainModel):
             return scaled
-        times = float(scaled.arrays()["intensity"] / ground.arrays()["intensity"])
-        return described.changed(partial(_times, factor=times))
+        return described.changed(partial(_times, factor=float(scaled.intensity / ground.intensity)))
 
     def _fitted(self) -> Ground:
         """The ground that is fitted to the spectrum, or to the first record."""
-        (duration, envelope, _), table = self.course, self.form.table
+        duration, envelope, _ = self.course
         if self.spectrum is not None:
             options = {"duration": duration, "envelope": envelope, "filters": self.form.filters}
-            with table.naming("spectrum"):
+            with self.form.table.naming("spectrum"):
                 return fit_ground(self.spectrum, **options)
-        name, record = next(iter(self.records.items()))
-        with table.naming("ground", f"cannot be fitted to {name}"):
+        record = next(iter(self.records.values()))
+        with self.form.table.naming("ground", f"cannot be fitted to {listed(self.components)}"):
             ground = fit_ground(record, self.form.model, self.form.estimator)
         ratio = energy_ratio(record, ground, envelope, duration)
         if not LIKE[0] <= ratio <= LIKE[1]:
-            self.motion.table.warn(
-                "envelope",
-                f"and the duration give motions with {ratio:.2g} times the energy of the record that "
-                f'the ground is fitted to; for equal energy write envelope = "{FITTED}", without a '
-                "duration",
-            )
+            of_record = f"times the energy of the record; for equal energy write envelope = {FITTED!r}"
+            what = f"and the duration give motions with {ratio:.2g} {of_record}, without a duration"
+            self.motion.table.warn("envelope", what)
         return ground
 
 
@@ -378,25 +375,14 @@ def read_site(table: Table, of_motion: Table) -> Site:
     """The tables [site] and [motion] with their files; nothing is fitted or simulated yet."""
     with_motion = of_motion.values.get("envelope") == FITTED
     motion: Any = of_motion.read(MotionOfRecord if with_motion else Motion)
-    form = _read_form(table, with_motion)
-    records = read_single_records(table.tables("records"))
-    if getattr(form, "ground", "") == FITTED and not records:
-        raise table.error("ground", "needs a record to be fitted to; allowed: a [[site.records]]")
-    if with_motion:
-        where = "components" if "components" in of_motion else "envelope"
-        if motion.components > len(records):
-            raise of_motion.error(where, "needs two [[site.records]], both components of one station")
-        with of_motion.naming(where):
-            checked_components(dict(islice(records.items(), motion.components)))
-    spectrum = None
-    if isinstance(form, Spectrum):
-        with table.naming("spectrum"):
-            spectrum = form.table_of()  # type: ignore[attr-defined]
-    if form.suite is not None:
-        records |= read_suite(form.suite, records, spectrum)
-    hazard = read_hazard_of(table.table("hazard"))
-    described = form.model() if isinstance(form, ByParameters) else None
-    site = Site(form, motion, records, hazard, form.goal(hazard), spectrum, described)
+    form = _form_of(table, with_motion)
+    least = getattr(motion, "components", 1)
+    if getattr(form, "ground", "") == FITTED and len(form.records) < least:
+        raise table.error("ground", f"needs a record to be fitted to; allowed: {least} [[site.records]]")
+    spectrum = form.target()
+    records = read_records_of(form.records, form.suite, spectrum)
+    hazard = form.hazard and form.hazard.hazard()
+    site = Site(form, motion, records, hazard, form.goal(hazard), spectrum, form.described())
     if not with_motion:
         _ = site.course
     return site

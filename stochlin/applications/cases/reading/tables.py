@@ -6,7 +6,7 @@ import re
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import MISSING, dataclass, field, replace
 from pathlib import Path
 from typing import Any, ClassVar, TypeVar
 
@@ -24,30 +24,18 @@ _BARE, _QUOTED = r"[A-Za-z0-9_-]+", r"\"[^\"]*\"|'[^']*'"
 _DOTTED = rf"(?:{_BARE}|{_QUOTED})(?:\s*\.\s*(?:{_BARE}|{_QUOTED}))*"
 _HEADER = re.compile(rf"\s*(\[\[?)\s*({_DOTTED})\s*\]")
 _KEY = re.compile(rf"\s*({_DOTTED})\s*=")
-EXAMPLES = {  # of values, in place of those that units and ranges give
-    **dict.fromkeys(("reduction_factor", "ductility"), "4"),
-    "base_shear_coefficient": "0.15",
-    "confidence": '"90 %"',
-    "floor_mass": '"400 t"',
-    "intensity": '"0.01 m^2/s^3", or pga = "0.3 g", or sa = "0.8 g" with sa_period = "1 s"',
-    "participation": "1.3",
-    "masses": '["800 t", "600 t"]',
-    "pushover": '"push.csv"',
-    "stiffnesses": '["1200 MN/m", "1000 MN/m"]',
-    "storey_height": '"3.2 m"',
-    "storeys": "8",
-}
 
 
 @dataclass
 class Source:
-    """The file of a case: lines of its keys, files that it names, and warnings that were given."""
+    """The file of a case with its text, the lines of its keys, and the files that it names."""
 
     path: Path
-    lines: Mapping[Place, int]
-    flat: bool = False  # whether files are looked for without their folders, too
-    files: list[Path] = field(default_factory=list)
-    warned: set[Place] = field(default_factory=set)
+    text: str
+    files: list[Path]
+
+    def __post_init__(self) -> None:
+        self.lines = key_lines(self.text)
 
     @property
     def name(self) -> str:
@@ -82,10 +70,8 @@ class Table:
         return ValueError(f"{where}: {subject} {what}".replace(":  ", ": "))
 
     def warn(self, name: str, what: str) -> None:
-        """Warn, once in the same words, of a value that is allowed and implausible."""
-        if (*self.place, name, what) not in self.source.warned:
-            self.source.warned.add((*self.place, name, what))
-            warnings.warn(str(self.error(name, what)), DoubtfulInput, stacklevel=2)
+        """Warn of a value that is allowed and implausible."""
+        warnings.warn(str(self.error(name, what)), DoubtfulInput, stacklevel=2)
 
     @contextmanager
     def naming(self, name: str, what: str = "cannot be used") -> Iterator[None]:
@@ -95,16 +81,14 @@ class Table:
                 warnings.simplefilter("always", DoubtfulInput)
                 yield
         except (OSError, ValueError, ArithmeticError) as error:
-            if str(error).startswith(self.source.name):
-                raise
             raise self.error(name, f"{what}: {sentence(error, LONGEST_MESSAGE)}") from error
-        placed = any(str(warning.message).startswith(self.source.name) for warning in caught)
         for warning in caught:
-            text = str(warning.message)
-            if not issubclass(warning.category, DoubtfulInput) or text.startswith(self.source.name):
-                warnings.warn_explicit(text, warning.category, warning.filename, warning.lineno)
-            elif not placed:  # else a number of it was warned of with its key
-                self.warn(name, f"is doubtful: {text}")
+            if issubclass(warning.category, DoubtfulInput):
+                self.warn(name, f"is doubtful: {warning.message}")
+            else:
+                warnings.warn_explicit(
+                    warning.message, warning.category, warning.filename, warning.lineno
+                )
 
     def table(self, name: str) -> Table:
         """The table of this name; an empty one if there is none."""
@@ -114,76 +98,60 @@ class Table:
         """All tables of this name, in the order of the file."""
         values = self.values.get(name, [])
         if not isinstance(values, list):
-            called = self.called(name)
-            raise self.error(name, f"is no list of tables; allowed: lines [[{called}]], keys below them")
+            raise self.error(name, f"is no list of tables; allowed: lines [[{self.called(name)}]]")
         return [self._inner(each, name, (*self.place, name, n)) for n, each in enumerate(values)]
 
     def _inner(self, values: Any, name: str, place: Place) -> Table:
         if not isinstance(values, dict):
-            called = self.called(name)
-            raise self.error(name, f"is no table; allowed: a line [{called}] and its keys below it")
+            raise self.error(name, f"is no table; allowed: a line [{self.called(name)}], keys below it")
         return replace(self, values=values, place=place)
-
-    def text(self, name: str) -> str:
-        """A line of text; an empty one if it is missing."""
-        return self.value(name, TEXT) if name in self else ""
-
-    def path(self, name: str) -> Path:
-        """The path of a file that the case names."""
-        return self.paths(name, [self.text(name)])[0]
 
     def paths(self, name: str, texts: Sequence[str]) -> list[Path]:
         """The paths of files that the case names, relative to its own file."""
-        folder = self.source.path.parent
-        paths = [folder / text for text in texts]
         with self.naming(name):
-            if self.source.flat:
-                within = (".." not in path.parts and path.is_relative_to(folder) for path in paths)
-                named = zip(paths, within, strict=True)
-                paths = [
-                    path if known and path.exists() else folder / path.name for path, known in named
-                ]
-            self.source.files.extend(paths)
-            return [input_path(name, path) for path in paths]
+            paths = [input_path(name, self.source.path.parent / text) for text in texts]
+        self.source.files.extend(paths)
+        return paths
+
+    def path(self, name: str) -> Path:
+        """The path of one file."""
+        return self.paths(name, [self.value(name, TEXT)])[0]
 
     def value(self, name: str, kind: Any) -> Any:
         """The value of a key, numbers in SI."""
         if isinstance(kind, Inner):
-            return self.tables(name) if kind.several else self.table(name)
+            tables = self.tables(name) if kind.several else [self.table(name)]
+            read = tables if kind.later else [table.read(*kind.forms) for table in tables]
+            return read if kind.several else read[0]
         try:
             return kind.read(self.values[name], lambda what: self.warn(name, what))
         except ValueError as error:
             raise self.error(name, str(error)) from error
 
-    def fitting(self, forms: Mapping[type[F], Mapping[str, Key]]) -> type[F]:
-        """Of forms with their keys, the one that has most of the keys of the table."""
-        return max(forms, key=lambda form: len(forms[form].keys() & self.values.keys()))
+    def fitting(self, forms: Sequence[type[F]]) -> type[F]:
+        """The form that has most of the keys of the table."""
+        return max(forms, key=lambda form: len(form.keys(self).keys() & self.values.keys()))
 
     def read(self, *forms: type[F]) -> F:
         """The table as a form: of several forms, the one that has most of its keys."""
-        each_keys = {form: form.keys(self) for form in forms}
-        form = self.fitting(each_keys)
-        keys = each_keys[form]
-        others = {name for known in each_keys.values() for name in known}
+        form = self.fitting(forms)
+        keys = form.keys(self)
         for name in self.values:
             if name in keys and isinstance(keys[name].kind, Word):  # on which the other keys depend
                 self.value(name, keys[name].kind)
         for name in self.values:
             if name not in keys:
-                raise self._unknown(name, form, keys, others)
+                raise self._unknown(name, form, keys)
         self._check_together(form)
-        if missing := {name: k for name, k in keys.items() if k.needed and name not in self}:
-            raise self.missing(missing)
+        missing = [n for n, each in keys.items() if each.default is MISSING and n not in self]
+        if missing:
+            also = f" (and also {listed(missing[1:])})" if missing[1:] else ""
+            allowed = keys[missing[0]].kind.words
+            raise self.error(missing[0], f"is missing{also}; allowed: {allowed}")
         values = {n: self.value(n, each.kind) for n, each in keys.items() if n in self}
         of_form = keys_of(form)
         more = {n: values.pop(n) for n in [*values] if n not in of_form}
         return form(table=self, more=more, **values)
-
-    def missing(self, keys: Mapping[str, Key]) -> ValueError:
-        """The error for missing keys, with an example of each."""
-        first, *others = keys
-        more = f", and so {'is' if len(others) == 1 else 'are'} {listed(others)}" if others else ""
-        return self.error(first, f"is missing{more}; write, for instance, {_examples(keys)}")
 
     def made(self, build: Callable[..., Any], /, **values: Any) -> Any:
         """A model of these values; its error is at the key that it names."""
@@ -194,32 +162,26 @@ class Table:
             named = (n for n in self.values if re.search(rf"\b{re.escape(n)}\b", text.partition(";")[0]))
             raise self.error(next(named, ""), f"does not fit: {text}") from error
 
-    def _unknown(
-        self, name: str, form: type[Form], keys: Mapping[str, Key], others: set[str]
-    ) -> ValueError:
-        if elsewhere := form.elsewhere(self, name):
-            return self.error(name, elsewhere)
-        near = "" if name in others else nearest(name, [*keys, *others])
-        beside = ", which is given as well" if near in self else ""
-        said = instead_of(name) or (f"did you mean {near}{beside}? " if near else "")
+    def _unknown(self, name: str, form: type[Form], keys: Mapping[str, Key]) -> ValueError:
+        near = nearest(name, keys)
+        said = instead_of(name) or (f"did you mean {near}? " if near else "")
         what = "is not a key that is known here" + f", of {form.described_as}" * bool(form.described_as)
         return self.error(name, f"{what}; {said}allowed: {listed(keys, MOST_LISTED)}")
 
     def _check_together(self, form: type[Form]) -> None:
         """Raise a ValueError for keys that exclude or need one another."""
         chosen = [name for name, value in self.values.items() if value is not False]
-        for names, needed in [(form.one_of, True), *((names, False) for names in form.at_most)]:
+        for names in (*form.one_of.values(), *form.at_most):
             present = [name for name in names if name in chosen]
             if len(present) > 1:
                 what = f"is given as well as {present[0]}; allowed: one of {', '.join(names)}"
-                raise self.error(present[1], f"{what}, so leave the others out")
-            if names and needed and not present:
-                examples = _examples({name: keys_of(form)[name] for name in names})
-                raise self.error("", f"has no {form.one_called}; allowed: one of {examples}")
+                raise self.error(present[1], what)
+        for what, names in form.one_of.items():
+            if not {*names} & {*chosen}:
+                raise self.error("", f"has no {what}; allowed: one of {', '.join(names)}")
         for name, other in form.goes_with:
-            if name in chosen and not {other} & {*chosen}:
-                what = f"goes with {other}, which is missing; give both, or leave it out"
-                raise self.error(name, what)
+            if name in chosen and other not in chosen:
+                raise self.error(name, f"needs {other}, which is missing; allowed: both, or neither")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -230,8 +192,7 @@ class Form:
     """
 
     described_as: ClassVar[str] = ""  # in messages
-    one_of: ClassVar[Sequence[str]] = ()  # of these keys a table has exactly one
-    one_called: ClassVar[str] = ""  # what that one gives
+    one_of: ClassVar[Mapping[str, Sequence[str]]] = {}  # what exactly one of these keys gives
     at_most: ClassVar[Sequence[Sequence[str]]] = ()  # of each of these keys it has at most one
     goes_with: ClassVar[Sequence[tuple[str, str]]] = ()  # a key, and the one that it needs
 
@@ -243,44 +204,31 @@ class Form:
         """The keys of the form, with those of the models that the table names."""
         return keys_of(cls)
 
-    @classmethod
-    def elsewhere(cls, table: Table, name: str) -> str:
-        """What is wrong with a key that the form does not have, if it belongs to another one."""
-        return ""
-
     def given(self, *names: str) -> dict[str, Any]:
         """The values of these keys as far as the table has them."""
         return {name: getattr(self, name) for name in names if name in self.table}
 
-    def missing(self, name: str) -> ValueError:
-        """The error for a key without which the others say nothing."""
-        return self.table.missing({name: keys_of(type(self))[name]})
-
-    def chosen(self) -> str:
+    def chosen(self, what: str) -> str:
         """The key of ``one_of`` that the table has."""
-        return next(name for name in self.one_of if self.table.values.get(name, False) is not False)
-
-
-def _examples(keys: Mapping[str, Key]) -> str:
-    return ", ".join(f"{name} = {EXAMPLES.get(name, key.kind.example)}" for name, key in keys.items())
+        names = self.one_of[what]
+        return next(name for name in names if self.table.values.get(name, False) is not False)
 
 
 def read_table(path: Path, other: str | None = None) -> Table:
     """The whole file as one table, or another text in its place; errors are those of `read_toml`."""
     text, values = read_toml(path, other)
-    return Table(Source(path, key_lines(text), other is not None, [path]), values)
+    return Table(Source(path, text, [path]), values)
 
 
 def key_lines(text: str) -> dict[Place, int]:
     """Line number, from 1, of each key and table; messages omit one that is not here.
 
-    The TOML parser does not provide them. A text of several lines is passed over.
+    The TOML parser does not provide them.
     """
     lines: dict[Place, int] = {}
     counts: dict[Place, int] = {}
     table: Place = ()
-    passed = re.sub(r'(?s)""".*?"""|\'\'\'.*?\'\'\'', lambda text: "\n" * text[0].count("\n"), text)
-    for number, line in enumerate(passed.splitlines(), 1):
+    for number, line in enumerate(text.splitlines(), 1):
         if header := _HEADER.match(line):
             place = table = _parts(header[2])
             if header[1] == "[[":
@@ -298,3 +246,6 @@ def key_lines(text: str) -> dict[Place, int]:
 
 def _parts(dotted: str) -> Place:
     return tuple(part.strip("\"'") for part in re.findall(rf"{_QUOTED}|{_BARE}", dotted))
+
+
+NO_TABLE = Table(Source(Path("case.toml"), "", []), {})  # an empty one, of no file
