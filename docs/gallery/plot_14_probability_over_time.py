@@ -3,10 +3,9 @@ Confidence of no pounding over time
 ===================================
 
 The confidence that two yielding buildings have not pounded so far, in motions of 25 s. It is computed
-from the crossings of the linearized response, from the same with a correction for the plastic drift,
-and by simulation with its 95 % interval. The grey shape below is the envelope of the motion.
-Linearization loses the drift and is unsafe. (The assumption of independent crossings instead of
-crossings in clumps gives the same result here.)
+from the crossings of the linearized response, in clumps or independent of each other, and by simulation
+with its 95 % interval. The grey shape below is the envelope of the motion. Linearization loses the
+plastic drift and is unsafe.
 """
 
 import matplotlib.pyplot as plt
@@ -26,7 +25,7 @@ stem = "confidence_of_no_pounding"
 low, high = table[f"{stem}_simulated_lower"], table[f"{stem}_simulated_upper"]
 axes.fill_between(table.time, 0.15 * table.envelope, color="0.9", lw=0, label="envelope of the motion")
 axes.fill_between(table.time, low, high, color="0.7", lw=0, label="simulated, 95 %")
-curves = {"linearized": "", "with the drift": "_corrected"}
+curves = {"linearized": "", "linearized, Poisson": "_poisson"}
 for (label, ending), (color, dash) in zip(curves.items(), CURVES, strict=False):
     axes.plot(table.time, table[stem + ending], color=color, linestyle=dash, label=label)
 axes.set(xlabel="time [s]", ylabel="confidence of no pounding", xlim=(0, 25), ylim=(0, 1.02))

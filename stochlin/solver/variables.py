@@ -123,7 +123,6 @@ VARIABLES = {
     # Energies
     "radius": ("m", "energy radius"),
     "pseudo_energy_radius": ("m", "pseudo energy radius"),
-    "radius_difference": ("m", "largest difference of the energy radii"),
     "radius_amplification": ("1", "energy radius after the impact over that before"),
     "largest_radius_amplification": ("1", "largest amplification of the energy radius by an impact"),
     "energy_share": ("1", "share of the input energy at the end"),
@@ -207,7 +206,6 @@ ENDINGS = {
     "alone": "{} without pounding",
     "simulated": "{}, simulated",
     "poisson": "{}, Poisson crossings",
-    "corrected": "{}, bias corrected",
 }
 RECORD = "record_"
 

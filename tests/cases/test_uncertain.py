@@ -8,7 +8,7 @@ from cases import FIRM_SITE
 from cases import read_text as read
 
 import stochlin as sl
-from stochlin.applications.cases.probability import judge_gap
+from stochlin.applications.cases.pairs import judge_gap
 from stochlin.applications.cases.separation import answer_case
 
 pytestmark = pytest.mark.invariant
@@ -124,4 +124,4 @@ def test_answers_contain_what_is_not_known(tmp_path):
     answer = answer_case(read(tmp_path, case_text(building)))
     assert answer.separation.input.values.tolist() == ["structure_1.period", "structure_1.damping"]
     assert answer.matters.attrs["paths"] == answer.separation.attrs["paths"] == 128  # as many, not 512
-    assert "input_factor" in judge_gap(answer.case, 0.05).whole()
+    assert "input_factor" in judge_gap(answer.case, 0.05)

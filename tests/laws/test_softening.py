@@ -178,7 +178,6 @@ def test_the_probability_is_that_of_a_building_of_one_storey(alpha):
     ]
     for name in ("confidence_of_no_pounding", "confidence_of_no_pounding_simulated", "required_gap"):
         np.testing.assert_allclose(*(table[name] for table in tables), rtol=1e-6)
-    assert np.isnan(tables[0].required_gap_corrected)
     std = sl.transient_response(one, GROUND, points=5, **QUAKE).displacement_std
     np.testing.assert_allclose(std, tables[0].displacement_std_1, rtol=1e-6)
 

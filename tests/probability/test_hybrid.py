@@ -7,7 +7,7 @@ from cases import check_labels, with_slow
 from motions import RECORDS, motion, needs_records, recorded
 
 import stochlin as sl
-from stochlin.kernels.probability.phases import beyond_phase, concentration, least_phase
+from stochlin.kernels.probability import beyond_phase, concentration, least_phase
 
 pytestmark = pytest.mark.oracle
 
@@ -130,23 +130,3 @@ def test_fit_finds_the_envelope_that_made_the_record(model, envelope):
     record = motion(envelope.at(time) * np.sin(60 * time), 0.01)
     fitted = sl.fit_envelope(record, model)
     np.testing.assert_allclose(fitted.at(time), envelope.at(time), atol=0.02)
-
-
-@pytest.mark.slow
-def test_pictures_are_drawn_with_their_parameters_and_of_their_own_tables_only(quake, tmp_path):
-    from stochlin.views.probability.pictures import draw_pounding
-    from stochlin.views.shared.style import save
-
-    firm = sl.named_ground("firm", 0.01)
-    motion = {"envelope": sl.GammaEnvelope(1.0, 0.25), "duration": 12.0, "paths": 64}
-    pictures = {
-        "time": draw_pounding(sl.pounding_probability(ONE, TWO, firm, 0.1, **motion)),
-        "hybrid": draw_pounding(
-            sl.pounding_probability(ONE, TWO, firm, 0.1, method="hybrid", record=quake)
-        ),
-    }
-    for name, figure in pictures.items():
-        save(figure, tmp_path / f"{name}.png")
-        assert (tmp_path / f"{name}.png").stat().st_size > 10_000
-    with pytest.raises(ValueError, match="dataset has the dimensions"):
-        draw_pounding(xr.Dataset())

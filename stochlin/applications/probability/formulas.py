@@ -4,36 +4,34 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple, TypeGuard
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
+from scipy.optimize import elementwise
 
-from stochlin.applications.probability.axes import HEIGHT, ResultAxes, over_heights
-from stochlin.applications.probability.crossings import Difference, RelativeMotion, bandwidths
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.parallel import Progress, part_of
-from stochlin.kernels.probability.drift_growth import drift_variances
-from stochlin.models.grounds import Ground
-from stochlin.models.structures import Gap, Structure
-from stochlin.models.systems import AnyStructure, first_period
+from stochlin.kernels.basics.parallel import Progress
+from stochlin.kernels.linearization.systems.response import StationaryResponse
+from stochlin.kernels.linearization.systems.state_space import state_space
+from stochlin.kernels.linearization.transient import TransientMoments
+from stochlin.kernels.probability import accumulated, exceeding, hazards
+from stochlin.models.structures import Gap
+from stochlin.models.systems import first_period
 from stochlin.models.uncertain import median_of
-from stochlin.solver.correlation.correlation import correlate
 from stochlin.solver.linearization.strength import strength_in_metres
 from stochlin.solver.linearization.systems.state_space import Equations
 from stochlin.solver.linearization.systems.systems import equations_of
-from stochlin.solver.linearization.transient_systems import TimeGrid, solve_course
+from stochlin.solver.linearization.transient_systems import TIME, TimeGrid, solve_course
 from stochlin.solver.simulation.views import at_height, meeting_heights
+from stochlin.solver.tables import labels
 
+HEIGHT = "height"
 EQUAL = 1e-6  # relative variance of the difference below which it is an error of the integration
-OF_MOMENTS = 0.9  # share of the progress that the moments have beside the bandwidths
+WIDEST, NARROWEST = 14.0, 1e-3  # bounds of a gap in a search, over the largest standard deviation
+CLOSE = 1e-5  # relative tolerance of the search
+INSTANTS = 13  # instants at which the bandwidth of yielding structures is computed
 MOTION = "motion"  # dimension of the motions, which the results do not have
-CHANCES = "instantaneous_probability", "confidence_of_no_pounding", "confidence_of_no_pounding_poisson"
-# Variables that have a version with the plastic drift, and the names of these.
-CORRECTED = {
-    **{f"displacement_std_{n}": f"displacement_std_corrected_{n}" for n in (1, 2)},
-    **{name: f"{name}_corrected" for name in (*CHANCES[:2], "difference_std", "required_gap")},
-}
 # Range [standard deviations], step of the logarithm, and least number of steps on each side, of the
 # strengths of motions with a scatter. The peaks scatter by a logarithmic standard deviation of 0.15 or
 # more for one strength, so that probabilities are smooth in the strength; the error of the mean is
@@ -51,13 +49,28 @@ def strengths(scatter: float) -> tuple[Array, Array]:
     return np.exp(scatter * normal), weights / weights.sum()
 
 
-class PairMoments(NamedTuple):
-    """Moments of a pair over time, in m motions of different strength, at h heights."""
+class Chances(NamedTuple):
+    """Probabilities over (instants of the result, cells)."""
 
-    own: Array  # (2, times, m h) variances of both displacements [m^2]
-    both: Difference
-    bandwidth: Array  # (times, m h) of the relative displacement
-    pace: Array  # (elements, times, m) alpha k_eq [1/s]
+    now: Array  # probability that u_1 - u_2 exceeds the gap at the instant
+    vanmarcke: Array  # confidence of no pounding until the instant, for crossings in clumps
+    poisson: Array  # confidence of no pounding until the instant, for independent crossings
+
+
+class PairMoments(NamedTuple):
+    """Second moments of a pair, with ``d = u_1 - u_2``: (times, m, h), in m motions at h heights."""
+
+    u_1: Array  # [m^2], E[u_1^2]
+    u_2: Array  # [m^2]
+    d_d: Array  # [m^2]
+    d_v: Array  # [m^2/s], E[d d']
+    v_v: Array  # [m^2/s^2]
+    bandwidth: Array  # [-] of d
+
+    @property
+    def product(self) -> Array:
+        """``E[u_1 u_2]`` [m^2]."""
+        return 0.5 * (self.u_1 + self.u_2 - self.d_d)
 
 
 def moments_of_pair(
@@ -74,20 +87,91 @@ def moments_of_pair(
         for floor, share in at_height(system, number, float(heights[row])).items():
             floors[number, row, floor] = share
     first, second = floors @ equations.system.shapes
-    begin, rest = part_of(progress, 0.0, OF_MOMENTS), part_of(progress, OF_MOMENTS, 1.0)
     rows = np.concatenate([first, second, first - second])
-    moments = solve_course(equations, rows, course, shortest, begin)
-    bandwidth = bandwidths(moments, equations, first - second, course.times, rest)
-    (own_1, own_2, d_d), (*_, d_v), (*_, v_v) = (
-        [part.reshape(len(part), -1) for part in np.split(values, 3, axis=-1)]
-        for values in (moments.displacement, moments.mixed, moments.velocity)
-    )
-    d_d = np.where(d_d > EQUAL * (own_1 + own_2), d_d, 0.0)
-    springs, yields = equations.system, equations.yields
-    pace = np.zeros((len(own_1), *equations.strength.shape))
-    pace[..., yields] = moments.relaxation * (springs.post / springs.elastic)[:, yields]
-    both = Difference(d_d, d_v, v_v, 0.5 * (own_1 + own_2 - d_d))
-    return PairMoments(np.stack([own_1, own_2]), both, bandwidth, np.moveaxis(pace, -1, 0))
+    moments = solve_course(equations, rows, course, shortest, progress)
+    bandwidth = _bandwidths(moments, equations, first - second, course.times)
+    u_1, u_2, d_d = np.split(moments.displacement, 3, axis=-1)
+    d_v, v_v = (values[..., -heights.size :] for values in (moments.mixed, moments.velocity))
+    d_d = np.where(d_d > EQUAL * (u_1 + u_2), d_d, 0.0)
+    return PairMoments(u_1, u_2, d_d, d_v, v_v, bandwidth)
+
+
+def _bandwidths(moments: TransientMoments, equations: Equations, rows: Array, times: Array) -> Array:
+    """Bandwidth [-] over (times, m, h) of h sums of coordinates with these weights, in m motions.
+
+    At each instant it is that of the stationary response of the equivalent linear systems at this
+    instant, since their spectrum develops within a few periods.
+    """
+    elastic = not moments.relaxation.any() and not moments.slip.any()
+    chosen = np.unique(np.linspace(0, times.size - 1, 1 if elastic else INSTANTS).astype(int))
+    mechanics, table = equations.mechanics(equations.yields), []
+    for instant in chosen:
+        coefficients = moments.slip[instant] - 1, moments.relaxation[instant]
+        space = state_space(mechanics, *coefficients, equations.dashpots)
+        l0, l1, l2 = StationaryResponse(space).spectral_moments(rows)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            narrow = 1 - l1**2 / (l0 * l2)
+        # NaN, for structures that move together, becomes 1: crossings are then independent.
+        table.append(np.sqrt(np.clip(np.nan_to_num(narrow, nan=1.0), 0, 1)))
+    columns = np.reshape(table, (chosen.size, -1)).T
+    over_time = [np.interp(times, times[chosen], column) for column in columns]
+    return np.stack(over_time, axis=1).reshape(times.size, *table[0].shape)
+
+
+class RelativeMotion(NamedTuple):
+    """The moments of a pair in motions of k strengths, over whose ``weights`` results are averaged."""
+
+    moments: PairMoments  # (times, k, h)
+    course: TimeGrid
+    weights: Array  # (k,), with the sum 1
+
+    def mean(self, values: Array) -> Array:
+        """Mean (instants of the result, h) of moments (times, k, h) over the strengths."""
+        mean: Array = np.einsum("k,tkh->th", self.weights, values[self.course.shown])
+        return mean
+
+    def chances(self, gap: Array, height: Array) -> Chances:
+        """Probabilities (instants of the result, c) of exceeding gaps, and of no pounding.
+
+        ``gap`` and ``height`` are gaps (c,) [m] and the number of the height (c,) of each.
+        """
+        shown = self.course.shown
+        result = Chances(*np.zeros((3, shown.size, gap.size)))
+        for strength, weight in enumerate(self.weights):
+            at = PairMoments(*(each[:, strength, height] for each in self.moments))
+            result.now[:] += weight * exceeding(gap, at.d_d[shown])
+            rates = hazards(gap, at.d_d, at.d_v, at.v_v, at.bandwidth)
+            with np.errstate(under="ignore"):
+                for confidence, rate in zip((result.poisson, result.vanmarcke), rates, strict=True):
+                    confidence[:] += weight * np.exp(-accumulated(rate, self.course.times)[shown])
+        return result
+
+    def gap_for(self, confidence: float) -> Array:
+        """Gap (h,) [m] for a confidence of no pounding in the motion; 0 without relative displacement.
+
+        The crossings come in clumps.
+        """
+        largest = np.sqrt(self.moments.d_d.max(axis=0))
+        widest = largest.max(axis=0)
+        moving = np.flatnonzero(widest > 0)
+        narrowest = NARROWEST * largest.min(axis=0)[moving] / widest[moving]
+        at_end = self._replace(course=self.course._replace(shown=self.course.shown[-1:]))
+
+        def off(level: Array, height: Array) -> Array:
+            which = height.astype(int)
+            gap = (level * widest[which]).ravel()
+            vanmarcke = at_end.chances(gap, which.ravel()).vanmarcke[0]
+            return (vanmarcke - confidence).reshape(level.shape)
+
+        root = elementwise.find_root(
+            off,
+            (narrowest, np.full(moving.size, WIDEST)),
+            args=(moving.astype(float),),
+            tolerances={"xrtol": CLOSE},
+        )
+        required = np.zeros(widest.size)
+        required[moving] = np.where(root.success, root.x * widest[moving], np.nan)
+        return required
 
 
 def by_formula(
@@ -100,7 +184,7 @@ def by_formula(
     progress: Progress | None,
     intensities: Array | None = None,
 ) -> list[xr.Dataset]:
-    """Results by linearization, and with its known bias corrected, averaged over the scatter.
+    """Results by linearization, averaged over the scatter.
 
     There is one table for each of the ``intensities`` [m^2/s^3], which are by default that of the
     ground. The motions of all intensities and strengths are solved together.
@@ -113,79 +197,78 @@ def by_formula(
     changed: dict[str, Any] = {
         "intensity": xr.DataArray(np.outer(intensities, factors**2).ravel(), dims=MOTION)
     }
-    ground = replace(ground, **changed)
-    equations = equations_of(pair, ground)
+    equations = equations_of(pair, replace(ground, **changed))
     heights = meeting_heights(*equations.arrangement.stacks)
     shortest = min(float(first_period(structure)) for structure in pair)
     moments = moments_of_pair(equations, heights, course, shortest, progress)
-    axes, columns = ResultAxes(heights, distance), [moments.bandwidth, *moments.both]
-    drift, apart = _drift(pair, moments, ground, course.times)
-    own = [*moments.own, *drift, apart]
-    tables = []
-    for intensity in range(intensities.size):
-        band, *both, own_1, own_2, drift_1, drift_2, slow = (
-            np.split(column, intensities.size, axis=1)[intensity] for column in (*columns, *own)
-        )
-        linear = RelativeMotion(Difference(*both), band, np.zeros_like(slow), course, weights)
-        table = _table(linear, (own_1, own_2), axes, confidence)
-        corrected = table
-        if slow.any():  # also where it is unknown, hence NaN
-            total = own_1 + drift_1, own_2 + drift_2
-            corrected = _table(linear._replace(drift=slow), total, axes, confidence)
-        renamed = {name: CORRECTED[name] for name in map(str, corrected) if name in CORRECTED}
-        table = table.assign(corrected[[*renamed]].rename(renamed))
-        product = table.displacement_std_1 * table.displacement_std_2
-        product_of_both = axes.array(linear.mean(linear.both.product), gaps=False)
-        table["rho"] = product_of_both / product.where(product > 0)
-        tables.append(_bounds(table) if HEIGHT in table.dims else table)
-    return tables
+    return [
+        _table(RelativeMotion(PairMoments(*parts), course, weights), heights, distance, confidence)
+        for parts in zip(*(np.split(each, intensities.size, axis=1) for each in moments), strict=True)
+    ]
 
 
-def _table(
-    motion: RelativeMotion, own: tuple[Array, Array], axes: ResultAxes, confidence: float
-) -> xr.Dataset:
-    """Results of one motion, with the variances (times, k h) of both displacements [m^2]."""
-    count, both = axes.heights.size, motion.both
-    gaps = np.tile(axes.gaps, count)
-    chances = motion.chances(gaps, np.repeat(np.arange(count), axes.gaps.size))
-    over_gaps = [axes.array(chance.reshape(len(chance), count, -1)) for chance in chances]
-    table = xr.Dataset(dict(zip(CHANCES, over_gaps, strict=True)))
-    names = "displacement_std_1", "displacement_std_2", "difference_std"
-    variances = *own, both.d_d + motion.drift
-    stds = [np.sqrt(motion.mean(np.maximum(variance, 0))) for variance in variances]
-    for name, std in zip(names, stds, strict=True):
-        table[name] = axes.array(std, gaps=False)
-    table["required_gap"] = axes.array(motion.gap_for(confidence), gaps=False)
-    return table
+def _table(motion: RelativeMotion, heights: Array, distance: Gap, confidence: float) -> xr.Dataset:
+    """Results of one motion, over the heights of contact [m] if there are storeys."""
+    count, gaps, moments = heights.size, gaps_in_a_row(distance), motion.moments
+    chances = motion.chances(np.tile(gaps, count), np.repeat(np.arange(count), gaps.size))
+    table = xr.Dataset()
+    for name, variance in (
+        ("displacement_std_1", moments.u_1),
+        ("displacement_std_2", moments.u_2),
+        ("difference_std", moments.d_d),
+    ):
+        table[name] = (TIME, HEIGHT), np.sqrt(motion.mean(np.maximum(variance, 0)))
+    product = table.displacement_std_1 * table.displacement_std_2
+    table["rho"] = motion.mean(moments.product) / product.where(product > 0)
+    table["required_gap"] = HEIGHT, motion.gap_for(confidence)
+    for name, chance in (
+        ("instantaneous_probability", chances.now),
+        ("confidence_of_no_pounding", chances.vanmarcke),
+        ("confidence_of_no_pounding_poisson", chances.poisson),
+    ):
+        table[name] = over_gaps(chance.reshape(len(chance), count, -1), distance, TIME, HEIGHT)
+    if np.isnan(heights[0]):  # of two oscillators
+        return table.isel({HEIGHT: 0})
+    axis = labels.axis(HEIGHT, "height above the ground", heights, "m")
+    return _at_all_heights(table.assign_coords({HEIGHT: axis}))
 
 
-def _bounds(table: xr.Dataset) -> xr.Dataset:
-    """Table of all heights together, with Boole's bound of the confidence and the governing height."""
+def _at_all_heights(table: xr.Dataset) -> xr.Dataset:
+    """The worst probabilities of all heights, and the moments at the highest one.
+
+    The variables at each height have the ending ``_at_height``; the displacements have none.
+    ``confidence_of_no_pounding_at_least`` is Boole's bound.
+    """
+    largest = table[["instantaneous_probability", "required_gap"]].max(HEIGHT, skipna=False)
+    confidences = [f"confidence_of_no_pounding{ending}" for ending in ("", "_poisson")]
+    smallest = table[confidences].min(HEIGHT, skipna=False)
     missed = (1 - table.confidence_of_no_pounding).sum(HEIGHT, skipna=False)
     governing = table.required_gap.fillna(-1.0).idxmax(HEIGHT)
-    return over_heights(table).assign(
-        confidence_of_no_pounding_at_least=(1 - missed).clip(0),
-        governing_height=governing.where(table.required_gap.notnull().all(HEIGHT)),
+    at_height = {
+        f"{name}_at_height": array
+        for name, array in table.items()
+        if not str(name).startswith("displacement")
+    }
+    return (
+        table.isel({HEIGHT: -1}, drop=True)
+        .assign(largest.data_vars)
+        .assign(smallest.data_vars)
+        .assign(at_height)
+        .assign(
+            confidence_of_no_pounding_at_least=(1 - missed).clip(0),
+            governing_height=governing.where(table.required_gap.notnull().all(HEIGHT)),
+        )
     )
 
 
-def _is_in_map(structure: AnyStructure) -> TypeGuard[Structure]:
-    """Whether it is an oscillator with a stationary linearization, whose bias may be known."""
-    if not isinstance(structure, Structure):
-        return False
-    return not structure.yields or (structure.linearizes and bool(structure.settles().any()))
+def gaps_in_a_row(distance: Gap) -> Array:
+    """The gaps (g,) [m], and 1 m in place of invalid ones."""
+    return distance.arrays()["gap"].where(distance.valid(), 1.0).to_numpy().ravel()
 
 
-def _drift(
-    pair: Sequence[AnyStructure], moments: PairMoments, ground: Ground, times: Array
-) -> tuple[Array, Array]:
-    """Variances [m^2] of the plastic drifts and of their difference; NaN where the bias is unknown."""
-    (first, second), own, product = pair, moments.own, moments.both.product
-    if not (_is_in_map(first) and _is_in_map(second)):
-        unknown = np.nan if first.yields or second.yields else 0.0
-        return np.full_like(own, unknown), np.full_like(product, unknown)
-    table, count = correlate(first, second, ground), moments.pace.shape[-1]
-    *biases, shared = (
-        np.broadcast_to(table[name].values, count) for name in ("bias_1", "bias_2", "bias")
-    )
-    return drift_variances(own, product, moments.pace, times, np.stack(biases), shared)
+def over_gaps(values: Array, distance: Gap, *dims: str) -> xr.DataArray:
+    """Values (..., g) over these dimensions and those of the gap; NaN for invalid gaps."""
+    gap = distance.arrays()["gap"]
+    shape = values.shape[:-1] + gap.shape
+    array = xr.DataArray(values.reshape(shape), gap.coords, [*dims, *gap.dims])
+    return array.where(distance.valid())

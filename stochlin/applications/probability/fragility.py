@@ -84,10 +84,10 @@ def pounding_fragility(
     xarray.Dataset
         Over ``intensity`` and ``gap``: ``pounding_probability`` [-], the probability of pounding in the
         motion by formula with crossings in clumps, and with the endings ``_poisson`` for independent
-        crossings, ``_corrected`` for the known bias, and ``_simulated`` with a 95 % interval ``_lower``
-        and ``_upper``. By formula it is that of the worst height.
+        crossings, and ``_simulated`` with a 95 % interval ``_lower`` and ``_upper``. By formula it is
+        that of the worst height.
 
-        Over ``intensity``: ``required_gap`` [m], also ``_corrected`` and ``_simulated``, and ``status``.
+        Over ``intensity``: ``required_gap`` [m], also ``_simulated``, and ``status``.
 
         Over ``gap``: the lognormal fragility by maximum likelihood from the simulated motions, with
         ``fragility_median`` [m^2/s^3] and ``fragility_dispersion`` [-], the standard deviation of the
@@ -182,10 +182,11 @@ def _increasing(intensity: Parameter) -> Array:
 
 def _of_formulas(table: xr.Dataset) -> dict[str, xr.DataArray]:
     """Probabilities of pounding, and required gaps, from the confidences at the end of the motion."""
-    columns = {}
-    for ending in ("", "_poisson", "_corrected"):
-        columns[f"pounding_probability{ending}"] = 1 - table[f"confidence_of_no_pounding{ending}"]
-    return columns | {name: table[name] for name in ("required_gap", "required_gap_corrected")}
+    return {
+        "pounding_probability": 1 - table.confidence_of_no_pounding,
+        "pounding_probability_poisson": 1 - table.confidence_of_no_pounding_poisson,
+        "required_gap": table.required_gap,
+    }
 
 
 def _of_motions(

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from stochlin.applications.probability.axes import ResultAxes
+from stochlin.applications.probability.formulas import gaps_in_a_row, over_gaps
 from stochlin.applications.records.cells import SCALARS, check_structure
 from stochlin.applications.records.gaps import recorded_gap
 from stochlin.applications.records.ground_fit import ground_of_record
 from stochlin.applications.records.response import respond
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.probability.phases import beyond_phase, concentration, least_phase
+from stochlin.kernels.probability import beyond_phase, concentration, least_phase
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import expect
 from stochlin.models.states import NotLinearizedError
@@ -19,6 +19,7 @@ from stochlin.models.structures import Gap, Structure
 from stochlin.models.systems import AnyStructure
 from stochlin.solver.correlation.correlation import correlate
 from stochlin.solver.linearization.strength import strength_in_metres
+from stochlin.solver.linearization.transient_systems import TIME
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_scalars
 
@@ -62,10 +63,10 @@ def hybrid_pounding(
     except NotLinearizedError:
         rho = float(recorded.rho)
     k = concentration(min(max(rho, -1.0), 1.0))
-    axes = ResultAxes(np.full(1, np.nan), distance)
-    least = np.minimum.accumulate(least_phase(radius_1[:, None], radius_2[:, None], axes.gaps))
+    phase = least_phase(radius_1[:, None], radius_2[:, None], gaps_in_a_row(distance))
+    least = np.minimum.accumulate(phase)
     table = xr.Dataset(coords=motions[0].coords).assign(
-        confidence_of_no_pounding=axes.array(1 - beyond_phase(least, k), heights=False),
+        confidence_of_no_pounding=over_gaps(1 - beyond_phase(least, k), distance, TIME),
         radius_1=motions[0].radius,
         radius_2=motions[1].radius,
         recorded_difference=motions[0].displacement - motions[1].displacement,

@@ -1,4 +1,4 @@
-"""Probability of pounding in a finite motion, by formula, by corrected formula and by simulation."""
+"""Probability of pounding in a finite motion, by formula and by simulation."""
 
 from __future__ import annotations
 
@@ -100,8 +100,7 @@ def pounding_probability(
     scatter : float
         Standard deviation [-] of the logarithm of a random factor on each motion, as in `simulate`.
         Formulas are averaged over it, and structures keep the yield displacement that they have for
-        ``ground``. ``_corrected`` is NaN unless the bias is known at all strengths of the motion.
-        Not for ``"hybrid"``.
+        ``ground``. Not for ``"hybrid"``.
     points : int
         Number of instants of the result.
     paths, seed : int, optional
@@ -117,15 +116,13 @@ def pounding_probability(
         ``1 - Phi(gap/s)`` that ``u_1 - u_2`` with the standard deviation ``s`` exceeds the gap, and
         ``confidence_of_no_pounding`` [-], the probability of no pounding so far, with crossings in
         clumps (Vanmarcke). Further versions of it have the endings ``_poisson``, for independent
-        crossings; ``_corrected``, with the plastic drift that linearization omits, from its
-        bias (NaN where that is unknown); and ``_simulated``, with a 95 % interval ``_lower`` and
-        ``_upper``.
+        crossings, and ``_simulated``, with a 95 % interval ``_lower`` and ``_upper``.
         The standard deviations ``displacement_std_1`` and ``_2`` and ``difference_std`` [m] also have
-        ``_corrected`` and ``_simulated`` versions. Also ``rho`` [-], NaN at rest; ``envelope`` [-]; and
+        ``_simulated`` versions. Also ``rho`` [-], NaN at rest; ``envelope`` [-]; and
         ``permanent_set``, a flag that is 1 after the strong shaking.
 
-        Without ``time``: ``required_gap`` [m], also ``_corrected`` and ``_simulated``, and ``status``.
-        The variables of ``"hybrid"`` are in the notes.
+        Without ``time``: ``required_gap`` [m], also ``_simulated``, and ``status``. The variables of
+        ``"hybrid"`` are in the notes.
 
     Raises
     ------
@@ -150,14 +147,12 @@ def pounding_probability(
     Boole's inequality, which adds the probabilities of pounding at all heights and holds for any
     dependence between them. Likewise, ``required_gap`` is the gap at ``governing_height``, and the
     buildings need at least this gap. The simulated results hold for all heights together.
-    ``displacement_std``, ``difference_std`` and ``rho`` are those at the highest level. The map of the
-    bias does not cover storeys: ``_corrected`` is NaN if they yield.
+    ``displacement_std``, ``difference_std`` and ``rho`` are those at the highest level.
 
     For yielding structures, linearization omits the plastic drift and the permanent displacement after
     strong shaking. It was compared with simulation for 762 random yielding pairs (R 1 to 9, hardening
     0.02 to 0.3, white noise, Kanai-Tajimi and named grounds, 8 to 40 s). The confidence by formula was
-    too large by more than 0.1 in 24 % of the cases, and by up to 0.97. The corrected confidence, if it
-    is known, was too large by more than 0.1 in 13 % of the cases, and by up to 0.78.
+    too large by more than 0.1 in 24 % of the cases, and by up to 0.97.
 
     The simulated confidence always has an interval, and takes a second or two with the default
     ``paths``.

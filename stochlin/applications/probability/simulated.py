@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from stochlin.applications.probability.axes import ResultAxes
+from stochlin.applications.probability.formulas import gaps_in_a_row, over_gaps
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.simulation.separation_histories import (
@@ -59,9 +59,9 @@ def by_simulation(
     moving = structures_in_motion(structures, ground, None, False, drawn.stacks())
     grounds = drawn.samples_of(GROUND)
     run = moving.run(ground, steps_per_period=STEPS_PER_PERIOD, grounds=grounds, **draws)
-    axes = ResultAxes(np.array([place.height for place in pairs_of(moving.system)]), distance)
-    histories = _histories(run, course, _watched(moving, run, axes.gaps), progress)
-    table = _table(histories, axes, confidence).assign(drawn.table())
+    watched = _watched(moving, run, gaps_in_a_row(distance))
+    histories = _histories(run, course, watched, progress)
+    table = _table(histories, distance, confidence).assign(drawn.table())
     return table.assign_attrs(paths=len(histories.largest), seed=draws["seed"])
 
 
@@ -89,12 +89,12 @@ def _histories(
     return separation_histories(crowd, shape, instants, watched, progress)
 
 
-def _table(histories: Histories, axes: ResultAxes, confidence: float) -> xr.Dataset:
+def _table(histories: Histories, distance: Gap, confidence: float) -> xr.Dataset:
     """Simulated probabilities at all heights together, and standard deviations at the highest one."""
     n, alive, stem = len(histories.largest), histories.survivors, "confidence_of_no_pounding_simulated"
     shares = {"instantaneous_probability_simulated": histories.beyond / n, stem: alive / n}
     shares |= dict(zip((f"{stem}_lower", f"{stem}_upper"), share_interval(alive, n), strict=True))
-    table = xr.Dataset({name: axes.array(each, heights=False) for name, each in shares.items()})
+    table = xr.Dataset({name: over_gaps(each, distance, TIME) for name, each in shares.items()})
     mean, fourth = (moments[..., -1] / n for moments in (histories.squares, histories.fourths))
     error = np.sqrt(np.maximum(fourth - mean**2, 0) / n) / (2 * np.sqrt(np.where(mean > 0, mean, 1.0)))
     stds = dict(zip(STDS, (*np.sqrt(mean.T), error[:, 2]), strict=True))

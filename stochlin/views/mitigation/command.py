@@ -40,7 +40,7 @@ def mitigate(case: Path, out: Path | None, picture: Path | None) -> None:
       stochlin mitigate case.toml --picture measures.png
     """
     with bad_input():
-        from stochlin.applications.cases.mitigation import mitigate_case
+        from stochlin.applications.cases.pairs import mitigate_case
         from stochlin.applications.cases.reading.case import read_case
         from stochlin.solver.tables.storage import CSV, FORMATS
         from stochlin.views.mitigation.pictures import draw_measures

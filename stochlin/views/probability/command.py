@@ -32,19 +32,17 @@ from stochlin.views.shared.screen import (
 def probability(case: Path, gap: float | None, out: Path | None, picture: Path | None) -> None:
     """Compute the probability over time that two buildings pound in an earthquake of finite duration.
 
-    CASE is a file like that of 'stochlin gap --example'. Each of up to five records in it is evaluated
-    by the hybrid method, which takes the energy radii from the record and the phase as random. As .csv,
-    the table has a row for each instant and record; what it says of a record is that at its end.
+    CASE is a file like that of 'stochlin gap --example'. As .csv, the table has a row for each instant.
 
     \b
     Examples:
       stochlin probability case.toml
       stochlin probability case.toml --gap 8cm --picture probability.png --out probability.nc
     """
-    from stochlin.applications.cases.probability import judge_gap
+    from stochlin.applications.cases.pairs import judge_gap
     from stochlin.applications.cases.reading.case import read_case
     from stochlin.applications.cases.rows import TOUCHING
-    from stochlin.solver.tables.storage import CSV, FORMATS
+    from stochlin.solver.tables.storage import FORMATS
     from stochlin.views.probability.pictures import draw_pounding
     from stochlin.views.probability.words import answer_sections
 
@@ -57,8 +55,6 @@ def probability(case: Path, gap: float | None, out: Path | None, picture: Path |
         if chosen is None:
             raise error_of(described, "there is no existing gap; give it there, or --gap 5cm")
         with progress_bar("simulating") as progress:
-            answer = judge_gap(described, chosen, progress)
-        show(lines(answer_sections(answer)))
-        by_row = out is not None and out.suffix.lower() == CSV
-        write(answer.rows() if by_row else answer.whole(), out)
-        write(answer.whole(), None, picture, draw_pounding)
+            table = judge_gap(described, chosen, progress)
+        show(lines(answer_sections(table, described, chosen)))
+        write(table, out, picture, draw_pounding)

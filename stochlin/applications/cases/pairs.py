@@ -1,4 +1,4 @@
-"""Comparison of mitigation measures for the two buildings of a case."""
+"""Results for the two buildings of a case and their gap: probability of pounding, and measures."""
 
 from __future__ import annotations
 
@@ -10,7 +10,20 @@ from stochlin.applications.cases.reading.case import Case
 from stochlin.applications.cases.rows import error_of, gap_of, motion_of, named_errors, pair_of
 from stochlin.applications.cases.shaking import shaking_of
 from stochlin.applications.mitigation.mitigation import mitigate
+from stochlin.applications.probability.probability import pounding_probability
 from stochlin.kernels.basics.parallel import Progress
+
+
+def judge_gap(case: Case, gap: float, progress: Progress | None = None) -> xr.Dataset:
+    """Probability of pounding of the buildings of a case with a gap [m], and their shaking.
+
+    ``progress`` is called with the share of the work that is done. Errors are those of
+    `stochlin.pounding_probability`.
+    """
+    first, second = (building.sampled for building in pair_of(case))
+    ground = case.site.sampled_ground
+    table = pounding_probability(first, second, ground, gap, **motion_of(case), progress=progress)
+    return table.assign(shaking_of(case).data_vars)
 
 
 def mitigate_case(case: Case, progress: Progress | None = None) -> xr.Dataset:
