@@ -240,7 +240,7 @@ def reference_arrays():
 
 def derived(structure, ground):
     """Derived signatures."""
-    solved = solved_together((structure,), ground, "drift", corrected=False)
+    solved = solved_together((structure,), ground, "drift")
     grounds, place = np.unique(solved.oscillators.soil, axis=1, return_inverse=True)
     known = solved_references(ground, grounds, USUAL, xr.Dataset(reference_arrays()))
     rows = derived_signatures(drifting_side(solved.values), known, place.ravel())
@@ -250,7 +250,9 @@ def derived(structure, ground):
 
 def derived_ductility(structure, ground):
     """Ductilities by the drift closure without its map."""
-    return solved_together((structure,), ground, "drift", corrected=False).dataset().ductility_std
+    table = solved_together((structure,), ground, "drift").dataset()
+    clipped = solved_together((structure,), ground, "clipped").dataset()
+    return np.hypot(clipped.displacement_std, table.drift_std) / table.yield_displacement
 
 
 def signature_correction(simulated):

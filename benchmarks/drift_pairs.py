@@ -36,12 +36,11 @@ def moments(pairs, ground, closure):
     if closure != DERIVED:
         table = sl.correlate(first, second, ground, closure=closure)
         return [table[name].values for name in MOMENTS]
-    solved = solved_together((first, second), ground, "drift", corrected=False)
+    solved = solved_together((first, second), ground, "drift")
     side = drifting_side(solved.values)
     one, two = solved.parts
     sides = on_arrays(lambda x: x[..., one], side), on_arrays(lambda x: x[..., two], side)
-    stds = [solved.values["displacement_std"][part] for part in solved.parts]
-    return [*stds, drifting_correlation(*sides)]
+    return [*(own.std for own in sides), drifting_correlation(*sides)]
 
 
 def renewed(pairs):

@@ -7,7 +7,6 @@ import pytest
 import stochlin as sl
 from stochlin.kernels.linearization.filters import Filter
 from stochlin.kernels.linearization.single_structures import (
-    Law,
     SingleStructures,
     moments_of,
     solve_structures,
@@ -17,7 +16,7 @@ from stochlin.models.laws import bilinear
 pytestmark = pytest.mark.invariant
 
 DOMAINS = {"practice": cases.PRACTICE, "beyond": cases.BEYOND}
-LIMITS = [1e3, 1e4, 1e5]
+LIMITS = [1e2, 1e3, 1e4]
 SOLVED = 1e-7  # mismatch of log sigma and atanh r before the last step: rtol = 1e-10 of a stiff equation
 every_domain = pytest.mark.parametrize("domain", DOMAINS.values(), ids=list(DOMAINS))
 
@@ -145,12 +144,12 @@ def solve_from(start, structure, ground, uy):
     oscillator = np.stack([w**2, 2 * structure["damping"] * w, (1 - structure["hardening"]) * w**2])
     soil = np.stack([1 / uy**2, 2 * np.pi / ground["period"], ground["damping"]])
     # The stop rule of `linearize`, with patience for a far start.
-    law = Law(bilinear.gaussian, np.empty((0, w.size)), np.full(w.size, True))
     latent = start * np.stack([w, np.ones_like(w), np.ones_like(w)])
     ground, level = Filter.kanai_tajimi(*soil), np.zeros_like(w)
-    problem = SingleStructures(oscillator, [law], ground, level, 1e-10, 1e-12)
-    found = solve_structures(problem, latent, 200)
-    return found, problem.closure(moments_of(found.unknowns)).coefficients
+    none = np.empty((0, w.size))
+    problem = SingleStructures(oscillator, bilinear.gaussian, none, ground, level, 1e-10, 1e-12)
+    found = solve_structures(problem, latent, w > 0, 200)
+    return found, bilinear.gaussian(moments_of(found.unknowns), none).coefficients
 
 
 @pytest.mark.slow

@@ -22,16 +22,11 @@ from stochlin.kernels.linearization.gaussian import gaussian_of_numbers, owens_t
 from stochlin.kernels.linearization.grounds import clough_penzien, kanai_tajimi
 from stochlin.kernels.linearization.single_structures import (
     ALONG,
-    BOLD,
-    BOLD_SHARE,
-    CAREFUL,
-    LEAST_DELTA,
+    DAMPING,
 )
 
 ELASTIC = 1e-18  # slip and relaxation over w below which the structure is taken as elastic
 CLOSE, MOST = 1e-10, 200  # Newton's step at the end, and the number of steps
-BOLD_STEPS = int(BOLD_SHARE * MOST)
-PACES = (BOLD_STEPS, *BOLD), (MOST - BOLD_STEPS, *CAREFUL)
 # The formulas that take numbers and arrays, compiled for numbers.
 called_often(solve_3x3)
 for _module in (covariance, grounds):
@@ -126,28 +121,29 @@ def _structure(structure, soil, filters):
 @compiled
 def _settled(start, cell, soil, filters, uy):
     """The unknowns of `single_structures` at the fixed point, by its method; NaN without one."""
-    for most, first, restart, fall, rise, longest in PACES:
-        base, step, before, delta = start, (0.0, 0.0, 0.0), math.inf, first
-        for _ in range(most):
-            y = base[0] + step[0], base[1] + step[1], base[2] + step[2]
-            f = _mismatch(y, cell, soil, filters, uy)
-            now = math.sqrt(f[0] ** 2 + f[1] ** 2 + f[2] ** 2)
-            if not math.isfinite(now):
-                back = step[0] / 4, step[1] / 4, step[2] / 4
-                elastic = step[0], step[1] - 1, step[2] - 0.5 * y[2]
-                step = elastic if math.isinf(before) else back
-                continue
-            ratio = 1.0 if math.isinf(before) or now == 0 else before / now
-            shorter = max(fall * min(delta, restart), LEAST_DELTA)
-            delta = shorter if ratio < 1 else delta * min(rise * ratio, longest)
-            base, before = y, now
+    base, y, valid = start, start, False
+    for _ in range(MOST):
+        f = _mismatch(y, cell, soil, filters, uy)
+        norm = math.sqrt(f[0] ** 2 + f[1] ** 2 + f[2] ** 2)
+        if math.isfinite(norm):
             a = _slope((ALONG, 0.0, 0.0), y, f, cell, soil, filters, uy)
             b = _slope((0.0, ALONG, 0.0), y, f, cell, soil, filters, uy)
             c = _slope((0.0, 0.0, ALONG), y, f, cell, soil, filters, uy)
-            full, step = _step(a, b, c, f, 0.0), _step(a, b, c, f, 1 / delta)
-            if now < CLOSE and max(abs(full[0]), abs(full[1]), abs(full[2])) < CLOSE:
-                return y[0] + full[0], y[1] + full[1], y[2] + full[2]
+            step = _step(a, b, c, f, DAMPING * norm)
+            base, y, valid = y, (y[0] + step[0], y[1] + step[1], y[2] + step[2]), True
+            if max(norm, abs(step[0]), abs(step[1]), abs(step[2])) < CLOSE:
+                return y
+        elif valid:
+            y = _nearer(base[0], y[0]), _nearer(base[1], y[1]), _nearer(base[2], y[2])
+        else:
+            y = y[0], y[1] - 1, 0.5 * y[2]
     return math.nan, math.nan, math.nan
+
+
+@compiled
+def _nearer(base, y):
+    """An unknown after a quarter of the step from ``base`` to ``y``."""
+    return base + 0.25 * (y - base)
 
 
 @compiled

@@ -17,7 +17,6 @@ from scipy.special import erf, factorial
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.elementary import solve_3x3
-from stochlin.kernels.basics.slabs import in_ranges
 from stochlin.kernels.linearization.covariance import (
     EquivalentSystem,
     Forcing,
@@ -33,7 +32,6 @@ ORDERS = 12  # orders of the Laguerre series; the rest counts as one more order
 NODES = 40  # nodes of the quadrature over amplitudes
 HALF_CYCLES = 40  # summed in eq. (3); even, so that with Bartlett's window (-1)^n has a zero sum
 MOTION = 1e6  # time over which the drift can grow from rest, in elastic periods
-CELLS = 2048  # cells computed together, which limits the memory for their matrices
 DOUBLINGS = 3  # half-cycles are followed one by one up to 2^3, and then by steps of these
 TAYLOR = 1 / factorial(np.arange(13))  # coefficients of the series of an exponential
 SMALL = 0.5  # largest rate of a matrix to which the series is applied
@@ -53,6 +51,11 @@ class Drift(NamedTuple):
     shares: Array  # (ORDERS + 1, n) shares of the orders in D; their sum is 1, or 0 without yielding
 
 
+def no_drift(cells: int) -> Drift:
+    """That of structures that do not yield."""
+    return Drift(np.zeros(cells), np.ones(cells), np.zeros((ORDERS + 1, cells)))
+
+
 class HalfCycles(NamedTuple):
     """Half-cycles of ``z`` in the linearized response."""
 
@@ -60,24 +63,14 @@ class HalfCycles(NamedTuple):
     memory: Array  # (HALF_CYCLES, n) autocorrelation R_n of z after n = 1, 2, 3... half-cycles
 
 
+@np.errstate(all="ignore")  # NaN in cells without stationary motion
 def drift_of(system: EquivalentSystem, latent: Array, ground: Filter) -> Drift:
     """Drift of structures linearized by the clipped closure, eqs. (1) to (5).
 
     ``latent`` (3, n) are the standard deviations and the correlation of the Gaussian ``(v, z~)`` that
     the closure clips, in units of the yield displacement.
     """
-
-    def part(cells: slice) -> Drift:
-        own = EquivalentSystem(*(row[cells] for row in system))
-        return _drift_of(own, latent[:, cells], half_cycles(own, ground.at(cells)))
-
-    parts = in_ranges(part, latent.shape[1], CELLS)
-    return Drift(*(np.concatenate(rows, axis=-1) for rows in zip(*parts, strict=True)))
-
-
-@np.errstate(all="ignore")  # NaN in cells without stationary motion
-def _drift_of(system: EquivalentSystem, latent: Array, cycles: HalfCycles) -> Drift:
-    """The drift from the half-cycles of the structures."""
+    cycles = half_cycles(system, ground)
     sv, sz, r = latent
     slip = slip_quadrant(sz, r)
     kick = 2 * sv * slip.first * cycles.time  # mean size over all half-cycles, also without yielding

@@ -57,7 +57,7 @@ def linearized_pairs(
     linear = Linear(system, forcing, values["displacement_std"])
     if not bias:
         return _table(solved, linear, linear_pair, LinearPair)
-    compared = Compared(linear, values["bias"], drifting(solved.like[DRIFT], tolerance))
+    compared = Compared(linear, values["bias"], drifting(solved.by_drift, tolerance))
     return _table(solved, compared, partial(compared_pair, errors), ComparedPair)
 
 

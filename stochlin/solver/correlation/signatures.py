@@ -39,9 +39,9 @@ from stochlin.solver.linearization.drift_map import (
 )
 from stochlin.solver.linearization.equivalent_systems import (
     STRENGTH_RATIO,
+    Law,
     Oscillators,
     Solved,
-    Yielding,
     in_columns,
     solve_oscillators,
 )
@@ -83,8 +83,8 @@ def solved_references(
     period = rows[0] * dict(zip(ground.cells(), each, strict=True))["period"]
     ones = np.ones_like(period)
     cells = Oscillators(period, rows[1], rows[2], rows[3], ones, ones, each)
-    law = Yielding.bilinear(np.arange(period.size), DRIFT)
-    sides = drifting_side(solve_oscillators(cells, [law], ground, tolerance))
+    law = Law.bilinear(period.size, DRIFT)
+    sides = drifting_side(solve_oscillators(cells, law, ground, tolerance))
     count = table.sizes[REFERENCE]
     gram = _with_references(sides, sides, np.repeat(np.arange(soil.shape[1]), count), count)
     return References(sides, basis_of(_definite(gram.reshape(-1, count, count))))

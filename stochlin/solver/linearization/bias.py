@@ -15,7 +15,7 @@ from stochlin.models.grounds import Ground
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.laws.bouc_wen import BoucWen
 from stochlin.models.structures import DRIFT, GAUSSIAN, Structure
-from stochlin.solver.linearization.equivalent_systems import Solved, solved_together
+from stochlin.solver.linearization.equivalent_systems import Law, Solved, solved_together
 from stochlin.solver.linearization.tolerance import USUAL, Tolerance
 
 STD = "displacement_std"
@@ -27,14 +27,6 @@ BETA, SHARPEST, ROUNDED = (0.3, 0.9), 5.0, 1.5
 OF_LAW = ("beta", "gamma", "exponent")
 
 
-def compared_with(structures: Sequence[Structure], closure: str) -> tuple[str, ...]:
-    """Closures by which bilinear structures are solved beside these for their bias."""
-    if closure == DRIFT:
-        return ()
-    rounded = any(isinstance(structure, BoucWen) for structure in structures)
-    return (DRIFT, GAUSSIAN) if rounded else (DRIFT,)
-
-
 def judged(
     structures: Sequence[Structure], ground: Ground, closure: str, tolerance: Tolerance = USUAL
 ) -> Solved:
@@ -42,23 +34,34 @@ def judged(
 
     The bias of ``displacement_std`` is 0 if a structure is elastic, and NaN if it is unknown.
     """
-    like = compared_with(structures, closure)
-    solved = solved_together(structures, ground, closure, tolerance, like=like)
-    if like:
-        more = _relative_bias(solved)
-    else:
+    solved = solved_together(structures, ground, closure, tolerance)
+    if closure == DRIFT:
         error = solved.values["displacement_error"]
         more = {"bias": 0 * error, "bias_error": error, "caution": caution_of(error, EXPECTED)}
-    return solved._replace(values={**solved.values, **more})
+        return solved._replace(values={**solved.values, **more}, by_drift=solved)
+    by_drift = _like_bilinear(solved, DRIFT, tolerance)
+    more = _relative_bias(solved, by_drift, tolerance)
+    return solved._replace(values={**solved.values, **more}, by_drift=by_drift)
 
 
-def _relative_bias(solved: Solved) -> dict[str, Array]:
-    true = [solved.like[DRIFT].values[name] for name in (STD, "displacement_error")]
+def _like_bilinear(solved: Solved, closure: str, tolerance: Tolerance) -> Solved:
+    """Bilinear structures, and those of the same strength as Bouc-Wen structures; others are elastic."""
+    laws = [
+        Law.bilinear(table.where.size, closure)
+        if structure.yields and isinstance(structure, Bilinear | BoucWen)
+        else None
+        for structure, table in zip(solved.structures, solved.tables, strict=True)
+    ]
+    return solved.by_laws(laws, closure, tolerance)
+
+
+def _relative_bias(solved: Solved, by_drift: Solved, tolerance: Tolerance) -> dict[str, Array]:
+    true = [by_drift.values[name] for name in (STD, "displacement_error")]
     bias, error = _relative(solved.values[STD], *true)
     counted = bias.copy()
     for structure, table, part in zip(solved.structures, solved.tables, solved.parts, strict=True):
         if isinstance(structure, BoucWen) and structure.yields:
-            near = solved.like[GAUSSIAN].values[STD][part]
+            near = _like_bilinear(solved, GAUSSIAN, tolerance).values[STD][part]
             of_near, _ = _relative(near, *(row[part] for row in true))
             law = (np.asarray(table.models["structure"].cells()[name]) for name in OF_LAW)
             bias[part], counted[part] = _of_bouc_wen(of_near, bias[part], *law)

@@ -23,8 +23,8 @@ from stochlin.solver.linearization.drift_map import with_correction
 from stochlin.solver.linearization.equivalent_systems import (
     JUDGED,
     STRENGTH_RATIO,
+    Law,
     Oscillators,
-    Yielding,
     check_closure,
     in_columns,
     solve_elastic,
@@ -239,7 +239,7 @@ def reduction_factor(structure: Structure, ground: Ground) -> xr.Dataset:
 def _search(structure: Structure, ground: Ground, target: DuctilityTarget, closure: str) -> xr.DataArray:
     """Reduction factor of every cell by Chandrupatla's method in a bracket; NaN where it fails."""
     table = flat({"structure": structure, "ground": ground, "target": target})
-    cells, law = Oscillators.of(table), Yielding.of(table, closure)
+    cells, law = Oscillators.of(table), Law.of(table, closure)
     (wanted,) = in_columns([table.models["target"].ductility], cells.period.size)
     result = np.full(wanted.size, np.nan)
 
@@ -247,11 +247,9 @@ def _search(structure: Structure, ground: Ground, target: DuctilityTarget, closu
         """Logarithm of the ratio of the peak ductility to its target, for the cells of ``index``."""
         at = index.astype(int)
         weaker = cells.at(at)._replace(strength=np.exp(log_r))
-        own = law._replace(cells=np.arange(at.size), law=law.law.at(at))
-        values = solve_oscillators(weaker, [own], ground, TOLERANCE)
+        values = solve_oscillators(weaker, law.at(at), ground, TOLERANCE)
         if closure == DRIFT:
-            point = weaker.point(ground, values[STRENGTH_RATIO])
-            values = with_correction(ground, point, weaker.soil, values)
+            values = with_correction(ground, weaker, values)
         return np.log(weaker.peak_factor * values["ductility_std"] / wanted[at])
 
     if wanted.size:
