@@ -12,8 +12,8 @@ from .models.grounds import (
     KanaiTajimi as KanaiTajimi,
     CloughPenzien as CloughPenzien,
     ParallelGround as ParallelGround,
+    named_ground as named_ground,
 )
-from .models.grounds.named import named_ground as named_ground
 from .models.laws.bilinear import Bilinear as Bilinear
 from .models.laws.bouc_wen import BoucWen as BoucWen
 from .models.laws.baber_noori import BoucWenBaberNoori as BoucWenBaberNoori

@@ -4,7 +4,7 @@ import pytest
 import xarray as xr
 
 import stochlin as sl
-from stochlin.models.grounds.base import GROUNDS
+from stochlin.models.grounds import GROUNDS
 from stochlin.views.shared.words import roles_in_words
 
 pytestmark = pytest.mark.cli

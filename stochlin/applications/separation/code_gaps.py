@@ -13,8 +13,7 @@ from stochlin.applications.separation.critical_gap import equation_3
 from stochlin.applications.separation.storeys import spectral_peaks
 from stochlin.messages import brief
 from stochlin.models.arguments import Truth, checked, fitting
-from stochlin.models.grounds import Ground
-from stochlin.models.grounds.white_noise import WhiteNoise
+from stochlin.models.grounds import Ground, WhiteNoise
 from stochlin.models.parameters import Model, Parameter
 from stochlin.models.rules import look_up
 from stochlin.models.rules.codes import (

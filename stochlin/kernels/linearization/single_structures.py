@@ -3,8 +3,7 @@
 The unknowns and the mismatch ``F`` are those of `iteration`. Steps follow from
 ``(c |F| - dF/dy) step = F`` with slopes by differences. This is pseudo-transient continuation (Kelley
 and Keyes 1998, SIAM J. Numer. Anal. 35), which becomes Newton's method as ``F`` falls. Where it fails,
-or where a law may have several solutions, the branch of solutions that begins with the elastic response to
-weak shaking is followed up to full shaking.
+or where a law may have several solutions, the solution is followed from weak to full shaking.
 """
 
 from __future__ import annotations

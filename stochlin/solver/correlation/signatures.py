@@ -33,12 +33,12 @@ from stochlin.solver.linearization.drift_map import (
     NEARNESS,
     REFERENCE,
     SIGNATURE,
+    STRENGTH_RATIO,
     drift_map,
     hold_at_ends,
     simulated,
 )
 from stochlin.solver.linearization.equivalent_systems import (
-    STRENGTH_RATIO,
     Law,
     Oscillators,
     Solved,

@@ -137,7 +137,7 @@ class Solved(NamedTuple):
     parts: Sequence[slice]  # the cells of each structure
     oscillators: Oscillators
     values: Mapping[str, Array]  # (n,) by name; also ``system``, ``forcing`` and ``drift_shares``
-    by_drift: Solved | None = None  # bilinear structures by the drift closure, for the bias
+    by_drift: Any = None  # for the bias: `Solved` of bilinear structures by the drift closure
 
     @property
     def point(self) -> Array:
@@ -281,9 +281,11 @@ def _solved(
         start = np.array([np.sqrt(own.v_v), std, 0.1 * uy]) / uy
         ended = solve_structures(problem, start, law.one_solution, tolerance.max_iterations)
         latent = moments_of(ended.unknowns)
-        slip, relaxation = law.closure(latent, law.parameters).coefficients
-        still = (np.abs(slip) < ELASTIC) & (np.abs(relaxation) < ELASTIC * w)
-        yielding = EquivalentSystem(*problem.structure, slip, relaxation)
+        yielding = EquivalentSystem(
+            *problem.structure, *law.closure(latent, law.parameters).coefficients
+        )
+        still = np.abs(yielding.slip) < ELASTIC
+        still &= np.abs(yielding.relaxation) < ELASTIC * w
         system = choose(still, elastic, yielding)
         if law.drifts:
             drift = choose(still, drift, drift_of(yielding, latent, soil))

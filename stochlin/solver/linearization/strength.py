@@ -19,10 +19,9 @@ from stochlin.models.parameters import POSITIVE, Model, Parameter, parameter
 from stochlin.models.structures import DRIFT, GAUSSIAN, Structure
 from stochlin.models.systems import AnyStructure
 from stochlin.solver.linearization.bias import judged
-from stochlin.solver.linearization.drift_map import with_correction
+from stochlin.solver.linearization.drift_map import STRENGTH_RATIO, with_correction
 from stochlin.solver.linearization.equivalent_systems import (
     JUDGED,
-    STRENGTH_RATIO,
     Law,
     Oscillators,
     check_closure,

@@ -112,8 +112,7 @@ def structures(options: dict[str, Any]) -> list[Structure]:
 
 def ground_of(options: dict[str, Any]) -> Ground:
     """The ground called for by name, with its period and its damping if it has them."""
-    from stochlin.models.grounds import GROUNDS
-    from stochlin.models.grounds.named import ground_names, named_ground
+    from stochlin.models.grounds import GROUNDS, ground_names, named_ground
     from stochlin.registry import as_key
 
     name = options["ground"]

@@ -8,7 +8,7 @@ import numpy as np
 from scipy import constants
 
 from stochlin.models.arguments import checked
-from stochlin.models.grounds.named import ground_names
+from stochlin.models.grounds import ground_names
 from stochlin.models.rules.codes import CODE_RULES
 from stochlin.models.rules.effective_properties import EFFECTIVE_RULES
 from stochlin.solver.tables.labels import VALUE_AND_ENDS

@@ -15,8 +15,7 @@ from stochlin.applications.records.response import respond, response_spectrum
 from stochlin.kernels.correlation.bilinear_pair import linearized_pair
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.contacts import Kelvin, LinearSpring
-from stochlin.models.grounds import Ground, KanaiTajimi, WhiteNoise
-from stochlin.models.grounds.named import named_ground
+from stochlin.models.grounds import Ground, KanaiTajimi, WhiteNoise, named_ground
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.laws.bouc_wen import BoucWen
 from stochlin.models.links import Link

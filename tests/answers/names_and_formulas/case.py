@@ -5,7 +5,7 @@ from pathlib import Path
 import stochlin as sl
 from stochlin.applications.cases.examples import example_record, short_example
 from stochlin.applications.cases.rows import gap_of
-from stochlin.models.grounds.named import ground_names
+from stochlin.models.grounds import ground_names
 
 print(*ground_names())
 for name in ground_names():

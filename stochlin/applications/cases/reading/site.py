@@ -55,8 +55,14 @@ from stochlin.applications.sites.spectra import BETWEEN, read_spectrum
 from stochlin.messages import hint, listed
 from stochlin.models.arguments import SCATTER
 from stochlin.models.envelopes import ENVELOPES, Envelope
-from stochlin.models.grounds import GROUNDS, MOST_FILTERS, Ground, WhiteNoise
-from stochlin.models.grounds.named import ground_names, named_ground
+from stochlin.models.grounds import (
+    GROUNDS,
+    MOST_FILTERS,
+    Ground,
+    WhiteNoise,
+    ground_names,
+    named_ground,
+)
 from stochlin.models.hazards import Hazard
 from stochlin.models.parameters import POSITIVE, Range
 from stochlin.models.plausible import PLAUSIBLE
