@@ -113,10 +113,6 @@ def test_building_of_one_storey_is_the_oscillator_and_drifts_add_up_to_floors():
         ({"of": "max"}, "of = 'max' is not known; allowed: std, peak"),
         ({"of": None}, "of = None is not known"),
         ({}, "duration = None is no number"),
-        (
-            {"duration": 20.0, "method": "linearization"},
-            "is not available for of=.peak.",
-        ),
         ({"duration": 0.3}, "shorter than the period of structure"),
         ({"duration": "20"}, "duration = '20'"),
         ({"duration": 20.0, "envelope": "jennings"}, "envelope = 'jennings'"),

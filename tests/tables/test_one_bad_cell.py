@@ -145,8 +145,6 @@ ROUNDED = {
 # Cells have the motions in common, whose step and length follow from all that are not out of range.
 SIMULATED = {
     "correlate, simulation": lambda one, two: sl.correlate(of(one), of(two), FIRM, **FEW),
-    "amplification, simulation": lambda one, _: sl.amplification(of(one), FIRM, **FEW),
-    "amplification, peaks": lambda one, _: sl.amplification(of(one), FIRM, of="peak", **FEW, **QUAKE),
 }
 # The steps in time follow from all cells; the tolerance is that of one step.
 IN_TIME = {
@@ -156,6 +154,7 @@ IN_TIME = {
 }
 # Cells that are simulated one by one.
 ONE_BY_ONE = {
+    "amplification, peaks": lambda one, _: sl.amplification(of(one), FIRM, of="peak", paths=32, **QUAKE),
     "separation": lambda one, two: sl.separation(of(one), of(two), FIRM, paths=32, **QUAKE),
     "pounding_risk": lambda one, two: sl.pounding_risk(
         in_metres(one), in_metres(two), FIRM, 0.1, sl.PowerLawHazard(k0=0.01, k=2.5), 8.0, paths=32

@@ -15,7 +15,7 @@ from stochlin.kernels.simulation.contacts import impact_loss, velocities_after_i
 from stochlin.models.arguments import Points, checked
 from stochlin.models.buildings import MultistoreyBuilding
 from stochlin.models.contacts import Contact
-from stochlin.models.contacts.base import checked_value
+from stochlin.models.contacts.elements import checked_value
 from stochlin.models.parameters import Parameter, Range, expect
 from stochlin.models.systems import STRUCTURES, AnyStructure, first_mode
 from stochlin.solver.tables import labels

@@ -4,10 +4,18 @@ Each element has its own relation between damping and coefficient of restitution
 is the relation of `Kelvin` and holds for this element only.
 """
 
-from stochlin.models.contacts.base import Contact, Element
-from stochlin.models.contacts.hertzian import Hertz, HertzDamp, Jankowski
-from stochlin.models.contacts.linear import ImpactKelvin, Kelvin, LinearSpring, NoTensionKelvin
-from stochlin.models.contacts.stereomechanical import Stereomechanical
+from stochlin.models.contacts.elements import (
+    Contact,
+    Element,
+    Hertz,
+    HertzDamp,
+    ImpactKelvin,
+    Jankowski,
+    Kelvin,
+    LinearSpring,
+    NoTensionKelvin,
+    Stereomechanical,
+)
 
 __all__ = [
     "Contact",

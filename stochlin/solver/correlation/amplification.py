@@ -10,33 +10,22 @@ import numpy as np
 import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.simulation.stepping import LANES
 from stochlin.models.arguments import Duration, OneOf, Paths, Seed, checked, fitting
 from stochlin.models.buildings import MultistoreyBuilding
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import expect
 from stochlin.models.structures import GAUSSIAN, Structure
-from stochlin.models.systems import AnyStructure, falls_at
-from stochlin.solver.correlation.correlation import correlate
-from stochlin.solver.correlation.simulated import over_grounds
+from stochlin.models.systems import AnyStructure, first_period
 from stochlin.solver.linearization.equivalent_systems import solve_elastic
 from stochlin.solver.linearization.linearization import linearize
-from stochlin.solver.simulation.ensembles import cells_of, join_cells, prepare
-from stochlin.solver.simulation.finite_motions import (
-    finite_attributes,
-    largest_displacements,
-)
-from stochlin.solver.simulation.simulation import STEPS_PER_PERIOD, simulate
+from stochlin.solver.simulation.simulation import simulate
 from stochlin.solver.tables import labels
-from stochlin.solver.tables.cellwise import row_of
+from stochlin.solver.tables.cells import over_cells
 from stochlin.solver.tables.checks import check_duration
 from stochlin.solver.tables.floors import ELEMENT, FLOOR
-from stochlin.solver.tables.lazy import computed
 
-LINEARIZATION, SIMULATION = "linearization", "simulation"
 STD, PEAK = "std", "peak"
-STD_ERROR = "displacement_std_standard_error"
 
 
 def _check_fitting(of: object, duration: object, envelope: object) -> None:
@@ -55,7 +44,6 @@ def amplification(
     ground: Ground,
     *,
     of: Annotated[str, OneOf((STD, PEAK))] = STD,
-    method: Annotated[str, OneOf((LINEARIZATION, SIMULATION))] | None = None,
     closure: str = GAUSSIAN,
     duration: Duration | None = None,
     envelope: Envelope | None = None,
@@ -77,11 +65,8 @@ def amplification(
         The ground; its parameters and those of the structure broadcast by dimension name.
     of : {"std", "peak"}
         Displacements that are compared: standard deviations or mean peaks.
-    method : {"linearization", "simulation"}, optional
-        Method for the inelastic response. The default is linearization for standard deviations and
-        simulation for peaks, for which linearization is not available.
     closure : str
-        Closure of the linearization, as in `linearize`.
+        Closure of the linearization for standard deviations, as in `linearize`.
     duration : float, optional
         Duration of the motions [s], at least one period. Required for peaks and only allowed there.
     envelope : AminAng, ShinozukaSato or GammaEnvelope, optional
@@ -93,10 +78,9 @@ def amplification(
     -------
     xarray.Dataset
         For standard deviations, over the dimensions of the parameters: ``amplification`` [-],
-        ``displacement_std`` [m] and ``ductility_std`` [-] of the inelastic structure, and ``status``.
-        Linearization adds ``bias`` [-], the relative error of these three against the drift closure, and
-        ``caution``, a flag that is set where the bias exceeds 10 % or is unknown, both as in
-        `linearize`. Simulation adds ``amplification_standard_error`` [-] and ``drift_memory`` [s].
+        ``displacement_std`` [m] and ``ductility_std`` [-] of the inelastic structure, ``status``,
+        ``bias`` [-], the relative error of these three against the drift closure, and ``caution``, a
+        flag that is set where the bias exceeds 10 % or is unknown, both as in `linearize`.
 
         For peaks: ``amplification`` [-], the mean of ``max |u|`` of the structure over that of its
         elastic counterpart, with its standard error; ``peak_mean`` and ``elastic_peak_mean`` [m] with
@@ -109,8 +93,8 @@ def amplification(
     Raises
     ------
     ValueError, ArithmeticError
-        As in `linearize` and `simulate`; also if peaks are asked for without a duration or by
-        linearization, or if a duration or an envelope is given for standard deviations.
+        As in `linearize` and `simulate`; also if peaks are asked for without a duration, or if a
+        duration or an envelope is given for standard deviations.
 
     Notes
     -----
@@ -142,114 +126,81 @@ def amplification(
     >>> 1 < float(peaks.amplification)
     True
     """
+    models: dict[str, Any] = {"structure": structure, "ground": ground}
     if of == PEAK:
         motion = {"duration": duration, "envelope": envelope, "paths": paths, "seed": seed}
-        return _of_peaks(structure, ground, method, motion)
+        return _of_peaks(models, motion)
     expect(structure, Structure, "structure")
     assert isinstance(structure, Structure)
+    inelastic = linearize(structure, ground, closure)
+    table = inelastic[["displacement_std", "ductility_std", "status", "bias", "caution"]]
+    table.attrs = {"closure": closure}
+    if structure.yields:
+        table.attrs["comment"] = inelastic.attrs["comment"]
     elastic = solve_elastic(structure, ground).displacement_std
-    method = method or LINEARIZATION
-    if method == LINEARIZATION:
-        inelastic, how = linearize(structure, ground, closure), f"closure={closure!r}"
-        table = inelastic[["displacement_std", "ductility_std", "status", "bias", "caution"]]
-        table.attrs = {"closure": closure}
-        if structure.yields:
-            table.attrs["comment"] = inelastic.attrs["comment"]
-    else:
-        pairs = correlate(structure, structure, ground, method, paths=paths, seed=seed)
-        shown = ("displacement_std", "ductility_std", "drift_memory", STD_ERROR)
-        names = {f"{name}_1": name for name in shown}
-        table, how = pairs[[*names, "status"]].rename(names), f"paths={paths}, seed={seed}"
-        table["amplification_standard_error"] = table[STD_ERROR] / elastic
-        table = table.drop_vars(STD_ERROR)
-    table = table.assign(amplification=table.displacement_std / elastic)
     return labels.with_run_information(
-        labels.label(table),
-        f"Stationary amplification of the displacement by yielding, {method}, {ground.name} ground",
-        f"amplification(method={method!r}, {how})",
-        {"structure": structure, "ground": ground},
+        labels.label(table.assign(amplification=table.displacement_std / elastic)),
+        f"Stationary amplification of the displacement by yielding, {ground.name} ground",
+        f"amplification(closure={closure!r})",
+        models,
     )
 
 
-def _of_peaks(
-    structure: AnyStructure, ground: Ground, method: str | None, motion: dict[str, Any]
-) -> xr.Dataset:
+def _of_peaks(models: dict[str, Any], motion: dict[str, Any]) -> xr.Dataset:
     """The dataset that `amplification` returns for peaks."""
-    if method == LINEARIZATION:
-        raise ValueError(
-            f"method = {method!r} is not available for of='peak'; allowed: {SIMULATION}; peak_response "
-            "gives the peaks of the linearized structure"
-        )
-    motion["duration"] = check_duration(motion["duration"], {"structure": structure})
-    if isinstance(structure, MultistoreyBuilding):
-        table = _of_storeys(structure, ground, **motion)
-    else:
-        grounds = int(np.prod([array.size for array in ground.arrays().values()]))
-        run = partial(_on_one_ground, motion, grounds)
-        table = over_grounds(run, [computed(structure)], computed(ground))
-    table = labels.label(table)
-    labels.raise_if_lone_failure(table, "amplification", structure, ground)
+    duration = motion["duration"] = check_duration(
+        motion["duration"], {"structure": models["structure"]}
+    )
+    long_enough = first_period(models["structure"]) <= duration
+    table = labels.label(over_cells(partial(_of_cell, motion), models, long_enough))
+    labels.raise_if_lone_failure(table, "amplification", *models.values())
     return labels.with_run_information(
         table,
-        f"Amplification of the largest displacement by yielding, {ground.name} ground",
-        f"amplification(of={PEAK!r}, duration={motion['duration']:g}, paths={motion['paths']}, "
+        f"Amplification of the largest displacement by yielding, {models['ground'].name} ground",
+        f"amplification(of={PEAK!r}, duration={duration:g}, paths={motion['paths']}, "
         f"seed={motion['seed']})",
-        {"structure": structure, "ground": ground},
+        models,
     )
 
 
-def _on_one_ground(
-    motion: dict[str, Any], grounds: int, structure: Structure, ground: Ground
-) -> xr.Dataset:
-    """Amplification of the peaks of single-storey structures, all cells under the same motions."""
-    elastic = replace(structure, yield_displacement=None, reduction_factor=None)
-    sides = [cells_of(model, ground, stationary=False) for model in (structure, elastic)]
-    cells = join_cells([part for part, _ in sides])
-    duration, envelope = motion["duration"], motion["envelope"]
-    cells = cells._replace(valid=cells.valid & (cells.period <= duration))
-    drawn = {name: motion[name] for name in ("paths", "seed")}
-    run = prepare(cells, ground, **drawn, steps_per_period=STEPS_PER_PERIOD)
-    peaks = np.full((run.plan.groups * LANES, cells.valid.size), np.nan)
-    peaks[:, cells.valid] = largest_displacements(run, duration, envelope, grounds)
-    own, index = sides[0]
-    inelastic = peaks[:, : own.valid.size]
-    other = peaks[:, own.valid.size + row_of(sides[1][1], index)]
-    largest_z = row_of(structure.largest_z(), index)
-    limits = falls_at(own.hardening, 1 - own.hardening, own.yield_displacement * largest_z)
-    inelastic = np.where(np.isfinite(limits) & ~(inelastic <= limits), np.inf, inelastic)
-    ratios = _ratios(inelastic, other)
-    stayed = (inelastic <= own.yield_displacement).all(axis=0)
-    status = np.where(stayed, labels.ELASTIC_LIMIT, labels.CONVERGED)
-    known = ~np.isnan(ratios["amplification"])
-    columns = {
-        **ratios,
-        "ductility": ratios["peak_mean"] / own.yield_displacement,
-        "status": np.where(known, status, labels.INVALID_INPUT).astype(np.int8),
-    }
-    table = {name: index.copy(data=values.reshape(index.shape)) for name, values in columns.items()}
-    return xr.Dataset(table, attrs=finite_attributes(run, duration, envelope))
-
-
-def _of_storeys(building: MultistoreyBuilding, ground: Ground, **motion: Any) -> xr.Dataset:
-    """Amplification of peak displacements and drifts of a building with storeys."""
-    elastic = replace(building, **{building.strength_name: None})
-    motions = simulate([building, elastic], ground, **motion)
-    n = building.storeys
-    own = motions.isel({FLOOR: slice(None, n), ELEMENT: slice(None, n)})
-    peaks, drifts = (
-        _ratios(motions[name].values[:, :n], motions[name].values[:, n : 2 * n])
-        for name in ("peak", "peak_drift")
-    )
-    columns = {name: (FLOOR, values) for name, values in peaks.items()}
-    for end in ("", "_standard_error"):
-        columns[f"drift_amplification{end}"] = (ELEMENT, drifts[f"amplification{end}"])
-    # The yield drift is the mean peak drift over the ductility; compared without a division.
-    most = motions.peak_drift.max("path") * motions.ductility
-    stayed = not bool((most > motions.peak_drift_mean).any())
-    table = xr.Dataset(columns, coords=own[["peak_mean", "ductility"]].coords)
+def _of_cell(motion: dict[str, Any], structure: AnyStructure, ground: Ground) -> xr.Dataset:
+    """Amplification of the peaks of one structure, which moves beside its elastic counterpart."""
+    motions = simulate([structure, _elastic(structure)], ground, **motion)
+    n = motions.peak.shape[1] // 2
+    peaks = motions.peak.values
+    ratios = _ratios(peaks[:, :n], peaks[:, n:])
+    attrs = {key: value for key, value in motions.attrs.items() if not key.startswith("structure")}
+    if isinstance(structure, MultistoreyBuilding):
+        table = _of_storeys(motions, n, ratios)
+        # The yield drift is the mean peak drift over the ductility; compared without a division.
+        most = motions.peak_drift.max("path") * motions.ductility
+        stayed = not bool((most > motions.peak_drift_mean).any())
+    else:
+        strength = float(solve_elastic(structure, ground).yield_displacement)
+        table = xr.Dataset({name: float(values[0]) for name, values in ratios.items()})
+        table["ductility"] = table.peak_mean / strength
+        stayed = bool((peaks[:, 0] <= strength).all())
     status = np.int8(labels.ELASTIC_LIMIT if stayed else labels.CONVERGED)
-    attrs = {key: value for key, value in motions.attrs.items() if not key.startswith("structure_")}
-    return table.assign(ductility=own.ductility, status=status).assign_attrs(attrs)
+    return table.assign(status=status).assign_attrs(attrs)
+
+
+def _elastic(structure: AnyStructure) -> AnyStructure:
+    """The structure without its strength."""
+    if isinstance(structure, MultistoreyBuilding):
+        return replace(structure, **{structure.strength_name: None})
+    return replace(structure, yield_displacement=None, reduction_factor=None)
+
+
+def _of_storeys(motions: xr.Dataset, n: int, ratios: dict[str, Array]) -> xr.Dataset:
+    """Amplification of peak displacements over the floors, and of peak drifts over the storeys."""
+    own = motions.isel({FLOOR: slice(None, n), ELEMENT: slice(None, n)})
+    drifts = motions.peak_drift.values
+    of_drifts = _ratios(drifts[:, :n], drifts[:, n : 2 * n])
+    columns: dict[str, Any] = {name: (FLOOR, values) for name, values in ratios.items()}
+    for end in ("", "_standard_error"):
+        columns[f"drift_amplification{end}"] = (ELEMENT, of_drifts[f"amplification{end}"])
+    table = xr.Dataset(columns, coords=own[["peak_mean", "ductility"]].coords)
+    return table.assign(ductility=own.ductility)
 
 
 @np.errstate(invalid="ignore")  # infinite if the structure falls in a motion

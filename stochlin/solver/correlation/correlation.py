@@ -144,9 +144,9 @@ def correlate(
     half and twice that period. Nonlinear simulation, which takes seconds, does not have these errors.
 
     By simulation, a run lasts until the plastic drifts of all structures of the table are stationary,
-    also those of structures that yield rarely. A table whose simulations, on all grounds together, would
-    take more than a quarter of an hour is refused with a ValueError, which names the structure with the
-    slowest drift if there is one ground.
+    but for those of structures that yield rarely: their pairs have the status ``not_resolved``, as in
+    `simulate`, and no ``rho``. A table whose simulations, on all grounds together, would take more than
+    a quarter of an hour is refused with a ValueError.
 
     The correlation can be negative if the period of the ground is between those of the structures.
 

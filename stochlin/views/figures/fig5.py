@@ -39,11 +39,11 @@ STD_INTERVALS, PEAK_INTERVALS = 8, 32  # intervals between simulated periods of 
 STD_PATHS = 64  # paths for standard deviations, whose simulations are long
 SLOWEST_DRIFT = 2.0  # smallest reduction factor whose standard deviation is simulated within minutes
 OF_PEAKS, OF_STD = "amplification_of_peaks", "amplification_simulated"
+ENDS = "", "_standard_error"
 VARIABLES = {
     "amplification": ("1", "amplification D, inelastic / elastic"),
     "amplification_drift": ("1", "D of standard deviations, drift closure"),
     OF_STD: ("1", "D of standard deviations, simulated"),
-    f"{OF_STD}_standard_error": ("1", "standard error of the simulated amplification"),
     OF_PEAKS: ("1", "D of mean maxima, simulated"),
     f"{OF_PEAKS}_standard_error": ("1", "standard error of the amplification of the mean peak"),
     MEMORY: ("s", "relaxation time of the plastic drift"),
@@ -136,29 +136,29 @@ def amplification_chart(settings: ChartSettings = USUAL, ground: Ground | None =
     structure = bilinear(settings, ratio * period, reduction_factors(settings))
     table = amplification(structure, ground, closure="gaussian")
     chart = table[["amplification", "status"]].transpose(..., "reduction_factor", "period_ratio")
-    dims = chart.amplification.dims
     drift = amplification(structure, ground, closure=DRIFT).amplification
-    chart["amplification_drift"] = drift.transpose(*dims)
+    chart["amplification_drift"] = drift.transpose(*chart.amplification.dims)
     duration, envelope = design_motion(period)
-    motion: dict[str, Any] = {"of": "peak", "duration": duration, "envelope": envelope}
-    few = {"method": "simulation", "paths": min(settings.paths, STD_PATHS)}
-    last = settings.points - 1
+    few: dict[str, Any] = {"paths": min(settings.paths, STD_PATHS), "seed": settings.seed}
+    motion = few | {"of": "peak", "duration": duration, "envelope": envelope, "paths": settings.paths}
+    elastic, last = table.displacement_std / table.amplification, settings.points - 1
     seldom, often = (slice(None, None, max(1, last // n)) for n in (STD_INTERVALS, PEAK_INTERVALS))
-    runs = [(OF_PEAKS, slice(None), often, {**motion, "paths": settings.paths})]
-    runs += [
-        (OF_STD, slice(n, n + 1), seldom, few)
-        for n, factor in enumerate(settings.reduction_factors)
-        if factor >= SLOWEST_DRIFT
-    ]
-    for name, rows, columns, options in runs:
+    factors = [n for n, factor in enumerate(settings.reduction_factors) if factor >= SLOWEST_DRIFT]
+    runs = [(OF_PEAKS, slice(None), often), *((OF_STD, slice(n, n + 1), seldom) for n in factors)]
+    for name, rows, columns in runs:
         place = {"reduction_factor": rows, "period_ratio": columns}
-        simulated = amplification(structure.isel(place), ground, seed=settings.seed, **options)
-        made = {f"{name}{end}": f"amplification{end}" for end in ("", "_standard_error")}
-        made |= {MEMORY: MEMORY} if name == OF_STD else {}
-        for column, source in made.items():
+        cells = structure.isel(place)
+        if name == OF_PEAKS:
+            simulated = amplification(cells, ground, **motion)
+            made = {f"{name}{end}": simulated[f"amplification{end}"] for end in ENDS}
+        else:
+            simulated = correlate(cells, cells, ground, "simulation", **few)
+            made = {f"{name}{end}": simulated[f"displacement_std{end}_1"] / elastic for end in ENDS}
+            made[MEMORY] = simulated[f"{MEMORY}_1"]
+        for column, values in made.items():
             if column not in chart:
                 chart[column] = xr.full_like(chart.amplification, np.nan)
-            chart[column][place] = simulated[source].transpose(*dims).values
+            chart[column][place] = values.transpose(*chart[column].dims).values
         chart[name].attrs["ancillary_variables"] = " ".join([*made][1:])
     chart = labels.label(chart, VARIABLES).assign_attrs(longest_memory_s=longest_memory(ground))
     chart.amplification.attrs["curve_label"] = "D of standard deviations, linearized"
