@@ -23,8 +23,9 @@ from stochlin.kernels.simulation.stepping import (
     LANES,
     FilterSteps,
 )
-from stochlin.solver.simulation.ensembles import SimulationRun, cells_of_all, prepare
-from stochlin.solver.simulation.run_lengths import with_length
+from stochlin.solver.simulation.ensembles import SimulationRun
+from stochlin.solver.simulation.stationary_motions import with_length
+from stochlin.solver.simulation.structures_in_motion import structures_in_motion
 
 REPEATS = 5
 SOIL = sl.KanaiTajimi(2.0, 0.05)
@@ -39,8 +40,8 @@ def building(period: float) -> sl.Bilinear:
 def ready(count: int, paths: int = 256) -> SimulationRun:
     """An ensemble of ``count`` structures, from half to twice the period of the ground."""
     structures = [building(period) for period in np.geomspace(1, 4, count)]
-    cells = cells_of_all(structures, SOIL)
-    return with_length(prepare(cells, SOIL, paths=paths, seed=0, steps_per_period=32), 20.0)
+    moving = structures_in_motion(structures, SOIL, None, stationary=True)
+    return with_length(moving.run(SOIL, paths=paths, seed=0, steps_per_period=32), 20.0)
 
 
 def oscillators(run: SimulationRun) -> Array:
@@ -69,8 +70,9 @@ def lane_steps(run: SimulationRun) -> int:
 def ensemble_rate(count: int, threads: int) -> float:
     """All of it: random numbers, ground, structures, moments."""
     run = ready(count)
+    rows = run.rows(np.eye(count))
     with mock.patch("os.sched_getaffinity", return_value=range(threads), create=True):
-        spent = seconds(lambda: stationary_sums(run.crowd, None, None))
+        spent = seconds(lambda: stationary_sums(run.crowd, rows, None))
     return count * lane_steps(run) / spent
 
 

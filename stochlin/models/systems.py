@@ -285,15 +285,15 @@ def check_stationary(system: Arrangement) -> None:
         )
 
 
-def shares_at(levels: Array, height: float) -> dict[int, float]:
-    """Weights by floor number, from 0, that interpolate floor displacements linearly at a height [m].
+def shares_at(levels: Array, height: float) -> Array:
+    """Shares of the floors (f,) in the displacement at a height [m], linear between them.
 
-    The displacement at the ground is zero.
+    The displacement at the ground is zero. An oscillator, whose level is NaN, moves as a whole.
     """
-    upper = int(np.searchsorted(levels, height))
-    below = float(levels[upper - 1]) if upper else 0.0
-    share = float((height - below) / (levels[upper] - below))
-    return {upper: share} | ({upper - 1: 1 - share} if upper and share < 1 else {})
+    if np.isnan(levels).any():
+        return np.ones(1)
+    floors = np.eye(levels.size)
+    return np.array([np.interp(height, [0.0, *levels], [0.0, *floor]) for floor in floors])
 
 
 def floor_count(structure: AnyStructure) -> int:

@@ -79,7 +79,7 @@ def test_pairs_of_structures_that_yield_rarely_have_no_rho_and_the_others_have()
 
 def test_many_grounds_are_refused_by_the_time_of_all_of_them(monkeypatch):
     """One of them takes 2.5 ms by the estimate, forty 0.1 s."""
-    for module in ("simulation.run_lengths", "correlation.simulated"):
+    for module in ("simulation.stationary_motions", "correlation.simulated"):
         monkeypatch.setattr(f"stochlin.solver.{module}.cores", lambda: 1)
     monkeypatch.setattr("stochlin.solver.tables.work.MOST_SECONDS", 0.05)
     pair = [building(period) for period in (0.8, 1.0)]

@@ -11,7 +11,7 @@ from stochlin.kernels.simulation import time_step as moves
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.models.symbolic import SymbolicLaw
 from stochlin.models.systems import arrangement_of
-from stochlin.solver.simulation.connected_structures import all_connected
+from stochlin.solver.simulation.connected_structures import connected_groups
 
 pytestmark = pytest.mark.oracle
 
@@ -109,7 +109,7 @@ def test_an_oscillator_follows_an_ode_solver():
         return [v, forcing(t) - force, *rates_of(v / uy, z, e, **PINCHING)]
 
     exact = solve_ivp(slopes, (0, 3), np.zeros(4), rtol=1e-9, atol=1e-11, max_step=2e-3).y[:, -1]
-    part = all_connected(arrangement_of([structure]))[0].part
+    part = connected_groups(arrangement_of([structure]))[0].part
     errors = []
     for steps in (600, 1200, 2400):
         t = np.linspace(0, 3, steps + 1)

@@ -11,7 +11,7 @@ import stochlin as sl
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.kernels.simulation.time_step import CHANGE, LEAST, MORE, SLIP, STILL, _dashpot
 from stochlin.models.systems import arrangement_of
-from stochlin.solver.simulation.connected_structures import all_connected
+from stochlin.solver.simulation.connected_structures import connected_groups
 
 pytestmark = pytest.mark.oracle
 
@@ -93,7 +93,7 @@ def test_motion_is_that_of_another_integrator(exponent, constant, where):
     theirs = solved(system, seconds)
     errors = []
     for steps in (300, 1200):
-        (frame,) = all_connected(system)
+        (frame,) = connected_groups(system)
         off = stepped(frame.part, seconds, steps)[-1, : frame.watched.size] - theirs[:, -1]
         errors.append(np.abs(off).max() / np.abs(theirs).max())
     assert errors[1] < 3e-4
@@ -104,7 +104,7 @@ def test_motion_is_that_of_another_integrator(exponent, constant, where):
 def test_what_the_ground_puts_in_is_stored_or_dissipated(exponent):
     """By the trapezoidal rule to the rounding of the passes, whatever the step."""
     system = arrangement_of([TOWER], in_every_storey(2e6, exponent))
-    (frame,) = all_connected(system)
+    (frame,) = connected_groups(system)
     n, seconds, steps = 4, 2.0, 200
     dt = seconds / steps
     u = np.vstack([np.zeros(n), stepped(frame.part, seconds, steps)[:, :n]])
@@ -142,7 +142,7 @@ BATCHES = {
 @pytest.mark.parametrize(("law", "links"), BATCHES.values(), ids=BATCHES.keys())
 def test_a_motion_has_the_same_bits_alone_and_in_a_batch(law, links):
     tower = replace(TOWER, **YIELDING, **law)
-    (frame, *_) = all_connected(arrangement_of([tower, OTHER_TOWER], links))
+    (frame, *_) = connected_groups(arrangement_of([tower, OTHER_TOWER], links))
     part, block = frame.part, frame.part.block(0.01)
     f = np.random.default_rng(2).normal(0, np.geomspace(0.5, 20, LANES), (300, LANES))
     together = np.empty((300, part.size, LANES))

@@ -9,7 +9,7 @@ import xarray as xr
 
 import stochlin as sl
 from stochlin.kernels.simulation.ensemble import MotionGroup
-from stochlin.solver.simulation.ensembles import cells_of, join_cells, prepare
+from stochlin.solver.simulation.structures_in_motion import structures_in_motion
 
 pytestmark = pytest.mark.oracle
 
@@ -49,13 +49,9 @@ def test_peak_factor_of_stationary_elastic_response(damping, cycles, factor):
 def test_variance_under_an_envelope_follows_the_lyapunov_equation():
     """Displacement of an elastic structure at the end of a rise, over 4096 motions."""
     w, xi, intensity, steps, period = 2 * np.pi, 0.05, 0.01, 96, 1.0
-    run = prepare(
-        join_cells([cells_of(elastic(period), sl.WhiteNoise(intensity))[0]]),
-        sl.WhiteNoise(intensity),
-        paths=4096,
-        seed=3,
-        steps_per_period=32,
-    )
+    noise = sl.WhiteNoise(intensity)
+    moving = structures_in_motion([elastic(period)], noise, None, stationary=False)
+    run = moving.run(noise, paths=4096, seed=3, steps_per_period=32)
     plan = run.plan._replace(every=1, samples=steps)
     envelope = QUAKE.at(plan.dt * (np.arange(steps) + 0.5))
     last = [

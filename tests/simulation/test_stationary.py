@@ -7,10 +7,14 @@ import scipy.linalg
 import scipy.stats
 
 import stochlin as sl
-from stochlin.solver.simulation import simulation
-from stochlin.solver.simulation.ensembles import cells_of, join_cells, prepare
-from stochlin.solver.simulation.run_lengths import _time_constant, with_length
-from stochlin.solver.simulation.simulation import NOT_STATIONARY, simulate_moments
+from stochlin.solver.simulation import stationary_motions
+from stochlin.solver.simulation.stationary_motions import (
+    NOT_STATIONARY,
+    _time_constant,
+    simulate_moments,
+    with_length,
+)
+from stochlin.solver.simulation.structures_in_motion import structures_in_motion
 from stochlin.solver.tables import labels
 
 pytestmark = pytest.mark.oracle
@@ -27,15 +31,14 @@ def yielding(period, strength_ratio, hardening=0.05, model=sl.Bilinear):
 
 
 def ensemble(structures, ground, **options):
-    """Cells and run of some structures, ready for `simulate_moments` with any seed."""
-    cells = join_cells([cells_of(structure, ground)[0] for structure in structures])
+    """Run of some oscillators, ready for `moments_of` with any seed."""
     relaxation_times = options.pop("relaxation_times")
-    return cells, with_length(prepare(cells, ground, **options), relaxation_times)
+    moving = structures_in_motion(structures, ground, None, stationary=True)
+    return with_length(moving.run(ground, **options), relaxation_times)
 
 
-def moments_by_seed(cells, run, seeds):
-    for seed in seeds:
-        yield simulate_moments(run.with_plan(seed=seed), None)
+def moments_of(run, **plan):
+    return simulate_moments(run.with_plan(**plan), np.eye(run.order.size), None)
 
 
 # ---- (1) Values of an earlier simulation by other code, [standard error] ----
@@ -115,10 +118,10 @@ REPEATS, PATHS = 2400, 64
 def repeated():
     """A short run of an elastic pair, with many seeds; and the exact rho and standard deviations."""
     pair = [sl.Bilinear(period, 0.05) for period in (0.8, 1.0)]
-    cells, run = ensemble(pair, NOISE, paths=PATHS, seed=0, steps_per_period=8, relaxation_times=40.0)
+    run = ensemble(pair, NOISE, paths=PATHS, seed=0, steps_per_period=8, relaxation_times=40.0)
     rho = float(sl.rho_white_noise(0.8, 1.0, 0.05, 0.05).rho)
     sigma = np.array([sl.linearize(structure, NOISE).displacement_std for structure in pair])
-    return list(moments_by_seed(cells, run, range(REPEATS))), rho, sigma
+    return [moments_of(run, seed=seed) for seed in range(REPEATS)], rho, sigma
 
 
 @pytest.mark.slow
@@ -152,10 +155,10 @@ def test_drift_of_a_stationary_run_is_a_standard_normal_number(repeated):
 def test_drift_tells_a_run_that_starts_recording_from_rest(ratio, hardening):
     structure = yielding(1.0, ratio, hardening)
     options = {"paths": 2048, "seed": 4, "steps_per_period": 16, "relaxation_times": 4.0}
-    _, run = ensemble([structure], NOISE, **options)
-    good = simulate_moments(run, None)
+    run = ensemble([structure], NOISE, **options)
+    good = moments_of(run)
     assert np.abs(good.drift) < ERRORS
-    early = simulate_moments(run.with_plan(burn_in=0), None)
+    early = moments_of(run, burn_in=0)
     assert early.drift > NOT_STATIONARY
     assert early.displacement_std < good.displacement_std - ERRORS * good.displacement_error
 
@@ -198,8 +201,7 @@ def test_run_that_does_not_fit_into_memory_is_refused_before_it_starts(monkeypat
     def never(*_):
         raise AssertionError("work has begun")
 
-    monkeypatch.setattr("stochlin.solver.simulation.simulation.stationary_sums", never)
-    monkeypatch.setattr("stochlin.solver.simulation.structures_in_motion.cells_of_all", never)
+    monkeypatch.setattr("stochlin.solver.simulation.simulation.structures_in_motion", never)
     monkeypatch.setattr("stochlin.solver.tables.work._installed", lambda: 16e9)
     with pytest.raises(
         ValueError, match=r"3000 structures on one ground need [\d.]+ GB; allowed: \d+ GB"
@@ -208,14 +210,13 @@ def test_run_that_does_not_fit_into_memory_is_refused_before_it_starts(monkeypat
 
 
 def test_cells_out_of_range_spoil_only_themselves():
-    several = sl.Bilinear([1.0, -1.0, 0.7], damping=0.05)
-    _, run = ensemble([several], NOISE, paths=64, seed=0, steps_per_period=8, relaxation_times=2.0)
-    moments = simulate_moments(run, None)
-    assert list(np.isfinite(moments.displacement_std)) == [True, False, True]
-    assert list(np.isfinite(moments.rho).sum(axis=0)) == [2, 0, 2]
-    pair = [sl.Bilinear(period, 0.05) for period in (1.0, 0.7)]
-    alone = sl.simulate(pair, NOISE, paths=64, steps_per_period=8, relaxation_times=2.0)
-    np.testing.assert_array_equal(moments.rho[np.ix_([0, 2], [0, 2])], alone.rho)
+    several, other = sl.Bilinear([1.0, -1.0, 0.7], damping=0.05), sl.Bilinear(0.9, 0.05)
+    options = {"paths": 64, "relaxation_times": 2.0}
+    table = sl.correlate(several, other, NOISE, "simulation", **options)
+    assert list(np.isfinite(table.rho)) == [True, False, True]
+    assert list(table.status) == [labels.CONVERGED, labels.INVALID_INPUT, labels.CONVERGED]
+    alone = sl.simulate([*map(sl.Bilinear, (1.0, 0.7), (0.05, 0.05)), other], NOISE, **options)
+    np.testing.assert_array_equal(table.rho[[0, 2]], alone.rho[:2, 2])
 
 
 # --- Structures that yield rarely -----------------------------------------------------------------
@@ -248,7 +249,7 @@ def test_a_drift_that_takes_too_long_is_not_resolved_and_keeps_its_simulated_val
 
 
 def test_floors_and_linked_structures_are_not_resolved_where_one_storey_is_not(monkeypatch):
-    monkeypatch.setattr(simulation, "MOST_STEPS", 1e3)
+    monkeypatch.setattr(stationary_motions, "MOST_STEPS", 1e3)
     tower = sl.ShearBuilding([2e5] * 2, [8e7] * 2, [3.0] * 2, 0.05, 0.05, [0.001, 0.01])
     other = sl.Bilinear(0.9, 0.05, mass=1e5)
     options = {"paths": 32, "relaxation_times": 1.0}

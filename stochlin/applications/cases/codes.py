@@ -12,13 +12,14 @@ from stochlin.applications.cases.reading.case import factors_of
 from stochlin.applications.cases.rows import of_codes, one_or_two
 from stochlin.applications.separation.code_gaps import Rule, code_row, rules_with
 from stochlin.applications.separation.separation import COMBINED, gaps_by_height, judged_rules
-from stochlin.applications.separation.storeys import of_storeys, weights
+from stochlin.applications.separation.storeys import of_storeys
 from stochlin.applications.sites.design_spectra import reduced_eurocode_8
 from stochlin.applications.sites.spectra import interpolated
 from stochlin.kernels.basics.arrays import Array
 from stochlin.models.buildings import MultistoreyBuilding
 from stochlin.models.rules.codes import BEHAVIOUR, IMPORTANCE, CodeRule, Site
 from stochlin.models.systems import arrangement_of, first_mode
+from stochlin.solver.simulation.structures_in_motion import at_height
 from stochlin.solver.tables import labels
 
 if TYPE_CHECKING:
@@ -85,7 +86,7 @@ def _applied(case: Case, rule: CodeRule, table: xr.Dataset) -> Rule:
     known: dict[str, Any] = {}
     for n, building in enumerate(buildings, start=1):
         factors = factors_of(building)
-        known[f"peak_{n}"] = np.array([weights(system, n - 1, z) @ floors for z in heights])
+        known[f"peak_{n}"] = np.array([at_height(system, n - 1, z) @ floors for z in heights])
         known[f"importance_{n}"] = factors.get(IMPORTANCE)
         # The behaviour factor has no effect on displacements of the spectrum that it divides first.
         known[f"{rule.multiplies}_{n}"] = factors.get(rule.multiplies, 1.0)

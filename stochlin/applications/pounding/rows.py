@@ -29,7 +29,7 @@ from stochlin.models.systems import (
     shares_at,
     slabs_on_columns,
 )
-from stochlin.solver.simulation.rows import row_of, structure_of_floors
+from stochlin.solver.simulation.connected_structures import row_of
 from stochlin.solver.tables.checks import check_scalars
 
 NUMBERS = "numbers, since a history is of one row"
@@ -206,8 +206,7 @@ def build_row(
     else:
         e = 1.0 if contact is None else float(contact.e)
         contacts = Contacts.of([ForceLaw()] * len(places), mass.size, left, right, space, e)
-    structure = structure_of_floors(system)
-    own = tuple(t for t in system.ties if t.other < 0 or structure[t.floor] == structure[t.other])
+    own = tuple(tie for tie in system.ties if tie.link.within_one)
     row = alone = row_of(system, contacts)
     if own != system.ties:
         alone = row_of(system._replace(ties=own), Contacts.of([], mass.size))
@@ -222,7 +221,8 @@ def _facing(b: int, left: Array, right: Array) -> list[Meeting]:
     contacts = [Meeting(b, i, j, float(0.5 * (left[i] + right[j]))) for i, j in pairs]
     for side, floor in slabs_on_columns(left, right):
         i, (levels, other) = floor - 1, ((left, right), (right, left))[side]
-        above, share = next(iter(shares_at(other, levels[i]).items()))
+        above = int(np.searchsorted(other, levels[i]))
+        share = float(shares_at(other, levels[i])[above])
         floors, struck = ((above, i), "left") if side else ((i, above), "right")
         contacts.append(Meeting(b, *floors, float(levels[i]), struck, share))
     return contacts

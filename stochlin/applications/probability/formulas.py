@@ -23,7 +23,7 @@ from stochlin.solver.linearization.strength import strength_in_metres
 from stochlin.solver.linearization.systems.state_space import Equations
 from stochlin.solver.linearization.systems.systems import equations_of
 from stochlin.solver.linearization.transient_systems import TIME, TimeGrid, solve_course
-from stochlin.solver.simulation.views import at_height, meeting_heights
+from stochlin.solver.simulation.structures_in_motion import at_height, meeting_heights
 from stochlin.solver.tables import labels
 
 HEIGHT = "height"
@@ -82,11 +82,8 @@ def moments_of_pair(
 ) -> PairMoments:
     """Moments of two structures with this shortest period [s] by transient linearization."""
     system = equations.arrangement
-    floors = np.zeros((2, heights.size, int(system.first[-1])))
-    for number, row in np.ndindex(floors.shape[:2]):
-        for floor, share in at_height(system, number, float(heights[row])).items():
-            floors[number, row, floor] = share
-    first, second = floors @ equations.system.shapes
+    floors = [[at_height(system, number, height) for height in heights] for number in (0, 1)]
+    first, second = np.array(floors) @ equations.system.shapes
     rows = np.concatenate([first, second, first - second])
     moments = solve_course(equations, rows, course, shortest, progress)
     bandwidth = _bandwidths(moments, equations, first - second, course.times)

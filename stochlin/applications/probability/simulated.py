@@ -31,8 +31,12 @@ from stochlin.solver.simulation.finite_motions import (
     share_interval,
 )
 from stochlin.solver.simulation.simulation import STEPS_PER_PERIOD
-from stochlin.solver.simulation.structures_in_motion import StructuresInMotion, structures_in_motion
-from stochlin.solver.simulation.views import displacements, drifts_of, pairs_of, view_of
+from stochlin.solver.simulation.structures_in_motion import (
+    StructuresInMotion,
+    at_height,
+    pairs_of,
+    structures_in_motion,
+)
 from stochlin.solver.tables import labels
 
 STDS = (
@@ -68,12 +72,12 @@ def by_simulation(
 def _watched(moving: StructuresInMotion, run: SimulationRun, gaps: Array) -> Watched:
     """Displacements at the heights of contact, the gaps, and the drifts at which structures fall."""
     system, falls = moving.system, None
+    heights = [pair.height for pair in pairs_of(system)]
     left, right = (
-        view_of([displacements(system, place)[n] for place in pairs_of(system)], run.order, run.scale)
-        for n in (0, 1)
+        run.rows(np.array([at_height(system, n, height) for height in heights])) for n in (0, 1)
     )
     if np.isfinite(moving.limits).any():
-        drifts = view_of(drifts_of(system), run.order, run.scale)
+        drifts = run.rows(system.drifts)
         falls = Falls(drifts, np.atleast_2d(moving.limits).T, np.unique(system.owners, True)[1])
     return Watched(left, right, np.zeros(1, int), gaps, np.zeros(gaps.size, int), falls)
 
@@ -82,7 +86,7 @@ def _histories(
     run: SimulationRun, course: TimeGrid, watched: Watched, progress: Progress | None
 ) -> Histories:
     """Simulated histories of a run; the motions are those of `simulate` with the same seed."""
-    check_finite(run, course.duration, len(watched.first.row))
+    check_finite(run, course.duration, len(watched.first.column))
     crowd, shape = finite_steps(run, course.duration, course.envelope)
     instants = course.times[course.shown] / run.plan.dt
     instants[-1] = shape.size

@@ -17,11 +17,10 @@ from stochlin.kernels.simulation.account import ENTERING, VISCOUS_LOSS
 from stochlin.kernels.simulation.contacts import Contacts
 from stochlin.kernels.simulation.time_step import SPENT, Q, V, Z
 from stochlin.models.structures import Structure
-from stochlin.models.systems import AnyStructure, Arrangement, arrangement_of, first_period, floor_count
-from stochlin.solver.simulation.connected_structures import SteppedGroup, all_connected
+from stochlin.models.systems import AnyStructure, Arrangement, arrangement_of, first_period
+from stochlin.solver.simulation.connected_structures import SteppedGroup, connected_groups, row_of
 from stochlin.solver.simulation.finite_motions import RUNS_AWAY
-from stochlin.solver.simulation.rows import row_of
-from stochlin.solver.simulation.views import Terms, apart, displacements, drifts_of, pairs_of
+from stochlin.solver.simulation.structures_in_motion import apart, at_height, pairs_of
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.floors import ELEMENT, FLOOR, element_coordinates, floor_coordinates
 from stochlin.solver.tables.work import check_work
@@ -41,17 +40,14 @@ class SteppedResponse(NamedTuple):
 
 
 def stepped_response(
-    connected: Sequence[SteppedGroup], limits: Array, ground: SampledMotion, functions: Sequence[Terms]
+    connected: Sequence[SteppedGroup], limits: Array, ground: SampledMotion, functions: Array
 ) -> SteppedResponse:
-    """Functions of the floor displacements, from rest, with steps halved until their peaks converge.
+    """Functions (m, w) of all that is watched, from rest, with steps halved until their peaks converge.
 
     The steps are of second order, so that the remaining error is about a third of the last change.
     ``limits`` (w,) [m] are the drifts at which structures fall.
     """
     most = FALLEN * limits[np.isfinite(limits)].max(initial=0.0) or np.inf
-    weights = np.zeros((len(functions), limits.size))
-    for row, terms in zip(weights, functions, strict=True):
-        row[list(terms)] = list(terms.values())
     shortest = min(group.shortest for group in connected)
     cuts = max(1, int(np.ceil(ground.dt * STEPS_PER_PERIOD / shortest)))
     steps = float(cuts) * ground.acceleration.size
@@ -61,7 +57,7 @@ def stepped_response(
 
     def followed(cuts: int) -> Array:
         """The functions in such steps; those of a structure that falls end far beyond its limit."""
-        values = _values(connected, weights, ground, cuts)
+        values = _values(connected, functions, ground, cuts)
         return values if most == np.inf else np.clip(np.nan_to_num(values, nan=most), -most, most)
 
     values, change = followed(cuts), np.inf
@@ -85,9 +81,8 @@ def stepped_history(structure: AnyStructure, ground: SampledMotion, refine: int)
     samples = np.arange(ground.acceleration.size)
     between = np.arange(refine * samples[-1] + 1) / refine
     finer = SampledMotion(np.interp(between, samples, ground.acceleration), ground.dt / refine)
-    floors = range(floor_count(structure))
-    ends = [{floor: 1.0} for floor in floors]
-    first = stepped_response(all_connected(system), system.limits, finer, ends)
+    floors = np.eye(len(system.floors), len(system.watched))
+    first = stepped_response(connected_groups(system), system.limits, finer, floors)
     row = row_of(system, Contacts.of([], system.storeys.mass.size))
     intervals, none = np.array([between.size - 1]), np.zeros(1)
     motion = GroundMotions(finer.acceleration[:, None], finer.dt, intervals, none, none)
@@ -129,14 +124,16 @@ def stepped_gap(
 ) -> xr.Dataset:
     """The result of `recorded_gap` for structures with scalar parameters, without labels."""
     system = arrangement_of(structures)
+    floors = np.eye(len(system.floors), len(system.watched))
     if len(structures) == 1:
-        floors: list[Terms] = [{floor: 1.0} for floor in range(int(system.first[-1]))]
-        functions = [floors[-1], *drifts_of(system), *floors]
+        highest, moved = floors[-1:], floors
     else:
         pairs = pairs_of(system)
-        functions = [*displacements(system, pairs[-1]), *drifts_of(system)]
-        functions += [apart(system, pair) for pair in pairs]
-    connected, limits = all_connected(system), system.limits
+        height = pairs[-1].height
+        highest = np.array([at_height(system, number, height) for number in (0, 1)]) @ floors
+        moved = np.array([apart(system, pair) for pair in pairs]) @ floors
+    functions = np.concatenate([highest, system.drifts, moved])
+    connected, limits = connected_groups(system), system.limits
     periods = [float(s.arrays()["period"]) for s in structures if isinstance(s, Structure)]
     tables = []
     for ground in motions.grounds:

@@ -39,7 +39,7 @@ from stochlin.models.systems import (
 from stochlin.solver.correlation.correlation import correlate
 from stochlin.solver.linearization.systems.systems import linearized_motion
 from stochlin.solver.simulation.finite_motions import HEIGHT
-from stochlin.solver.simulation.views import at_height, meeting_heights
+from stochlin.solver.simulation.structures_in_motion import at_height, meeting_heights
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_scalars
 
@@ -55,15 +55,7 @@ def facing_heights(system: Arrangement) -> Array:
 def weights_at(system: Arrangement, heights: Array) -> list[Array]:
     """Displacement of each structure at the heights, as weights of all floors (heights, floors)."""
     numbers = range(len(system.stacks))
-    return [np.array([weights(system, n, height) for height in heights]) for n in numbers]
-
-
-def weights(system: Arrangement, number: int, height: float) -> Array:
-    """Displacement of structure ``number`` at a height [m], as weights of all floors of the system."""
-    weights = np.zeros(int(system.first[-1]))
-    for floor, share in at_height(system, number, height).items():
-        weights[floor] = share
-    return weights
+    return [np.array([at_height(system, n, height) for height in heights]) for n in numbers]
 
 
 def linearized_at_roof(
@@ -74,7 +66,7 @@ def linearized_at_roof(
     system = arrangement_of(structures)
     height = meeting_heights(*system.stacks)[-1]
     floors = system.storeys.shapes
-    roof_1, roof_2 = (weights(system, number, height)[None] @ floors for number in (0, 1))
+    roof_1, roof_2 = (at_height(system, number, height)[None] @ floors for number in (0, 1))
     return float(correlation_of(motion, roof_1, roof_2)[0]), float(motion.std(roof_1 - roof_2)[0, 0])
 
 

@@ -17,17 +17,17 @@ from stochlin.applications.sites.spectra import (
 )
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.kernels.simulation.ensemble import finite_extremes
 from stochlin.messages import brief
 from stochlin.models.arguments import DampingRatio, Duration, Paths, Seed, as_numbers, checked
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import Model
-from stochlin.solver.simulation.ensembles import cells_of_all, prepare
-from stochlin.solver.simulation.finite_motions import check_finite, finite_steps, mean_with_error
+from stochlin.models.systems import stack_of
+from stochlin.solver.simulation.connected_structures import oscillator_groups
+from stochlin.solver.simulation.ensembles import prepare
+from stochlin.solver.simulation.finite_motions import extremes_of, mean_with_error
 from stochlin.solver.simulation.ground_motions import simulated_motions
-from stochlin.solver.simulation.views import view_of
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_scalars
 
@@ -179,17 +179,16 @@ def peak_accelerations(
     accelerations = np.empty((motions.paths, periods.size))
     order = np.argsort(periods)
     for mine in np.array_split(order, -(-periods.size // TOGETHER)):
+        stacks = [stack_of(Bilinear(float(t), damping)) for t in periods[mine]]
         run = prepare(
-            cells_of_all([Bilinear(float(t), damping) for t in periods[mine]], motions.ground, False),
+            oscillator_groups(stacks, np.arange(mine.size)),
             motions.ground,
             paths=motions.paths,
             seed=motions.seed,
             steps_per_period=steps_per_period,
         )
-        check_finite(run, motions.duration, mine.size)
-        crowd, shape = finite_steps(run, motions.duration, motions.envelope)
-        each = view_of([{n: 1.0} for n in range(mine.size)], run.order, run.scale)
-        extremes = finite_extremes(crowd, each, shape, motions.progress)
+        motion = motions.duration, motions.envelope
+        extremes = extremes_of(run, [np.eye(mine.size)], motion, motions.progress)
         peaks = np.maximum(extremes.highest, -extremes.lowest)[: motions.paths]
         accelerations[:, mine] = (2 * np.pi / periods[mine]) ** 2 * peaks
     return accelerations

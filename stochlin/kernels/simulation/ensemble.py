@@ -19,6 +19,7 @@ import numpy as np
 
 from stochlin.kernels.basics.arrays import Array, zeros_on_a_line
 from stochlin.kernels.basics.parallel import Progress, in_order
+from stochlin.kernels.basics.rows import Rows
 from stochlin.kernels.simulation.links import LinkPeaks, watch_links
 from stochlin.kernels.simulation.normal_numbers import fill_normal, generator_state
 from stochlin.kernels.simulation.stepping import (
@@ -143,19 +144,6 @@ class UncertainGround(NamedTuple):
 AnyGround = FilterSteps | UncertainGround
 
 
-class View(NamedTuple):
-    """Weighted sums of the displacements of a `Crowd`, whose statistics are wanted."""
-
-    row: Array  # (m, k): numbers of the displacements in each sum
-    weight: Array  # (m, k): their weights; zero in sums of fewer displacements
-
-    def of(self, out: Array) -> Array:
-        """The sums (samples, m, LANES) of displacements ``out`` (samples, n, LANES)."""
-        seen = zeros_on_a_line(len(out), len(self.row), LANES)
-        observe(out, self.row, self.weight, seen)
-        return seen
-
-
 class Plan(NamedTuple):
     """Number and length of the motions and time steps of a simulation."""
 
@@ -199,15 +187,15 @@ class Crowd(NamedTuple):
 class Links(NamedTuple):
     """Links between floors of a `Crowd`, which are watched."""
 
-    extensions: View  # (l,) [m]
+    extensions: Rows  # (l, n) [m], of the displacements of the crowd
     parameters: Array  # (l, 5): see `watch_links`
 
 
 class Extremes(NamedTuple):
-    """Largest and smallest value of each sum of a `View` in each motion, including 0 at the start.
+    """Largest and smallest value of each function in each motion, including 0 at the start.
 
-    Both are NaN where the sum is not finite at the end, since a law has run away. With links also those
-    of `LinkPeaks`.
+    Both are NaN where the function is not finite at the end, since a law has run away. With links also
+    those of `LinkPeaks`.
     """
 
     highest: Array  # (motions, m)
@@ -294,8 +282,15 @@ def strengths(plan: Plan, group: int) -> Array:
     return factors
 
 
-def stationary_sums(crowd: Crowd, view: View | None, progress: Progress | None) -> Sums:
-    """Sums of the second moments of the stationary response, of a ``view`` or of all displacements."""
+def functions_of(out: Array, rows: Rows) -> Array:
+    """Linear functions (samples, m, LANES) of displacements ``out`` (samples, n, LANES)."""
+    values = zeros_on_a_line(len(out), len(rows.column), LANES)
+    observe(out, *rows, values)
+    return values
+
+
+def stationary_sums(crowd: Crowd, rows: Rows, progress: Progress | None) -> Sums:
+    """Sums of the second moments of linear functions (m, n) of the stationary displacements."""
     plan = crowd.plan
 
     @np.errstate(all="ignore")  # overflow gets a status of its own later
@@ -303,7 +298,7 @@ def stationary_sums(crowd: Crowd, view: View | None, progress: Progress | None) 
         """The sums over one group of motions."""
         motion.burn_in()
         half = plan.recorded // 2
-        halves = [_gram(motion, view, half), _gram(motion, view, plan.recorded - half)]
+        halves = [_gram(motion, rows, half), _gram(motion, rows, plan.recorded - half)]
         first, second = (np.einsum("lii->li", half) for half in halves)
         weight = half / (plan.recorded - half)
         change = weight * second - first
@@ -340,26 +335,28 @@ def plastic_displacements(crowd: Crowd, stride: int) -> Array:
 
 def finite_extremes(
     crowd: Crowd,
-    view: View,
+    rows: Rows,
     envelope: Array,
     progress: Progress | None,
-    links: Links | None = None,
+    links: Links,
 ) -> Extremes:
-    """Extremes of a ``view`` and of links in motions from rest under an ``envelope`` (steps,).
+    """Extremes of linear functions (m, n) of the displacements, and of links, in motions from rest.
+
+    The motions are under an ``envelope`` (steps,).
 
     The plan has to sample every step; its numbers of blocks are not used.
     """
 
     def of_group(motion: MotionGroup) -> Extremes:
         """The extremes in one group of motions."""
-        begin, way, highest, lowest = np.zeros((4, len(view.row), LANES))
-        count = len(links.parameters) if links else 0
-        peaks = LinkPeaks(*np.zeros((6, count, LANES)))
+        begin, way, highest, lowest = np.zeros((4, len(rows.column), LANES))
+        peaks = LinkPeaks(*np.zeros((6, len(links.parameters), LANES)))
         for out in motion.under(envelope):
-            keep_extremes(out, *view, begin, way, highest, lowest)
-            if links is not None:
-                watch_links(links.extensions.of(out), links.parameters, crowd.plan.dt, peaks)
-        lost = ~np.isfinite(view.of(out[-1:])[0])
+            keep_extremes(out, *rows, begin, way, highest, lowest)
+            if links.parameters.size:
+                extensions = functions_of(out, links.extensions)
+                watch_links(extensions, links.parameters, crowd.plan.dt, peaks)
+        lost = ~np.isfinite(functions_of(out[-1:], rows)[0])
         highest[lost] = lowest[lost] = np.nan
         return Extremes(highest, lowest, peaks.force, peaks.stroke, peaks.energy)
 
@@ -382,12 +379,11 @@ def ground_motions(crowd: Crowd, steps: int, progress: Progress | None) -> Array
     return np.concatenate(list(crowd.over_groups(of_group, progress)))
 
 
-def _gram(motion: MotionGroup, view: View | None, blocks: int) -> Array:
+def _gram(motion: MotionGroup, rows: Rows, blocks: int) -> Array:
     """Sums (LANES, m, m) of ``x_i x_j`` over the samples of the next blocks."""
-    size = motion.crowd.size if view is None else len(view.row)
+    size = len(rows.column)
     sums = zeros_on_a_line(size, size, LANES)
     for _ in range(blocks):
-        out = motion.block()
-        add_products(out if view is None else view.of(out), sums)
+        add_products(functions_of(motion.block(), rows), sums)
     total = sums.transpose(2, 0, 1)
     return total + np.tril(total, -1).transpose(0, 2, 1)

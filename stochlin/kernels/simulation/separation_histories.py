@@ -10,7 +10,8 @@ import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.kernels.simulation.ensemble import Crowd, MotionGroup, View
+from stochlin.kernels.basics.rows import Rows
+from stochlin.kernels.simulation.ensemble import Crowd, MotionGroup, functions_of
 from stochlin.kernels.simulation.stepping import LANES, turning_points
 
 AT_ONCE = 1 << 18  # displacements that are compared with gaps at once
@@ -22,7 +23,7 @@ FALLEN = 1e60  # deviation of displacements that is larger only if a structure h
 class Falls(NamedTuple):
     """Drifts beyond which structures fall: of the left ones of all pairs, then of the right ones."""
 
-    drifts: View  # (d,) [m]
+    drifts: Rows  # (d,) [m]
     limit: Array  # (d, 1) or (d, motions) [m]
     start: Array  # (2 p,): number of the first drift of each structure
 
@@ -30,15 +31,15 @@ class Falls(NamedTuple):
         """Whether structures fall (samples, 2, p, LANES) at displacements ``out`` of a group."""
         own = slice(group * LANES, (group + 1) * LANES)
         limit = self.limit if self.limit.shape[1] == 1 else self.limit[:, own]
-        beyond = ~(np.abs(self.drifts.of(out)) <= limit)
+        beyond = ~(np.abs(functions_of(out, self.drifts)) <= limit)
         return np.logical_or.reduceat(beyond, self.start, axis=1).reshape(len(out), 2, -1, LANES)
 
 
 class Watched(NamedTuple):
     """Pairs of structures, the heights at which they can meet, and the gaps to be checked."""
 
-    first: View  # (r,): displacements of the left structures [m], at all heights of all pairs
-    second: View  # (r,): the same of the right structures
+    first: Rows  # (r,): displacements of the left structures [m], at all heights of all pairs
+    second: Rows  # (r,): the same of the right structures
     start: Array  # (p,): number of the first height of each pair
     gap: Array  # (c,) [m]
     pair: Array  # (c,): number of the pair that each gap is between
@@ -46,7 +47,7 @@ class Watched(NamedTuple):
 
     def sides(self, out: Array) -> Array:
         """Displacements (2, samples, r, LANES) [m] of the left and of the right structures."""
-        return np.stack([self.first.of(out), self.second.of(out)])
+        return np.stack([functions_of(out, self.first), functions_of(out, self.second)])
 
     def fallen(self, out: Array, before: Array, group: int) -> Array:
         """Whether structures have fallen by each sample (2, 1 + samples, r, LANES), or ``before``."""
@@ -74,7 +75,7 @@ def separation_histories(
     The instants are numbers of steps since the start, of which the first is 0. They need not be whole:
     displacements are interpolated linearly between steps.
     """
-    rows, cells = len(watched.first.row), watched.gap.size
+    rows, cells = len(watched.first.column), watched.gap.size
     at_once = max(1, AT_ONCE // (cells * LANES))
 
     def counts(apart: Array, holds: Any) -> Array:

@@ -12,8 +12,8 @@ from stochlin.kernels.basics.parallel import cores
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import Structure
 from stochlin.solver.linearization.equivalent_systems import solve_elastic
-from stochlin.solver.simulation.run_lengths import expected_seconds
 from stochlin.solver.simulation.simulation import simulate
+from stochlin.solver.simulation.stationary_motions import expected_seconds
 from stochlin.solver.simulation.structures_in_motion import structures_in_motion
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.cells import CELL, NONE_VALID, Flat, flat, over_all, over_cells
@@ -80,7 +80,7 @@ def _check_grounds(
 ) -> None:
     """Raise a ValueError if the simulations on all grounds, if each is as long, would take too long."""
     moving = structures_in_motion(structures, ground, None, True)
-    options: dict[str, Any] = {"paths": settings.paths, "seed": settings.seed, "moments": False}
+    options: dict[str, Any] = {"paths": settings.paths, "seed": settings.seed}
     run = moving.run(ground, steps_per_period=settings.steps_per_period, **options)
     check_work(
         f"the simulations on {grounds} grounds would take",

@@ -1,9 +1,8 @@
-"""Structures that are simulated as masses with storeys between them: buildings and linked structures."""
+"""Structures as the compiled time steps take them: oscillators, buildings and linked structures."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,7 +10,11 @@ import scipy.linalg
 import scipy.sparse.csgraph
 
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.rows import Rows
 from stochlin.kernels.basics.systems import System
+from stochlin.kernels.pounding.run import BuildingRow
+from stochlin.kernels.simulation.account import Parts
+from stochlin.kernels.simulation.contacts import Contacts
 from stochlin.kernels.simulation.ensemble import Oscillators, SteppedStructures
 from stochlin.kernels.simulation.laws import (
     BILINEAR,
@@ -42,65 +45,62 @@ class SteppedGroup(NamedTuple):
     scale: Any = 1.0  # the unit in which displacements are computed [m], or (w,) that of each
 
 
-def connected_of(system: Arrangement) -> tuple[list[SteppedGroup], list[int]]:
-    """Connected structures of a system, and the numbers of the oscillators without links."""
-    connected, alone = [], []
-    with_device = {tie.floor for tie in system.ties if tie.link.within_one}
-    for members in _tied(system):
-        number = members[0]
-        lone = members.size == 1 and system.stacks[number].is_oscillator
-        if lone and int(system.first[number]) not in with_device:
-            alone.append(int(number))
-        else:
-            connected.append(_connected(system, members))
-    return connected, alone
+def stepped_groups(system: Arrangement) -> list[SteppedGroup]:
+    """All structures of a system, with the links between them."""
+    on_links = {floor for tie in system.ties for floor in (tie.floor, tie.other)}
+    floors = zip(system.stacks, system.first[:-1], strict=True)
+    alone = [
+        n for n, (stack, floor) in enumerate(floors) if stack.is_oscillator and floor not in on_links
+    ]
+    groups = oscillator_groups([system.stacks[n] for n in alone], system.first[alone])
+    linked = (members for members in _tied(system) if members[0] not in alone)
+    return [*groups, *(_connected(system, members) for members in linked)]
 
 
-def all_connected(system: Arrangement) -> list[SteppedGroup]:
-    """Connected structures of a system, with oscillators without links as buildings of one storey."""
-    return [_connected(system, members) for members in _tied(system)]
+def oscillator_groups(stacks: Sequence[Stack], watched: Array) -> list[SteppedGroup]:
+    """Oscillators without links; bilinear and elastic ones are stepped together."""
+    simple = [bool(stack.law.step() == BILINEAR or not stack.yields.any()) for stack in stacks]
+    groups = []
+    if any(simple):
+        together = [stack for stack, it_is in zip(stacks, simple, strict=True) if it_is]
+        groups.append(_simple_oscillators(together, watched[simple]))
+    for n, stack in enumerate(stacks):
+        if not simple[n]:
+            alone = _connected(Arrangement((stack,), ()), np.zeros(1, int))
+            groups.append(alone._replace(watched=watched[[n]]))
+    return groups
 
 
-def sampled_connected(system: Arrangement, samples: Sequence[Sequence[Stack]]) -> list[SteppedGroup]:
-    """Those of a system with uncertain parameters; ``samples`` are the structures of each motion.
+def connected_groups(system: Arrangement, samples: Sequence[Sequence[Stack]] = ()) -> list[SteppedGroup]:
+    """All structures of a system as masses with springs between them, also oscillators.
 
-    The time step is short enough for the stiffest sample of each structure.
+    With uncertain parameters, ``samples`` are the structures of each motion. The time step is then short
+    enough for the stiffest sample of each structure.
     """
-    count = len(system.stacks)
-    stiffest = [max((sample[s] for sample in samples), key=_stiffness) for s in range(count)]
-    sampled = []
-    for members in _tied(system):
-        group = _connected(system, members)
-        assert isinstance(group.part, SteppedStructures)
-        usual, stacks = group.part.elements, [system.stacks[m] for m in members]
-        of_links = usual.system.damping - System.beside([stack.system for stack in stacks]).damping
-        elements = _with_stacks(usual, of_links, [[sample[m] for m in members] for sample in samples])
-        shortest = _connected(system._replace(stacks=tuple(stiffest)), members).shortest
-        part = replace(group.part, samples=elements)
-        sampled.append(group._replace(part=part, shortest=shortest))
-    return sampled
+    if samples:
+        stiffest = (max(several, key=_stiffness) for several in zip(*samples, strict=True))
+        system = system._replace(stacks=tuple(stiffest))
+    systems = [system._replace(stacks=tuple(sample)) for sample in samples]
+    return [_connected(system, members, systems) for members in _tied(system)]
 
 
 def _stiffness(stack: Stack) -> float:
     return float((stack.system.elastic / stack.system.mass).max())
 
 
-def _with_stacks(usual: Elements, of_links: Array, samples: Sequence[Sequence[Stack]]) -> list[Elements]:
-    """Elements with the same links and other storeys, those of each sample."""
-    elements = []
-    for stacks in samples:
-        mass, damping, _, _, *storeys = System.beside([stack.system for stack in stacks])
-        own, first = usual.own.copy(), 0
-        for stack in stacks:
-            parameters = stack.law_parameters
-            own[first : first + len(parameters), : parameters.shape[1]] = parameters
-            first += len(parameters)
-        pairs = zip(storeys, usual.system[4:], strict=True)
-        springs = (np.concatenate([part, whole[mass.size :]]) for part, whole in pairs)
-        same = usual.system.extensions, usual.system.shapes
-        system = System(mass, damping + of_links, *same, *springs)
-        elements.append(usual._replace(system=system, own=own))
-    return elements
+def _simple_oscillators(stacks: Sequence[Stack], watched: Array) -> SteppedGroup:
+    """Bilinear and elastic oscillators, in units of their yield displacements."""
+    systems = [stack.system for stack in stacks]
+    mass, damping, post, couple, strength = (
+        np.concatenate([getattr(system, name).ravel() for system in systems])
+        for name in ("mass", "damping", "post", "couple", "strength")
+    )
+    yields = np.isfinite(strength)
+    post, couple = np.where(yields, post, post + couple), np.where(yields, couple, 0.0)
+    scale, period = np.where(yields, strength, 1.0), 2 * np.pi * np.sqrt(mass / (post + couple))
+    columns = np.stack([damping / mass, post / mass, couple / mass, 1 / scale], axis=1)
+    slowest = float((2 * mass / damping).max())
+    return SteppedGroup(Oscillators(columns), watched, float(period.min()), slowest, period, scale)
 
 
 def _tied(system: Arrangement) -> list[Array]:
@@ -114,16 +114,22 @@ def _tied(system: Arrangement) -> list[Array]:
     return [np.flatnonzero(group == number) for number in dict.fromkeys(group)]
 
 
-def _connected(system: Arrangement, members: Array) -> SteppedGroup:
+def _connected(system: Arrangement, members: Array, samples: Sequence[Arrangement] = ()) -> SteppedGroup:
     """The structures ``members`` (numbers from 0) and the links between them."""
     elements, law = elements_of(system, members)
-    whole, stacks = elements.system, [system.stacks[m] for m in members]
-    systems = [whole, *(stack.system for stack in stacks)]
-    watched, coordinates = _watched(system, members), _numbers(system.first_coordinate, members)
-    seen = whole._replace(shapes=system.displacements[np.ix_(watched, coordinates)])
+    whole, watched = elements.system, _watched(system, members)
+    coordinates = _numbers(system.first_coordinate, members)
+
+    def shown(elements: Elements) -> Elements:
+        """The elements with the displacements that are watched."""
+        shapes = system.displacements[np.ix_(watched, coordinates)]
+        return elements._replace(system=elements.system._replace(shapes=shapes))
+
+    systems = [whole, *(system.stacks[number].system for number in members)]
     element = system.of_watched[watched][:, None] == coordinates
+    each = [shown(elements_of(sample, members)[0]) for sample in samples]
     return SteppedGroup(
-        SteppedStructures(elements._replace(system=seen), law, (), element.astype(float)),
+        SteppedStructures(shown(elements), law, each, element.astype(float)),
         watched,
         shortest=min(shortest_mode(each, of_displacements=True) for each in systems),
         slowest=whole.slowest_decay,
@@ -217,3 +223,32 @@ def laws_of(steps: Sequence[int | RateLaw]) -> tuple[Array, Array, Any]:
     kinds = [OTHER + of_users.index(law) if isinstance(law, RateLaw) else law for law in steps]
     states = [law.states if isinstance(law, RateLaw) else 1 for law in steps]
     return np.array(kinds), np.array(states), by_number(tuple(of_users))
+
+
+def row_of(system: Arrangement, contacts: Contacts) -> BuildingRow:
+    """Structures with their links and these contacts, and what is watched in their motions."""
+    numbers = np.arange(len(system.stacks))
+    elements, law = elements_of(system, numbers)
+    storeys, ties = system.storeys, system.ties
+    structure = np.repeat(numbers, np.diff(system.first_coordinate))
+    n, others = structure.size, elements.kind.size - structure.size
+    powers = np.array([tie.link.is_power_law for tie in ties], bool)
+    dashpot = np.where(powers, n + len(ties) + np.cumsum(powers) - 1, -1)
+    constant = [0.0 if tie.link.is_power_law else tie.link.number("damping_constant") for tie in ties]
+    shares = np.nan_to_num(system.shear_shares)  # shears that are not known are left out later
+    parts = Parts(
+        mass=storeys.mass,
+        structure=structure,
+        elements=n,
+        damping=storeys.damping,
+        shear=(
+            Rows.of(shares @ (storeys.post[:, None] * storeys.extensions)),
+            Rows.of(shares * storeys.couple),
+        ),
+        watched=Rows.of(np.concatenate([elements.system.shapes, elements.system.extensions])),
+        limit=np.concatenate([*(s.limits for s in system.stacks), np.full(others, np.inf)]),
+        spring=n + np.arange(len(ties)),
+        dashpot=dashpot.astype(np.int64),
+        constant=np.array(constant, float),
+    )
+    return BuildingRow(elements, law, contacts, parts)

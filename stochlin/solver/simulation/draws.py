@@ -40,13 +40,13 @@ class Draw(NamedTuple):
         """Structures and ground at the medians of their parameters."""
         return [median_of(each) for each in self.structures], median_of(self.ground)
 
-    def stacks(self) -> list[list[Stack]] | None:
-        """Structures of each motion (motions, structures); None without uncertain parameters.
+    def stacks(self) -> list[list[Stack]]:
+        """Structures of each motion (motions, structures); none without uncertain parameters.
 
         A reduction factor refers to the median ground.
         """
         if not self.factors:
-            return None
+            return []
         columns = [self.samples_of(name) for name in self.models if name != GROUND]
         return [list(row) for row in zip(*columns, strict=True)]
 

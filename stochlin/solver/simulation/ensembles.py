@@ -1,23 +1,19 @@
 """Structures and their ground, prepared for a simulation of many motions (an ensemble).
 
-Here the models become the arrays that the compiled time steps take. The time step is chosen, and the
-computing time is estimated. The parameters of each single structure in a table are called a cell.
+The time step is chosen, and the computing time is estimated.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from contextlib import suppress
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 import scipy.linalg
-import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import cores
-from stochlin.kernels.basics.systems import System
+from stochlin.kernels.basics.rows import Rows
 from stochlin.kernels.linearization.filters import Filter
 from stochlin.kernels.simulation.ensemble import (
     Crowd,
@@ -28,14 +24,11 @@ from stochlin.kernels.simulation.ensemble import (
 )
 from stochlin.kernels.simulation.laws import BILINEAR, OTHER, VISCOUS
 from stochlin.kernels.simulation.stepping import LANES, FilterSteps, filter_steps
-from stochlin.kernels.simulation.time_step import Elements
 from stochlin.models.grounds import Ground
-from stochlin.models.structures import Structure
-from stochlin.solver.linearization.equivalent_systems import solve_structure, solved_together
+from stochlin.models.structures import GAUSSIAN, Structure
+from stochlin.solver.linearization.equivalent_systems import solved_together
 from stochlin.solver.linearization.tolerance import Tolerance
-from stochlin.solver.simulation.connected_structures import SteppedGroup, laws_of
-from stochlin.solver.tables import labels
-from stochlin.solver.tables.cellwise import row_of
+from stochlin.solver.simulation.connected_structures import SteppedGroup
 from stochlin.solver.tables.work import check_work
 
 # The response is sampled this often in the shortest period. More samples would hardly make the estimated
@@ -43,180 +36,88 @@ from stochlin.solver.tables.work import check_work
 SAMPLES_PER_PERIOD = 2
 
 
-class SimulationCells(NamedTuple):
-    """The cells of structures in one row of length n; parameters that are not valid are NaN."""
-
-    period: Array  # [s]
-    damping: Array  # damping ratio
-    hardening: Array  # hardening ratio
-    yield_displacement: Array  # [m], infinite for an elastic structure
-    law: Array  # (n, k) further parameters of the hysteresis law; shorter rows are filled up with NaN
-    step: npt.NDArray[np.object_]  # what `Structure.step` gives
-    damping_time: Array  # [s] in which free vibrations decay to 1/e, which is 1/(xi w)
-    drift_time: Array  # [s] in which the plastic drift decays, by linearization; 0 if elastic
-    valid: Array  # whether the parameters are in range and the elastic response could be computed
-
-
 class SimulationRun(NamedTuple):
-    """A simulation that is ready to run.
+    """A simulation that is ready to run, of displacements that are watched (w,).
 
-    It has floors: an oscillator has one, a building with storeys has one for each storey. After the
-    floors come the modes that yield.
+    An oscillator has one, a building with storeys has one for each floor, and one for each mode that
+    yields.
     """
 
     crowd: Crowd  # all structures, grouped by the kind of their time steps, with ground and plan
-    order: Array  # for each valid floor, its row in the crowd
-    scale: Array  # for each valid floor, the unit in which its displacement is computed [m]
-    memory: float  # [s], the longest time in which a vibration or a plastic drift decays
-    valid: Array  # (n,) for each floor, whether it can be simulated
-    period: Array  # [s], for each valid floor, the longest period of its structure
-    drift_time: Array  # [s], for each valid floor, the time in which its plastic drift decays
+    order: Array  # (w,) the row of each displacement in the crowd
+    scale: Array  # (w,) [m], the unit in which it is computed
+    period: Array  # (w,) [s], the longest period of its structure
+    drift_time: Array  # (w,) [s], in which its plastic drift decays
+    memory: float  # [s], the longest time in which a vibration decays
 
     @property
     def plan(self) -> Plan:
         """Time step, duration, number and seed of the motions."""
         return self.crowd.plan
 
-    @property
-    def drift_memory(self) -> Array:
-        """`drift_time` of all floors (n,) [s]; NaN of those that cannot be simulated."""
-        times = np.full(self.valid.size, np.nan)
-        times[self.valid] = self.drift_time
-        return times
-
     def with_plan(self, **changes: Any) -> SimulationRun:
         """The run with other entries of the plan."""
         return self._replace(crowd=self.crowd._replace(plan=self.plan._replace(**changes)))
 
+    def rows(self, functions: Array) -> Rows:
+        """Linear functions (m, k) of the first displacements [m], as functions of those of the crowd."""
+        count = functions.shape[1]
+        matrix = np.zeros((len(functions), self.order.size))
+        matrix[:, self.order[:count]] = functions * self.scale[:count]
+        return Rows.of(matrix)
 
-def cells_of(
-    structure: Structure, ground: Ground, stationary: bool = True
-) -> tuple[SimulationCells, xr.DataArray]:
-    """The cells of a structure in one row, and for each cell of its table the position in this row.
 
-    The decay time of the plastic drift is only computed for a ``stationary`` run, which needs it for its
-    duration. Otherwise it is 0.
+def drift_time_of(structure: Structure, ground: Ground) -> float:
+    """Time [s] in which the plastic drift of an oscillator decays, by linearization; 0 if elastic.
+
+    A law may have no linearization; a run that is too short shows it by its change of variance.
     """
-    elastic = solved_together((structure,), ground).labelled(0, ["yield_displacement", "status"])
-    values = structure.arrays()
-    like = xr.DataArray(elastic["yield_displacement"])
-    k_eq = xr.zeros_like(like)
-    # A law may have no linearization; a run that is too short shows it by its change of variance.
-    with suppress(ArithmeticError):
-        if stationary:
-            k_eq = solve_structure(structure, ground, "gaussian", Tolerance(1e-6, 1e-9, 200)).k_eq
-    columns = (
-        values["period"],
-        values["damping"],
-        values.get("hardening", xr.DataArray(1.0)),
-        like,
-        k_eq,
-        *structure.law_parameters(),
-    )
-    period, damping, hardening, uy, pace, *rest = (row_of(a, like).astype(float) for a in columns)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        slow = np.where(pace > 0, 1 / (hardening * pace), 0)
-        decay = 1 / (damping * (2 * np.pi / period))
-    status = np.ravel(elastic["status"])
-    cells = SimulationCells(
-        period,
-        damping,
-        hardening,
-        uy,
-        np.reshape(rest, (len(rest), period.size)).T,
-        np.full(period.size, structure.step(), object),
-        decay,
-        np.nan_to_num(slow),
-        (status < labels.NOT_CONVERGED) & (row_of(structure.settles(), like) | (not stationary)),
-    )
-    return cells, xr.full_like(like, 0, dtype=int).copy(data=np.arange(period.size).reshape(like.shape))
-
-
-def cells_of_all(
-    structures: Sequence[Structure], ground: Ground, stationary: bool = True
-) -> SimulationCells:
-    """The cells of structures with scalar parameters, in their order."""
-    return join_cells([cells_of(structure, ground, stationary)[0] for structure in structures])
-
-
-def join_cells(parts: Sequence[SimulationCells]) -> SimulationCells:
-    """The cells of several structures, one after another in one row."""
-    columns = dict(zip(SimulationCells._fields, zip(*parts, strict=True), strict=True))
-    laws = joined_laws(columns.pop("law"))
-    return SimulationCells(
-        law=laws, **{name: np.concatenate(column) for name, column in columns.items()}
-    )
-
-
-def joined_laws(laws: Sequence[Array]) -> Array:
-    """Parameters of several laws, arrays (n, k), in one array.
-
-    Rows with fewer parameters than the longest are filled up with NaN.
-    """
-    widest = max(law.shape[1] for law in laws)
-    wide = [np.pad(law, ((0, 0), (0, widest - law.shape[1])), constant_values=np.nan) for law in laws]
-    return np.concatenate(wide)
+    try:
+        solved = solved_together((structure,), ground, GAUSSIAN, Tolerance(1e-6, 1e-9, 200))
+    except ArithmeticError:
+        return 0.0
+    pace = float((solved.oscillators.hardening * solved.values["k_eq"])[0])
+    return 1 / pace if pace > 0 else 0.0
 
 
 def prepare(
-    cells: SimulationCells | None,
+    groups: Sequence[SteppedGroup],
     ground: Ground,
     *,
     paths: int,
     seed: int,
     steps_per_period: int,
-    connected: Sequence[SteppedGroup] = (),
-    floors: Sequence[int] | None = None,
-    drift_times: Array | None = None,
+    drift_times: Array | float = 0.0,
     scatter: float = 0.0,
     grounds: Sequence[Ground] = (),
-    moments: bool = True,
     step: float | None = None,
 ) -> SimulationRun:
     """Structures and their ground, ready for a simulation whose duration is still open.
 
     Parameters
     ----------
-    cells : SimulationCells or None
-        Oscillators that are not linked to others.
+    groups : sequence of SteppedGroup
+        All structures.
     ground : Ground
         The ground that acts on all structures.
     paths, seed, steps_per_period, scatter
         As in `simulate`.
-    connected : sequence of SteppedGroup
-        Buildings with storeys and linked structures.
-    floors : sequence of int, optional
-        For each of the ``cells`` its number among the floors. Required with ``connected`` ones.
-    drift_times : Array, optional
-        For each floor the time in which its plastic drift decays [s]. The default are the times of the
-        ``cells``.
+    drift_times : Array
+        For each displacement the time in which its plastic drift decays [s].
     grounds : sequence of Ground
         Samples of an uncertain ground, one for each motion.
-    moments : bool
-        Whether the run will store the moments of all pairs of floors. If so, it is checked whether they
-        fit into memory.
+    step : float, optional
+        Time step [s], by default that of the shortest period.
 
     Returns
     -------
     SimulationRun
         The simulation, without its duration.
     """
-    if cells is not None and not cells.valid.any():
-        raise ValueError("no structure has valid parameters; correct those that are out of range")
-    own = 0 if cells is None else cells.valid.size
-    count = own + sum(group.watched.size for group in connected)
-    if moments:
-        check_memory(count if cells is None or connected else int(cells.valid.sum()), paths)
-    groups = list(connected)
-    if cells is not None:
-        groups = [*_oscillators(cells, np.arange(own) if floors is None else np.array(floors)), *groups]
-        drift_times = cells.drift_time if drift_times is None else drift_times
-    rows, (scale, period) = np.full(count, -1), np.full((2, count), np.nan)
-    begin = 0
+    watched = np.concatenate([group.watched for group in groups])
+    order, (scale, period) = np.argsort(watched), np.empty((2, watched.size))
     for group in groups:
-        rows[group.watched] = begin + np.arange(group.watched.size)
         scale[group.watched], period[group.watched] = group.scale, group.period
-        begin += group.watched.size
     soil = ground.lone_filter()
     rates = -np.linalg.eigvals(soil.arrays.matrix).real if soil.states else np.array([np.inf])
     soils = [each.lone_filter() for each in grounds] or [soil]
@@ -225,19 +126,12 @@ def prepare(
     memory = max(float((1 / rates).max()), *(group.slowest for group in groups))
     dt = step or min(periods) / steps_per_period
     every = max(1, steps_per_period // SAMPLES_PER_PERIOD)
-    known = rows >= 0
     steps, roots = zip(*(ground_steps(each, dt) for each in soils), strict=True)
     plan = Plan(dt, every, 0, 0, groups=int(np.ceil(paths / LANES)), seed=seed, scatter=scatter)
     soil_steps = UncertainGround(steps, roots) if grounds else steps[0]
-    return SimulationRun(
-        Crowd([group.part for group in groups], soil_steps, roots[0], plan),
-        rows[known],
-        scale[known],
-        memory,
-        known,
-        period[known],
-        np.asarray(drift_times)[known],
-    )
+    crowd = Crowd([group.part for group in groups], soil_steps, roots[0], plan)
+    times = np.broadcast_to(drift_times, watched.size)
+    return SimulationRun(crowd, order, scale, period, times, memory)
 
 
 def ground_steps(soil: Filter, dt: float) -> tuple[FilterSteps, Array]:
@@ -278,42 +172,6 @@ def seconds_of(run: SimulationRun, steps: float, distances: float = 0.0) -> floa
         + 1e-9 * distances
     )
     return step * steps * run.plan.groups * LANES
-
-
-def _oscillators(cells: SimulationCells, floors: Array) -> list[SteppedGroup]:
-    """The valid structures, bilinear ones together; ``floors`` are the numbers of all cells.
-
-    Displacements of bilinear structures are computed in units of the yield displacement, others in m.
-    """
-    valid = cells.valid
-    w = 2 * np.pi / cells.period[valid]
-    yields = np.isfinite(cells.yield_displacement[valid])
-    alpha = np.where(yields, cells.hardening[valid], 1.0)
-    scale = np.where(yields, cells.yield_displacement[valid], 1.0)
-    friction, post, couple = 2 * cells.damping[valid] * w, alpha * w**2, (1 - alpha) * w**2
-    step, law, period, slowest = (
-        column[valid] for column in (cells.step, cells.law, cells.period, cells.damping_time)
-    )
-    bilinear = (step == BILINEAR) | ~yields
-    groups: list[SteppedGroup] = []
-
-    def add(part: Oscillators | SteppedStructures, members: Array, unit: Any) -> None:
-        own = period[members]
-        memory = float(slowest[members].max())
-        groups.append(SteppedGroup(part, floors[valid][members], float(own.min()), memory, own, unit))
-
-    together = np.flatnonzero(bilinear)
-    if together.size:
-        columns = np.stack([friction, post, couple, 1 / scale], axis=1)
-        add(Oscillators(columns[together]), together, scale[together])
-    for n in np.flatnonzero(~bilinear):
-        spring = ([value] for value in (post[n], couple[n], scale[n]))
-        unit = np.ones((1, 1))
-        system = System(unit[0], friction[n] * unit, unit, unit, *map(np.array, spring))
-        kinds, states, of_kinds = laws_of([step[n]])
-        own = law[n][None, np.isfinite(law[n])]
-        add(SteppedStructures(Elements(system, kinds, states, own), of_kinds), np.array([n]), 1.0)
-    return groups
 
 
 def _root(matrix: Array, noise: Array, intensity: float) -> Array:

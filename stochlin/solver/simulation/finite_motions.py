@@ -16,18 +16,9 @@ from stochlin.kernels.simulation.stepping import LANES, whole_groups
 from stochlin.messages import brief
 from stochlin.models.arguments import checked, is_number
 from stochlin.models.envelopes import Envelope, envelope_at
-from stochlin.models.systems import AnyStructure, Arrangement, Tie
+from stochlin.models.systems import AnyStructure, Arrangement
 from stochlin.solver.simulation.ensembles import SimulationRun, seconds_of
-from stochlin.solver.simulation.structures_in_motion import STRUCTURE, StructuresInMotion
-from stochlin.solver.simulation.views import (
-    Pair,
-    Terms,
-    apart,
-    at_heights,
-    drifts_of,
-    pairs_of,
-    view_of,
-)
+from stochlin.solver.simulation.structures_in_motion import STRUCTURE, StructuresInMotion, pairs_of
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_duration
 from stochlin.solver.tables.floors import ELEMENT, LINK, element_coordinates, link_coordinates
@@ -109,45 +100,27 @@ def simulate_finite(
 ) -> xr.Dataset:
     """Dataset of `simulate` for motions of finite duration, without labels."""
     levels = np.asarray(quantiles, float)
-    check_finite(run, duration, moving.functions)
-    system, pairs, n = moving.system, pairs_of(moving.system), len(moving.system.floors)
-    storeys = drifts_of(system) if moving.has_storeys else []
-    places = at_heights(system) if moving.has_storeys else []
-    functions = [
-        *({floor: 1.0} for floor in range(n)),
-        *storeys,
-        *(terms for *_, terms in places),
-        *(apart(system, pair) for pair in pairs),
-    ]
-    extremes = _extremes(run, functions, duration, envelope, progress, system.ties)
-    highest, lowest = extremes.highest, extremes.lowest
-    drifts = np.arange(n, n + len(storeys)) if storeys else np.arange(n)
-    fallen = system.fallen(np.maximum(highest, -lowest)[:, drifts], moving.limits)
-    if fallen.any():  # a structure that has fallen has moved beyond any gap
-        owners = [[owner] for owner in system.owners]
-        members = [*owners[:n], *owners[: len(storeys)], *([number] for number, *_ in places)]
-        members += [[pair.first, pair.second] for pair in pairs]
-        lost = np.stack([fallen[:, numbers].any(axis=1) for numbers in members], axis=1)
-        highest, lowest = np.where(lost, np.inf, highest), np.where(lost, -np.inf, lowest)
-    check_response(system, ~np.isnan(highest[:, :n]))
-    either = np.maximum(highest, -lowest)
+    system, links, functions = moving.system, links_of(moving.system), moving.functions
+    extremes = extremes_of(run, [*functions.values()], (duration, envelope), progress, links=links)
+    highest, fallen = _with_falls(moving, functions, extremes)
+    check_response(system, ~np.isnan(highest["floors"][0]))
+    either = {name: highest[name].max(axis=0) for name in functions}
+    over = "path", moving.floor
     samples: Columns = {
-        "peak_positive": (("path", moving.floor), highest[:, :n]),
-        "peak_negative": (("path", moving.floor), -lowest[:, :n]),
-        "peak": (("path", moving.floor), either[:, :n]),
+        "peak_positive": (over, highest["floors"][0]),
+        "peak_negative": (over, highest["floors"][1]),
+        "peak": (over, either["floors"]),
     }
     coords = {k: v for k, v in moving.floor_coords().items() if not k.endswith("_2")}
-    if storeys:
-        coords |= element_coordinates(system)
-        samples["peak_drift"] = ("path", ELEMENT), either[:, n : n + len(storeys)]
-    differences = slice(len(functions) - len(pairs), None)
-    heights = np.unique([pair.height for pair in pairs if not np.isnan(pair.height)])
-    samples |= _separations(system, pairs, heights, highest[:, differences], lowest[:, differences])
+    heights = np.unique([height for _, height in moving.places])
+    samples |= _separations(system, heights, highest["pairs"])
     names = [f"{number}" for number in range(1, len(system.stacks) + 1)]
     coords |= {STRUCTURE: names, f"{STRUCTURE}_2": names}
-    if places:
-        peaks = either[:, n + len(storeys) : len(functions) - len(pairs)]
-        samples["peak_at_height"] = _at_heights(system, places, heights, peaks)
+    if moving.has_storeys:
+        coords |= element_coordinates(system)
+        samples["peak_drift"] = ("path", ELEMENT), either["drifts"]
+    if moving.places:
+        samples["peak_at_height"] = _at_heights(moving, heights, either["places"])
         coords["height"] = labels.axis("height", HEIGHT, heights, "m").height
     if system.ties:
         coords |= link_coordinates([tie.number for tie in system.ties])
@@ -155,15 +128,67 @@ def simulate_finite(
         for name, each in zip(LINK_PEAKS, of_links, strict=True):
             samples[name] = ("path", LINK), np.where(fallen.any(axis=1, keepdims=True), np.inf, each)
     means = _means(samples)
-    if storeys:
-        means["ductility"] = [ELEMENT], means["peak_drift_mean"][1] / moving.strength
-    (_, *over), apart_most = samples["separation"]
-    quantile = quantile_columns("separation", over, apart_most, levels)
+    if moving.has_storeys:
+        means["ductility"] = [ELEMENT], means["peak_drift_mean"][1] / system.watched_strength
+    (_, *over_pairs), apart_most = samples["separation"]
+    quantile = quantile_columns("separation", over_pairs, apart_most, levels)
     if np.isfinite(moving.limits).any():
         means |= _collapses(fallen)
     coords["quantile"] = "quantile", levels, {"units": "1", "long_name": "quantile"}
     # Made at once, because each addition to a dataset takes a millisecond.
     return xr.Dataset(samples | means | quantile, coords, finite_attributes(run, duration, envelope))
+
+
+def links_of(system: Arrangement) -> tuple[Array, Array]:
+    """Extensions of the links, as functions (l, w) of all that is watched, and their parameters."""
+    extensions = np.zeros((len(system.ties), len(system.watched)))
+    for row, tie in zip(extensions, system.ties, strict=True):
+        row[tie.floor] = 1.0
+        if tie.other >= 0:
+            row[tie.other] = -1.0
+    links = [tie.link for tie in system.ties]
+    parameters = [[*link.spring, link.number("damping_constant"), link.exponent] for link in links]
+    return extensions, np.reshape(parameters, (-1, 5))
+
+
+def extremes_of(
+    run: SimulationRun,
+    functions: Sequence[Array],
+    motion: tuple[float, Envelope | None],
+    progress: Progress | None = None,
+    *,
+    times: int = 1,
+    links: tuple[Array, Array] | None = None,
+) -> Extremes:
+    """Extremes of linear functions (m, w) [m] of all that is watched, and peaks of links.
+
+    The ``motion`` is a duration with its envelope. Raises as `check_finite`.
+    """
+    matrix, (duration, envelope) = np.concatenate(functions), motion
+    check_finite(run, duration, len(matrix), times)
+    extensions, parameters = links or (np.zeros((0, 1)), np.zeros((0, 5)))
+    crowd, shape = finite_steps(run, duration, envelope)
+    watched = Links(run.rows(extensions), parameters)
+    return finite_extremes(crowd, run.rows(matrix), shape, progress, watched)
+
+
+def _with_falls(
+    moving: StructuresInMotion, functions: Mapping[str, Array], extremes: Extremes
+) -> tuple[dict[str, Array], Array]:
+    """Largest values of all functions to both sides (2, paths, m), and whether structures fall.
+
+    A structure that falls (paths, s) moves beyond any gap.
+    """
+    system, matrix = moving.system, np.concatenate([*functions.values()])
+    largest = np.stack([extremes.highest, -extremes.lowest])
+    ends = np.cumsum([len(rows) for rows in functions.values()])[:-1]
+    blocks = dict(zip(functions, np.split(largest, ends, axis=2), strict=True))
+    drifts = blocks["drifts" if moving.has_storeys else "floors"].max(axis=0)
+    fallen = system.fallen(drifts, moving.limits)
+    members = np.arange(len(system.stacks)) == system.owners[:, None]
+    lost = fallen @ (np.abs(matrix) @ members > 0).T
+    largest[:, lost] = np.inf
+    return blocks, fallen
 
 
 def _means(samples: Columns) -> Columns:
@@ -198,57 +223,27 @@ def finite_attributes(
     }
 
 
-def largest_displacements(
-    run: SimulationRun, duration: float, envelope: Envelope | None, times: int = 1
-) -> Array:
-    """Peaks ``max |u|`` [m] (paths, valid floors), one of ``times`` simulations of the same size."""
-    floors = [{floor: 1.0} for floor in range(run.order.size)]
-    check_finite(run, duration, len(floors), times)
-    extremes = _extremes(run, floors, duration, envelope, None)
-    return np.maximum(extremes.highest, -extremes.lowest)
-
-
-def _extremes(
-    run: SimulationRun,
-    functions: list[Terms],
-    duration: float,
-    envelope: Envelope | None,
-    progress: Progress | None,
-    ties: Sequence[Tie] = (),
-) -> Extremes:
-    """Largest and smallest values [m] of linear functions of valid floors, and peaks of links."""
-    crowd, shape = finite_steps(run, duration, envelope)
-    links = None
-    if ties:
-        terms = [{tie.floor: 1.0} | ({tie.other: -1.0} if tie.other >= 0 else {}) for tie in ties]
-        extensions = view_of(terms, run.order, run.scale)
-        springs = [
-            [*tie.link.spring, tie.link.number("damping_constant"), tie.link.exponent] for tie in ties
-        ]
-        links = Links(extensions, np.array(springs))
-    return finite_extremes(crowd, view_of(functions, run.order, run.scale), shape, progress, links)
-
-
-def _at_heights(
-    system: Arrangement, places: list[tuple[int, float, Terms]], heights: Array, peaks: Array
-) -> Column:
+def _at_heights(moving: StructuresInMotion, heights: Array, peaks: Array) -> Column:
     """Peaks [m] of the structures at the heights at which they could meet another."""
-    values = np.full((len(peaks), len(system.stacks), heights.size), np.nan)
-    for (structure, height, _), column in zip(places, peaks.T, strict=True):
-        values[:, structure, np.searchsorted(heights, height)] = column
+    values = np.full((len(peaks), len(moving.system.stacks), heights.size), np.nan)
+    structures, levels = zip(*moving.places, strict=True)
+    values[:, structures, np.searchsorted(heights, levels)] = peaks
     return ("path", STRUCTURE, "height"), values
 
 
-def _separations(
-    system: Arrangement, pairs: list[Pair], heights: Array, highest: Array, lowest: Array
-) -> Columns:
-    """Peak relative displacements [m], over all heights and, with storeys, at each height."""
-    count, paths = len(system.stacks), len(highest)
+def _separations(system: Arrangement, heights: Array, largest: Array) -> Columns:
+    """Peak relative displacements [m], over all heights and, with storeys, at each height.
+
+    ``largest`` (2, paths, p) are those of all pairs, to both sides.
+    """
+    count, paths = len(system.stacks), largest.shape[1]
     whole = np.zeros((paths, count, count))
     over = "path", STRUCTURE, f"{STRUCTURE}_2"
     at_height = np.full((paths, count, count, heights.size), np.nan)
-    for pair, most, least in zip(pairs, highest.T, lowest.T, strict=True):
-        for (i, j), value in (((pair.first, pair.second), most), ((pair.second, pair.first), -least)):
+    for pair, *sides in zip(pairs_of(system), *largest.swapaxes(1, 2), strict=True):
+        for (i, j), value in zip(
+            ((pair.first, pair.second), (pair.second, pair.first)), sides, strict=True
+        ):
             whole[:, i, j] = np.maximum(whole[:, i, j], value)
             if not np.isnan(pair.height):
                 at_height[:, i, j, np.searchsorted(heights, pair.height)] = value

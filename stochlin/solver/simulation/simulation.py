@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.kernels.simulation.ensemble import Sums, View, stationary_sums
 from stochlin.kernels.simulation.stepping import LANES, whole_groups
 from stochlin.messages import brief
 from stochlin.models.arguments import (
@@ -30,39 +28,16 @@ from stochlin.models.parameters import expect
 from stochlin.models.structures import Structure
 from stochlin.models.systems import STRUCTURES, AnyStructure, floor_count
 from stochlin.solver.simulation.draws import GROUND, Draw, draw
-from stochlin.solver.simulation.ensembles import SimulationRun, check_memory, seconds_of
-from stochlin.solver.simulation.finite_motions import (
-    check_finite,
-    check_motion,
-    check_response,
-    simulate_finite,
-)
-from stochlin.solver.simulation.run_lengths import BURN_IN, with_length
-from stochlin.solver.simulation.structures_in_motion import StructuresInMotion, structures_in_motion
-from stochlin.solver.simulation.views import drifts_of, view_of
+from stochlin.solver.simulation.ensembles import check_memory, seconds_of
+from stochlin.solver.simulation.finite_motions import check_finite, check_motion, simulate_finite
+from stochlin.solver.simulation.stationary_motions import stationary_moments
+from stochlin.solver.simulation.structures_in_motion import structures_in_motion
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_scalars
-from stochlin.solver.tables.floors import ELEMENT, element_coordinates
 
 SCALARS = "scalars, one structure an entry; correlate(method='simulation') takes arrays"
 STEPS_PER_PERIOD = 32
 SHORT, MOTIONS = 0.5, (256, 2048)  # [s] of a simulation, and fewest and most motions, where not given
-ROUNDING = 1e-13  # relative size of a sum, over its terms, below which it is a rounding error
-NOT_STATIONARY = 5.0  # change of a variance, in standard errors, above which a run is not stationary
-# A drift is waited for if each motion then has at most this number of time steps. With 256 motions of
-# one structure this takes some ten seconds.
-MOST_STEPS = 1e7
-
-
-class MomentEstimates(NamedTuple):
-    """Second moments of the displacements of n cells, with standard errors; NaN for invalid cells."""
-
-    displacement_std: Array  # (n,) [m]
-    displacement_error: Array  # (n,) [m]
-    rho: Array  # (n, n)
-    rho_error: Array  # (n, n)
-    drift: Array  # (n,) change of the variance during the run, in standard errors
-    status: Array  # (n,) status codes of `labels`
 
 
 @checked
@@ -207,12 +182,6 @@ def simulate(
         "grounds": drawn.samples_of(GROUND),
     }
     run = moving.run(ground, **options)
-    if not run.valid.all() and (moving.has_storeys or duration is not None):
-        lost = roles[f"structures[{int(np.argmin(run.valid))}]"].describe()
-        raise ArithmeticError(
-            f"the elastic response of {lost} cannot be computed in floating point; give less extreme "
-            "parameters"
-        )
     models = drawn.models
     del models["ground"]
     if isinstance(link, Link):
@@ -224,7 +193,7 @@ def simulate(
         table = table.assign(drawn.table())
         state, more = "finite motions", f", duration={duration}"
     else:
-        table = _stationary(moving, run, relaxation_times, progress)
+        table = stationary_moments(moving, run, relaxation_times, progress)
         state, more = "stationary response", ""
     return labels.with_run_information(
         labels.label(table, last=labels.NOT_RESOLVED),
@@ -243,49 +212,6 @@ def _medians(drawn: Draw, duration: float | None) -> tuple[Sequence[AnyStructure
             "is that of one structure on one ground: give a duration, or the median()"
         )
     return drawn.medians
-
-
-def _stationary(
-    moving: StructuresInMotion, run: SimulationRun, relaxation_times: float, progress: Progress | None
-) -> xr.Dataset:
-    """Stationary second moments of all floors, and of the drifts of storeys."""
-    too_slow = MOST_STEPS * run.plan.dt / (BURN_IN + relaxation_times)
-    expected = run.drift_time
-    rare = expected > too_slow
-    run = with_length(run._replace(drift_time=np.where(rare, 0.0, expected)), relaxation_times)
-    memory = run._replace(drift_time=np.where(rare, expected, run.drift_time)).drift_memory
-    storeys = drifts_of(moving.system) if moving.has_storeys else []
-    view = None
-    if storeys:
-        floors = [{floor: 1.0} for floor in range(len(moving.system.floors))]
-        view = view_of([*floors, *storeys], run.order, run.scale)
-    moments = simulate_moments(run, progress, view)
-    n, over = len(moving.system.floors), moving.floor
-    check_response(moving.system, np.isfinite(moments.displacement_std[None, :n]) | ~run.valid[:n])
-    for group in moving.connected:  # all floors of a structure move with the storey that yields rarely
-        memory[group.watched] = memory[group.watched].max()
-    unresolved = memory > too_slow
-    table = xr.Dataset(
-        {
-            "displacement_std": (over, moments.displacement_std[:n]),
-            "displacement_std_standard_error": (over, moments.displacement_error[:n]),
-            "drift": (over, moments.drift[:n]),
-            "drift_memory": (over, memory[:n]),
-            "status": (over, np.where(unresolved[:n], labels.NOT_RESOLVED, moments.status[:n])),
-            "rho": ((over, f"{over}_2"), moments.rho[:n, :n]),
-            "rho_standard_error": ((over, f"{over}_2"), moments.rho_error[:n, :n]),
-        },
-        coords=moving.floor_coords(),
-        attrs=run_attributes(run),
-    )
-    ductility = moments.displacement_std[:n]
-    if storeys:
-        ductility = moments.displacement_std[n:]
-        table["drift_std"] = (ELEMENT, ductility)
-        table["drift_std_standard_error"] = (ELEMENT, moments.displacement_error[n:])
-        table = table.assign_coords(element_coordinates(moving.system))
-    table["ductility_std"] = (moving.element, ductility / moving.strength)
-    return table
 
 
 def checked_structures(structures: Sequence[AnyStructure], ground: Ground) -> dict[str, AnyStructure]:
@@ -323,70 +249,9 @@ def check_repeated(
     checked_structures(structures, ground)
     moving = structures_in_motion(structures, ground, None, stationary=False)
     run = moving.run(ground, paths=paths or LANES, seed=0, steps_per_period=STEPS_PER_PERIOD)
-    check_finite(run, duration, moving.functions, times)
+    functions = sum(map(len, moving.functions.values()))
+    check_finite(run, duration, functions, times)
     if paths is not None:
         return paths, paths
-    each = seconds_of(run, duration / run.plan.dt, 2.0 * moving.functions) / LANES
+    each = seconds_of(run, duration / run.plan.dt, 2.0 * functions) / LANES
     return whole_groups(int(np.clip(SHORT / each, *MOTIONS))), MOTIONS[1]
-
-
-def simulate_moments(
-    run: SimulationRun, progress: Progress | None, view: View | None = None
-) -> MomentEstimates:
-    """Second moments with standard errors, of all floors or of the displacements in ``view``."""
-    sums = stationary_sums(run.crowd, view, progress)
-    variance, variance_error, rho, rho_error, drift = _estimates(sums, run.plan.groups * LANES)
-    sigma = np.sqrt(variance)
-    valid, order, unit = run.valid, run.order, run.scale
-    if view is not None:
-        valid, order, unit = np.ones(sigma.size, bool), np.arange(sigma.size), np.ones(sigma.size)
-
-    def spread(values: Array, scale: Any = 1.0) -> Array:
-        filled = np.full((valid.size,) * values.ndim, np.nan)
-        filled[np.ix_(*([valid] * values.ndim))] = values[np.ix_(*([order] * values.ndim))] * scale
-        return filled
-
-    std, error, drift = spread(sigma, unit), spread(variance_error / (2 * sigma), unit), spread(drift)
-    status = np.where(np.abs(drift) <= NOT_STATIONARY, labels.CONVERGED, labels.NOT_CONVERGED)
-    status = np.where(valid, status, labels.INVALID_INPUT).astype(np.int8)
-    return MomentEstimates(std, error, spread(rho), spread(rho_error), drift, status)
-
-
-@np.errstate(all="ignore")  # cells that overflow get a status
-def _estimates(sums: Sums, paths: int) -> tuple[Array, Array, Array, Array, Array]:
-    """Variance and its standard error, rho and its standard error, and change of the variance.
-
-    The errors follow from the scatter between paths. That of ``rho`` is the standard error of the mean
-    of its influence function, ``g_12/(s_1 s_2) - rho/2 (g_11/s_1^2 + g_22/s_2^2)``, with the mean
-    products ``g_ij`` of the displacements in a path.
-    """
-    mean = sums.moments / paths
-    variance = np.diag(mean)
-    unit = np.sqrt(np.outer(variance, variance))
-    rho = mean / unit
-    share_1, share_2 = sums.with_own / (unit * variance[:, None]), sums.with_own.T / (unit * variance)
-    own = np.diag(sums.own) / variance**2
-    spread = (
-        sums.squares / unit**2
-        - rho * (share_1 + share_2)
-        + 0.25 * rho**2 * (own[:, None] + own + 2 * sums.own / unit**2)
-    )
-    spread = np.where(spread > ROUNDING * sums.squares / unit**2, spread, 0.0)
-    rho_error = np.sqrt(spread / (paths * (paths - 1)))
-    variance_error = np.sqrt((np.diag(sums.own) - paths * variance**2) / (paths * (paths - 1)))
-    change = sums.change / paths
-    change_error = np.sqrt((sums.change_squares / paths - change**2) / (paths - 1))
-    return variance, variance_error, rho, rho_error, change / change_error
-
-
-def run_attributes(run: SimulationRun) -> dict[str, float | int]:
-    """Attributes of a dataset that describe its stationary simulation."""
-    plan = run.plan
-    return {
-        "paths": plan.groups * LANES,
-        "seed": plan.seed,
-        "step_s": plan.dt,
-        "memory_s": run.memory,
-        "burn_in_s": plan.burn_in * plan.block,
-        "recorded_s": plan.recorded * plan.block,
-    }

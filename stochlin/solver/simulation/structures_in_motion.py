@@ -1,4 +1,4 @@
-"""Structures of a simulation: oscillators without links, buildings and linked structures."""
+"""Structures of a simulation, where they can meet, and the displacements that are watched."""
 
 from __future__ import annotations
 
@@ -18,32 +18,75 @@ from stochlin.models.systems import (
     arrangement_of,
     check_links,
     check_stationary,
+    shares_at,
 )
 from stochlin.solver.linearization.strength import strength_in_metres
 from stochlin.solver.linearization.systems.systems import linearize_system
 from stochlin.solver.simulation.connected_structures import (
     SteppedGroup,
-    connected_of,
-    sampled_connected,
+    connected_groups,
+    stepped_groups,
 )
-from stochlin.solver.simulation.ensembles import SimulationCells, SimulationRun, cells_of_all, prepare
-from stochlin.solver.simulation.views import pairs_of
+from stochlin.solver.simulation.ensembles import SimulationRun, drift_time_of, prepare
 from stochlin.solver.tables.floors import ELEMENT, FLOOR, floor_coordinates
 
 STRUCTURE = "structure"
+
+
+class Pair(NamedTuple):
+    """Two structures, by their numbers from 0, and a height of contact [m]; NaN for oscillators."""
+
+    first: int
+    second: int
+    height: float
+
+
+def meeting_heights(first: Stack, second: Stack) -> Array:
+    """Heights [m] at which the relative displacement of two structures can be largest.
+
+    Displacements are linear between floors, so that these are the levels of all floors of both, up to
+    the lower roof. An oscillator has no height. Beside a building it is at the roof of the building; the
+    height for two oscillators is NaN.
+    """
+    if first.is_oscillator or second.is_oscillator:
+        other = second if first.is_oscillator else first
+        return other.levels[-1:]
+    both = np.unique(np.concatenate([first.levels, second.levels]))
+    return both[both <= min(first.levels[-1], second.levels[-1])]
+
+
+def pairs_of(system: Arrangement) -> list[Pair]:
+    """All pairs of structures, at all heights at which they could meet."""
+    count = len(system.stacks)
+    return [
+        Pair(i, j, float(height))
+        for i in range(count)
+        for j in range(i + 1, count)
+        for height in meeting_heights(system.stacks[i], system.stacks[j])
+    ]
+
+
+def at_height(system: Arrangement, number: int, height: float) -> Array:
+    """Displacement of structure ``number`` at a height [m], by shares (f,) of all floors."""
+    shares, first = np.zeros(int(system.first[-1])), system.first
+    shares[first[number] : first[number + 1]] = shares_at(system.stacks[number].levels, height)
+    return shares
+
+
+def apart(system: Arrangement, pair: Pair) -> Array:
+    """Relative displacement ``u_1 - u_2`` of a pair, by shares (f,) of all floors."""
+    first, second = (at_height(system, number, pair.height) for number in (pair.first, pair.second))
+    return first - second
 
 
 class StructuresInMotion(NamedTuple):
     """All structures that are simulated under the same motions."""
 
     system: Arrangement
-    cells: SimulationCells | None  # oscillators without links
-    alone: list[int]  # numbers of their floors
-    connected: list[SteppedGroup]
+    groups: list[SteppedGroup]
     links: tuple[Link | None, ...]
-    strength: Array  # (w,) [m], of all that is watched
     limits: Array  # (w,) or (motions, w) [m], drifts at which structures fall; see `Stack.limits`
-    drift_times: Array  # (w,) relaxation time [s] of its plastic drift; 0 for finite motions
+    drift_times: Array  # (w,) relaxation time [s] of the plastic drifts; 0 for finite motions
 
     @property
     def has_storeys(self) -> bool:
@@ -61,23 +104,46 @@ class StructuresInMotion(NamedTuple):
         return ELEMENT if self.has_storeys else STRUCTURE
 
     @property
-    def functions(self) -> int:
-        """Number of displacements, drifts and relative displacements with a peak in a finite motion."""
-        storeys = self.strength.size if self.has_storeys else 0
-        return len(self.system.floors) + storeys + len(pairs_of(self.system))
+    def floors(self) -> Array:
+        """The displacements of all floors, as functions (f, w) of all that is `watched`."""
+        return np.eye(len(self.system.floors), len(self.system.watched))
+
+    @property
+    def drifts(self) -> Array:
+        """The drifts of all storeys and modes that yield, as `floors`; none of oscillators alone."""
+        drifts = self.system.drifts
+        return drifts if self.has_storeys else drifts[:0]
+
+    @property
+    def places(self) -> list[tuple[int, float]]:
+        """Structures, each with the heights [m] at which it could meet another; none of oscillators."""
+        known = [pair for pair in pairs_of(self.system) if not np.isnan(pair.height)]
+        return sorted({(n, pair.height) for pair in known for n in (pair.first, pair.second)})
+
+    @property
+    def functions(self) -> dict[str, Array]:
+        """All that has a peak in a finite motion, as functions (m, w) of all that is `watched`."""
+        system, floors = self.system, self.floors
+        at_heights = [at_height(system, *place) for place in self.places]
+        relative = [apart(system, pair) for pair in pairs_of(system)]
+        return {
+            "floors": floors,
+            "drifts": self.drifts,
+            "places": np.reshape(at_heights, (-1, len(floors))) @ floors,
+            "pairs": np.reshape(relative, (-1, len(floors))) @ floors,
+        }
 
     def floor_coords(self) -> dict[str, Any]:
         """Coordinates of both dimensions of a table over pairs of floors."""
         if not self.has_storeys:
-            names = [f"{n}" for n in range(1, self.strength.size + 1)]
+            names = self.system.floors
             return {STRUCTURE: names, f"{STRUCTURE}_2": names}
         coords: dict[str, Any] = floor_coordinates(self.system)
         return coords | {f"{FLOOR}_2": coords[FLOOR][1]}
 
     def run(self, ground: Ground, **options: Any) -> SimulationRun:
         """Ensemble of the structures, without a duration; the options are those of `prepare`."""
-        options |= {"connected": self.connected, "floors": self.alone}
-        return prepare(self.cells, ground, drift_times=self.drift_times, **options)
+        return prepare(self.groups, ground, drift_times=self.drift_times, **options)
 
 
 def structures_in_motion(
@@ -85,7 +151,7 @@ def structures_in_motion(
     ground: Ground,
     link: Link | Sequence[Link | None] | None,
     stationary: bool,
-    samples: Sequence[Sequence[Stack]] | None = None,
+    samples: Sequence[Sequence[Stack]] = (),
 ) -> StructuresInMotion:
     """Structures of a simulation; for a stationary one with relaxation times by linearization.
 
@@ -93,46 +159,50 @@ def structures_in_motion(
     the medians.
     """
     links = check_links("link", link, len(structures))
-    tied = {s for n, tie in enumerate(links, 1) if tie is not None for s in tie.structures or (n, n + 1)}
-    sampled = samples is not None
-    in_metres: list[AnyStructure] = [
-        strength_in_metres(s, ground)
-        if sampled or (isinstance(s, Structure) and (n in tied or not s.settles()))
-        else s
-        for n, s in enumerate(structures, start=1)
-    ]
-    system = arrangement_of(in_metres, links)
+    system = arrangement_of([strength_in_metres(each, ground) for each in structures], links)
+    drift_times, limits = np.zeros(len(system.watched)), system.limits
     if stationary:
         check_stationary(system)
         for n, stack in enumerate(system.stacks, start=1):
             stack.law.check_stationary(f"structures, number {n}")
-    connected, alone = (
-        connected_of(system) if samples is None else (sampled_connected(system, samples), [])
-    )
-    floors = [int(system.first[n]) for n in alone]
-    strength = system.watched_strength
-    drift_times = np.zeros(strength.size)
-    cells = None
-    if alone:
-        oscillators: list[Any] = [structures[n] for n in alone]
-        cells = cells_of_all(oscillators, ground, stationary)
-        strength[floors], drift_times[floors] = cells.yield_displacement, cells.drift_time
-    if stationary and connected:
-        among = np.concatenate([group.watched for group in connected])
-        drift_times[among] = _drift_times(structures, ground, links, system)[among]
-    limits = system.limits
-    if samples is not None:
+        drift_times = _drift_times(structures, ground, system, links)
+    if samples:
         limits = np.array([system._replace(stacks=tuple(stacks)).limits for stacks in samples])
-    return StructuresInMotion(system, cells, floors, connected, links, strength, limits, drift_times)
+    groups = connected_groups(system, samples) if samples else stepped_groups(system)
+    return StructuresInMotion(system, groups, links, limits, drift_times)
 
 
 def _drift_times(
     structures: Sequence[AnyStructure],
     ground: Ground,
-    links: Sequence[Link | None],
     system: Arrangement,
+    links: Sequence[Link | None],
 ) -> Array:
     """Relaxation times [s] of all that is `watched` by linearization; 0 if elastic."""
+    linked = {
+        system.owners[floor] for tie in system.ties for floor in (tie.floor, tie.other) if floor >= 0
+    }
+    alone = [
+        number
+        for number, structure in enumerate(structures)
+        if isinstance(structure, Structure) and number not in linked
+    ]
+    times = np.zeros(len(system.watched))
+    if len(alone) < len(structures):
+        times = _joint_drift_times(structures, ground, system, links)
+    for number in alone:
+        structure = structures[number]
+        assert isinstance(structure, Structure)
+        times[system.first[number]] = drift_time_of(structure, ground)
+    return times
+
+
+def _joint_drift_times(
+    structures: Sequence[AnyStructure],
+    ground: Ground,
+    system: Arrangement,
+    links: Sequence[Link | None],
+) -> Array:
     storeys, count = system.storeys, len(system.watched)
     try:
         k_eq = linearize_system(structures, ground, links).k_eq.values[:count]
