@@ -39,7 +39,7 @@ from .solver.simulation.simulation import simulate as simulate
 from .solver.correlation.amplification import amplification as amplification
 
 # More of the response
-from .solver.correlation.correlation import rho_white_noise as rho_white_noise
+from .solver.correlation.equation_4 import rho_white_noise as rho_white_noise
 from .solver.linearization.transient_response import transient_response as transient_response
 from .solver.linearization.peaks import peak_response as peak_response
 from .solver.linearization.strength import (

@@ -6,4 +6,4 @@ from stochlin.models.rules.effective_properties import effective_rule as effecti
 from stochlin.models.rules.effective_properties import effective_rule_names as effective_rule_names
 from stochlin.models.rules.peak_factors import peak_factor_model as peak_factor_model
 from stochlin.models.rules.peak_factors import peak_factor_names as peak_factor_names
-from stochlin.solver.correlation.effective import rho_effective as rho_effective
+from stochlin.solver.correlation.equation_4 import rho_effective as rho_effective

@@ -3,11 +3,8 @@
 import importlib.util
 import os
 import re
-import shutil
 import sys
-import tempfile
 from contextlib import contextmanager
-from pathlib import Path
 
 import numba
 import pytest
@@ -106,7 +103,6 @@ def doubled(toy, request):
 def test_compiled_code_is_loaded_and_only_a_compilation_is_announced(toy, doubled, monkeypatch):
     calls = []
     monkeypatch.setattr(compiled, "WHEN_COMPILING", [lambda: calls.append(1)])
-    monkeypatch.setattr(compiled, "process_folder", None)  # nothing is put there
     assert doubled(1.5) == (3.0, 0)
     assert doubled(1.5) == (3.0, 1)
     assert len(calls) == 1
@@ -133,41 +129,6 @@ def test_without_a_folder_it_runs_and_says_so_once(toy, doubled, tmp_path, monke
     monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path / "elsewhere"))
     assert doubled(1.5) == (3.0, 0)
     assert list((tmp_path / "elsewhere").rglob("*.nbc"))
-
-
-def test_what_can_only_be_read_is_copied_to_where_can_be_written(toy, doubled, tmp_path, monkeypatch):
-    """To the user's folder, and where that cannot be written either, to one of this process."""
-    doubled(1.5)
-    program, user = str(tmp_path / "program"), str(tmp_path / "user")
-    toy[1].rename(program)
-    monkeypatch.setattr(compiled, "PROGRAM", Path(program))
-    monkeypatch.setattr(numba.config, "CACHE_DIR", "")
-    monkeypatch.setenv("XDG_CACHE_HOME", user)
-    real, refused = tempfile.TemporaryFile, [program]
-
-    def file(dir):
-        if str(dir).startswith(tuple(refused)):
-            raise PermissionError(dir)
-        return real(dir=dir)
-
-    mkdtemp = tempfile.mkdtemp
-
-    def later(**options):
-        """Another process has made its copy meanwhile."""
-        shutil.copytree(program, os.path.join(user, "stochlin"), dirs_exist_ok=True)
-        return mkdtemp(**options)
-
-    monkeypatch.setattr(tempfile, "TemporaryFile", file)
-    with monkeypatch.context() as beside:
-        beside.setattr(tempfile, "mkdtemp", later)
-        assert doubled(1.5) == (3.0, 1)
-    assert compiled.code_folder().parent == Path(user, "stochlin")
-    shutil.rmtree(user)
-    for _ in range(2):
-        assert doubled(1.5) == (3.0, 1)
-    assert len(os.listdir(f"{user}/stochlin")) == 1
-    refused += [user]
-    assert doubled(1.5) == (3.0, 1)
 
 
 @contextmanager

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from stochlin.kernels.correlation.nearness import (
+from stochlin.kernels.correlation.corrections import (
     AXES,
     ENTRIES,
     MIDDLE,

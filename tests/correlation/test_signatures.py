@@ -10,8 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import stochlin as sl
-from stochlin.kernels.correlation.nearness import AXES
-from stochlin.kernels.correlation.signatures import LEFT, by_signatures
+from stochlin.kernels.correlation.corrections import AXES, LEFT, by_signatures
 from stochlin.solver.correlation.signatures import OWN, PAIRS, basis_of, corrected
 from stochlin.solver.linearization.drift_map import drift_map
 from stochlin.solver.simulation import simulation

@@ -28,7 +28,7 @@ from scipy.stats import gumbel_r
 
 import stochlin as sl
 from stochlin.kernels.correlation.errors import OF_NEARLY_EQUAL, OF_OTHERS
-from stochlin.solver.correlation.errors import ERRORS
+from stochlin.solver.correlation.pairs import ERRORS
 
 ROOT = Path(__file__).parents[2]
 GALLERY = FILE.parent

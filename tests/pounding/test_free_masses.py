@@ -17,7 +17,7 @@ import scipy.optimize
 from hypothesis import given
 
 import stochlin as sl
-from stochlin.kernels.basics.rows import Rows
+from stochlin.kernels.basics.arrays import Rows
 from stochlin.kernels.basics.systems import System
 from stochlin.kernels.pounding import run as kernel
 from stochlin.kernels.pounding.impacts import (

@@ -15,7 +15,8 @@ from stochlin.models.arguments import Metres, checked
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import Model
 from stochlin.models.structures import Structure
-from stochlin.solver.correlation.correlation import correlate, rho_white_noise
+from stochlin.solver.correlation.correlation import correlate
+from stochlin.solver.correlation.equation_4 import rho_white_noise
 from stochlin.solver.tables import labels
 
 TRIED = np.linspace(0, 0.4, 41)  # added damping ratios

@@ -34,7 +34,7 @@ from stochlin.models.rules.peak_factors import PEAK_FACTORS, peak_factor_model
 from stochlin.models.structures import DRIFT, Structure
 from stochlin.models.systems import Arrangement, arrangement_of, first_mode
 from stochlin.solver.correlation.correlation import correlate
-from stochlin.solver.correlation.effective import rho_effective
+from stochlin.solver.correlation.equation_4 import rho_effective
 from stochlin.solver.linearization.equivalent_systems import solve_elastic
 from stochlin.solver.linearization.peaks import peak_table, response_moments
 from stochlin.solver.linearization.strength import solved_reduction_factor

@@ -1,8 +1,13 @@
-"""The array type of the kernels, named tuples of arrays, and arrays for vector registers."""
+"""The array type of the kernels, and functions of arrays and small matrices.
+
+`choose` and `solve_3x3` are also compiled for numbers, by `correlation.bilinear_pair`.
+"""
+
+from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -29,3 +34,45 @@ def zeros_on_a_line(*shape: int) -> Array:
     memory = np.zeros(size + CACHE_LINE, np.uint8)
     begin = -memory.ctypes.data % CACHE_LINE
     return memory[begin : begin + size].view(float).reshape(shape)
+
+
+def choose(condition: Any, yes: Any, no: Any) -> Any:
+    """``yes`` where the condition holds, otherwise ``no``; arrays, or named tuples of arrays.
+
+    In compiled code it is one of two numbers, or of two tuples of numbers.
+    """
+    if isinstance(yes, tuple):
+        return type(yes)(*(choose(condition, *parts) for parts in zip(yes, no, strict=True)))
+    return np.where(condition, yes, no)
+
+
+def solve_3x3(matrix: Sequence[Sequence[Array]], right: Sequence[Array]) -> tuple[Array, ...]:
+    """The three components of ``x`` in ``matrix @ x = right``, cell by cell; all entries broadcast.
+
+    A singular cell becomes NaN or infinite. Cramer's rule does not depend on the scaling of rows, which
+    differ here by orders of magnitude.
+    """
+    (a, b, c), (d, e, f), (g, h, i) = matrix
+    x, y, z = right
+    cofactor_1, cofactor_2, cofactor_3 = e * i - f * h, c * h - b * i, b * f - c * e
+    determinant = a * cofactor_1 + d * cofactor_2 + g * cofactor_3
+    return (
+        (cofactor_1 * x + cofactor_2 * y + cofactor_3 * z) / determinant,
+        ((f * g - d * i) * x + (a * i - c * g) * y + (c * d - a * f) * z) / determinant,
+        ((d * h - e * g) * x + (b * g - a * h) * y + (a * e - b * d) * z) / determinant,
+    )
+
+
+class Rows(NamedTuple):
+    """A matrix (m, n) by the numbers in each row that are not zero; zeros fill the shorter rows."""
+
+    column: Array  # (m, w)
+    weight: Array  # (m, w)
+
+    @classmethod
+    def of(cls, matrix: Array) -> Rows:
+        """The rows of a matrix."""
+        width = max(1, int((matrix != 0).sum(axis=1).max(initial=1)))
+        column = np.argsort(matrix == 0, axis=1, kind="stable")[:, :width]
+        weight = np.take_along_axis(matrix, column, axis=1).astype(float)
+        return cls(np.ascontiguousarray(column), np.ascontiguousarray(weight))

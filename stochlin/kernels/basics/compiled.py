@@ -2,7 +2,6 @@
 
 ================  ==================================================================================
 `entry`           for functions called from Python; the compiled code is kept on the disk
-`not_kept`        for functions called from Python and made from a user's formula; not kept
 `compiled`        for functions called from compiled code; from Python they are plain Python
 `called_often`    as `compiled`, for functions so short that a call takes longer than their work: inlined
 ================  ==================================================================================
@@ -18,7 +17,6 @@ from __future__ import annotations
 import hashlib
 import os
 import platform
-import shutil
 import tempfile
 import time
 import types
@@ -27,7 +25,6 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
 from importlib.metadata import version
-from itertools import chain
 from pathlib import Path
 from threading import RLock
 from typing import Any
@@ -36,7 +33,7 @@ import numba as nb
 import numpy as np
 from numba.extending import overload, register_jitable
 
-from stochlin.kernels.basics.folders import process_folder, remove_left
+from stochlin.kernels.basics.folders import remove_left
 from stochlin.messages import WHEN_COMPILING
 
 KERNELS = Path(__file__).parents[1]
@@ -59,7 +56,6 @@ OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
 INNER: Any = {"error_model": "numpy", "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 OFTEN: Any = INNER | {"forceinline": True}
 
-not_kept = nb.njit(**OPTIONS)
 compiled: Callable[[Any], Any] = register_jitable(**INNER)
 called_often: Callable[[Any], Any] = register_jitable(**OFTEN)
 _naming_folder = RLock()  # numba's folder is a setting of the whole process
@@ -82,25 +78,15 @@ def digest_of(sources: Path) -> str:
 
 @cache
 def code_folder() -> Path | None:
-    """The folder of compiled code; None if none can be written.
-
-    If the preferred one can only be read, what it contains is copied to the next.
-    """
+    """The folder of compiled code, the first of its places that can be written; None if none can."""
     user = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
     of_user = Path(CONFIG.CACHE_DIR or user, "stochlin")
-    places = [of_user] if CONFIG.CACHE_DIR else [PROGRAM, of_user]
-    folders = [place / f"kernels-{digest_of(KERNELS)}" for place in places]
-    filled = [folder for folder in folders if folder.is_dir()]
-    for folder in chain(folders, (process_folder() / each.name for each in filled[:1])):
+    name = f"kernels-{digest_of(KERNELS)}"
+    for place in [of_user] if CONFIG.CACHE_DIR else [PROGRAM, of_user]:
+        folder = place / name
         with suppress(OSError):
-            folder.parent.mkdir(parents=True, exist_ok=True)
-            remove_left(folder.parent, r"kernels-[0-9a-f]{16}|writing-\w{8}", _is_old)
-            if filled and folder not in filled:
-                copy = tempfile.mkdtemp(prefix="writing-", dir=folder.parent)
-                shutil.copytree(filled[0], copy, dirs_exist_ok=True)
-                with suppress(OSError):  # another process was faster
-                    os.rename(copy, folder)
-            folder.mkdir(exist_ok=True)
+            folder.mkdir(parents=True, exist_ok=True)
+            remove_left(place, r"kernels-[0-9a-f]{16}", _is_old)
             tempfile.TemporaryFile(dir=folder).close()
             os.utime(folder)
             return folder

@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 
 from numba.extending import overload
 
+from stochlin.kernels.basics.arrays import choose, solve_3x3
 from stochlin.kernels.basics.compiled import OFTEN, called_often, compiled, entry
-from stochlin.kernels.basics.elementary import choose, solve_3x3
 from stochlin.kernels.linearization import covariance, grounds
 from stochlin.kernels.linearization.covariance import (
     EquivalentSystem,

@@ -9,6 +9,7 @@ import numpy as np
 
 from stochlin.kernels.basics.arrays import Array, on_arrays
 from stochlin.kernels.basics.slabs import in_slabs
+from stochlin.kernels.correlation.corrections import Nearness, Signature, by_nearness, by_signatures
 from stochlin.kernels.correlation.errors import (
     OF_NEARLY_EQUAL,
     OF_OTHERS,
@@ -16,8 +17,6 @@ from stochlin.kernels.correlation.errors import (
     error_of_difference,
     std_of_difference,
 )
-from stochlin.kernels.correlation.nearness import Nearness, by_nearness
-from stochlin.kernels.correlation.signatures import Signature, by_signatures
 from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing, pair_covariance
 from stochlin.kernels.linearization.drift import DriftingSide, drifting_correlation
 
@@ -61,44 +60,19 @@ class Compared(NamedTuple):
     true: Drifting
 
 
-class LinearPair(NamedTuple):
-    """Results for two structures `Linear`."""
-
-    rho: Array
-
-
-class DriftingPair(NamedTuple):
-    """Results for two structures `Drifting`."""
-
-    rho: Array
-    difference: Array  # standard deviation of u_1 - u_2
-    error: Array  # expected error of rho
-    difference_error: Array  # expected relative error
-    difference_bias: Array
-    counted: Array  # the error of the difference that counts in its caution
-
-
-class ComparedPair(NamedTuple):
-    """Results for two structures `Compared`."""
-
-    rho: Array
-    difference: Array
-    bias: Array  # of rho
-    error: Array  # expected error of the bias
-    difference_bias: Array
-
-
-def linear_pair(first: Linear, second: Linear) -> LinearPair:
+def linear_pair(first: Linear, second: Linear) -> Array:
     """The correlation by linearization."""
     joint = pair_covariance(first.system, first.forcing, second.system, second.forcing)
-    return LinearPair(_bounded(joint / (first.std * second.std)))
+    return _bounded(joint / (first.std * second.std))
 
 
-def drifting_pair(errors: Array, first: Drifting, second: Drifting) -> DriftingPair:
+def drifting_pair(errors: Array, first: Drifting, second: Drifting) -> tuple[Array, ...]:
     """The correlation by the drift closure; ``errors`` are those of ``rho`` on this ground.
 
-    The caution of ``u_1 - u_2`` is that of its error less half of the bias to the safe side, if the
-    periods differ. Its error is 0 if both structures are elastic.
+    The results are ``rho`` and its expected error, the standard deviation of ``u_1 - u_2`` with its
+    expected relative error and its bias, and the error of the deviation that counts in its caution. This
+    is less half of the bias to the safe side, if the periods differ. The error is 0 if both structures
+    are elastic.
     """
     rho, error, rest, share = _drifting(errors, first, second)
     apart, lean = error_of_difference(first.std, first.error, second.std, second.error, rho, rest, share)
@@ -106,19 +80,23 @@ def drifting_pair(errors: Array, first: Drifting, second: Drifting) -> DriftingP
     lean = lean + 0 * apart
     unlike = np.abs(first.period - second.period) >= ALIKE
     counted = apart - np.where(unlike, lean / 2, 0.0)
-    return DriftingPair(rho, std_of_difference(first.std, second.std, rho), error, apart, lean, counted)
+    return rho, error, std_of_difference(first.std, second.std, rho), apart, lean, counted
 
 
-def compared_pair(errors: Array, first: Compared, second: Compared) -> ComparedPair:
-    """The correlation by linearization with its bias; the truth of two elastic structures is itself."""
+def compared_pair(errors: Array, first: Compared, second: Compared) -> tuple[Array, ...]:
+    """The correlation by linearization with its bias; the truth of two elastic structures is itself.
+
+    The results are ``rho``, its bias and the expected error of that, and the standard deviation of
+    ``u_1 - u_2`` with its bias.
+    """
     stds = first.linear.std, second.linear.std
-    (rho,) = linear_pair(first.linear, second.linear)
+    rho = linear_pair(first.linear, second.linear)
     true, error, _, _ = _drifting(errors, first.true, second.true)
     elastic = first.true.elastic & second.true.elastic
     bias = np.where(elastic | (np.abs(rho - true) < EQUAL), 0.0, rho - true) + 0 * (rho + error)
     difference = std_of_difference(*stds, rho)
     off = bias_of_difference(difference, *stds, first.bias, second.bias, rho, bias)
-    return ComparedPair(rho, difference, bias, error + 0 * bias, off)
+    return rho, bias, error + 0 * bias, difference, off
 
 
 def _drifting(errors: Array, first: Drifting, second: Drifting) -> tuple[Array, ...]:

@@ -19,8 +19,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.elementary import choose, solve_3x3
+from stochlin.kernels.basics.arrays import Array, choose, solve_3x3
 
 MEMORYLESS = 1e-12  # largest positive real pole, over w, that is rounding error of a pole at 0
 FAST = 30.0  # relaxation over w above which the third state is z in place of y

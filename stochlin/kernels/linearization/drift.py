@@ -15,8 +15,7 @@ import numpy as np
 from numpy.polynomial.laguerre import laggauss, lagvander
 from scipy.special import erf, factorial
 
-from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.elementary import solve_3x3
+from stochlin.kernels.basics.arrays import Array, solve_3x3
 from stochlin.kernels.linearization.covariance import (
     EquivalentSystem,
     Forcing,

@@ -12,8 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.elementary import solve_3x3
+from stochlin.kernels.basics.arrays import Array, solve_3x3
 from stochlin.kernels.linearization.covariance import EquivalentSystem, own_covariance, stable
 from stochlin.kernels.linearization.filters import Filter
 from stochlin.kernels.linearization.gaussian import Closure

@@ -11,9 +11,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from stochlin.kernels.basics.arrays import Array, zeros_on_a_line
+from stochlin.kernels.basics.arrays import Array, Rows, zeros_on_a_line
 from stochlin.kernels.basics.compiled import called_often, compiled
-from stochlin.kernels.basics.rows import Rows
 from stochlin.kernels.simulation.contacts import stored_in
 from stochlin.kernels.simulation.laws import VISCOUS
 from stochlin.kernels.simulation.stepping import turned

@@ -16,9 +16,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.arrays import Array, Rows
 from stochlin.kernels.basics.compiled import called_often, compiled, entry
-from stochlin.kernels.basics.rows import Rows
 
 STILL = 1e-6  # change of a penetration, over its size, below which the mean is the value in the middle
 CLOSE_FORCE = 1e-11  # residual of a mean force, over its bound, at which its search ends

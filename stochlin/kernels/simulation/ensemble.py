@@ -17,9 +17,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from stochlin.kernels.basics.arrays import Array, zeros_on_a_line
+from stochlin.kernels.basics.arrays import Array, Rows, zeros_on_a_line
 from stochlin.kernels.basics.parallel import Progress, in_order
-from stochlin.kernels.basics.rows import Rows
 from stochlin.kernels.simulation.links import LinkPeaks, watch_links
 from stochlin.kernels.simulation.normal_numbers import fill_normal, generator_state
 from stochlin.kernels.simulation.stepping import (

@@ -8,9 +8,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.arrays import Array, Rows
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.kernels.basics.rows import Rows
 from stochlin.kernels.simulation.ensemble import Crowd, MotionGroup, functions_of
 from stochlin.kernels.simulation.stepping import LANES, turning_points
 

@@ -28,9 +28,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from stochlin.kernels.basics.arrays import Array, zeros_on_a_line
+from stochlin.kernels.basics.arrays import Array, Rows, zeros_on_a_line
 from stochlin.kernels.basics.compiled import called_often, compiled, entry, of_lane, variant
-from stochlin.kernels.basics.rows import Rows
 from stochlin.kernels.basics.systems import System
 from stochlin.kernels.simulation.contacts import Contacts, solve_force
 from stochlin.kernels.simulation.laws import BILINEAR, LINEAR, VISCOUS

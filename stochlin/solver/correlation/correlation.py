@@ -6,26 +6,22 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Annotated, Any, NamedTuple
 
-import numpy as np
 import xarray as xr
 
-from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.kernels.correlation.white_noise import white_noise_correlation
 from stochlin.messages import brief
 from stochlin.models.arguments import OneOf, Paths, RelaxationTimes, Seed, StepsPerPeriod, Truth, checked
 from stochlin.models.grounds import Ground
-from stochlin.models.parameters import Model, Parameter
+from stochlin.models.parameters import Model
 from stochlin.models.rules.effective_properties import EffectiveRule, effective_rule
-from stochlin.models.structures import DRIFT, GAUSSIAN, LinearPair, Structure
+from stochlin.models.structures import DRIFT, GAUSSIAN, Structure
 from stochlin.models.systems import AnyStructure
-from stochlin.solver.correlation.effective import EQ_4, effective_pair
-from stochlin.solver.correlation.errors import difference
-from stochlin.solver.correlation.pairs import SHOWN, linearized_pairs
+from stochlin.solver.correlation.equation_4 import EQ_4, by_eq_4, effective_pair
+from stochlin.solver.correlation.pairs import SHOWN, difference, linearized_pairs
 from stochlin.solver.linearization.equivalent_systems import Solved, check_closure, solved_together
 from stochlin.solver.linearization.tolerance import Tolerance
 from stochlin.solver.tables import labels
-from stochlin.solver.tables.cellwise import Cells, cellwise, valid_cells
+from stochlin.solver.tables.cellwise import Cells
 from stochlin.solver.tables.lazy import in_blocks
 from stochlin.solver.tables.work import check_table
 
@@ -286,71 +282,6 @@ METHODS: Mapping[str, Callable[[Query, Pair, Ground], Answer]] = {
 def _shown(inputs: list[Cells], solved: Solved) -> dict[str, Cells]:
     """Correlation by eq. (4) of ``inputs``, and the responses of both structures; NaN for failures."""
     sides = [solved.labelled(n, (*SHOWN, "status")) for n in (0, 1)]
-    of_sides = (side["status"] for side in sides)
-    rho, status = cellwise(_eq_4_where_solved, *of_sides, *inputs, kinds=(float, np.int8))
+    rho, status = by_eq_4(inputs, *(side["status"] for side in sides))
     shown = {f"{name}_{n}": side[name] for name in SHOWN for n, side in enumerate(sides, start=1)}
     return {"rho": rho, **shown, "status": status}
-
-
-@np.errstate(invalid="ignore", divide="ignore")  # invalid cells become NaN by their status
-def _eq_4_where_solved(status_1: Array, status_2: Array, *pair: Array) -> tuple[Array, Array]:
-    rho, status = white_noise_correlation(*pair), np.maximum(status_1, status_2)
-    status = np.where((status < labels.NOT_CONVERGED) & np.isnan(rho), labels.NOT_PHYSICAL, status)
-    return np.where(status < labels.NOT_CONVERGED, np.minimum(rho, 1), np.nan), status
-
-
-@checked
-def rho_white_noise(
-    period_1: Parameter, period_2: Parameter, damping_1: Parameter, damping_2: Parameter
-) -> xr.Dataset:
-    """Correlation coefficient of the displacements of two linear oscillators under white noise, eq. (4).
-
-    The equation is exact for the stationary response to one white noise. For any other ground, and for
-    structures that yield, it is approximate, as the paper says.
-
-    Parameters
-    ----------
-    period_1, period_2 : float or array
-        Periods [s], positive; all parameters broadcast by dimension name.
-    damping_1, damping_2 : float or array
-        Damping ratios [-], in (0, 1).
-
-    Returns
-    -------
-    xarray.Dataset
-        Over the dimensions of the parameters: ``rho`` [-] and ``status``.
-
-    Raises
-    ------
-    ValueError, TypeError
-        If a scalar is out of range, a value is not a number, or dimensions do not fit.
-
-    References
-    ----------
-    Der Kiureghian, A. (1979), UCB/EERC-79/32; Jeng, Kasai and Maison (1992), Earthquake Spectra 8.
-
-    Examples
-    --------
-    >>> import stochlin as sl
-    >>> round(float(sl.rho_white_noise(0.9, 1.0, 0.05, 0.05).rho), 6)
-    0.473028
-    """
-    pair = LinearPair(period_1, period_2, damping_1, damping_2)
-    return labels.with_run_information(
-        labels.label(in_blocks(_by_eq_4, {"pair": pair})),
-        "Stationary correlation of two linear structures under white noise, eq. (4)",
-        "rho_white_noise()",
-        {"pair": pair},
-    )
-
-
-def _by_eq_4(pair: LinearPair) -> xr.Dataset:
-    check_table(4, pair)
-    valid = valid_cells(pair)
-    (rho,) = cellwise(_eq_4_where_valid, valid, *pair.cells().values())
-    return xr.Dataset({"rho": rho, "status": labels.status_where(valid)})
-
-
-@np.errstate(invalid="ignore", divide="ignore")  # invalid cells become NaN
-def _eq_4_where_valid(valid: Array, *pair: Array) -> Array:
-    return np.where(valid, white_noise_correlation(*pair), np.nan)

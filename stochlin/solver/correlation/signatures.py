@@ -18,10 +18,9 @@ import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.slabs import in_ranges
+from stochlin.kernels.correlation.corrections import AXES, ENTRIES, LEFT, Nearness, Signature
 from stochlin.kernels.correlation.errors import BOUNDS
-from stochlin.kernels.correlation.nearness import AXES, ENTRIES, Nearness
 from stochlin.kernels.correlation.pairs import Drifting, over_pairs
-from stochlin.kernels.correlation.signatures import LEFT, Signature
 from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing
 from stochlin.kernels.linearization.drift import DriftingSide, drifting_correlation
 from stochlin.models.grounds import Ground, WhiteNoise

@@ -11,8 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.elementary import choose
+from stochlin.kernels.basics.arrays import Array, choose
 from stochlin.kernels.basics.slabs import in_ranges
 from stochlin.kernels.linearization.covariance import (
     EquivalentSystem,

@@ -9,8 +9,7 @@ import numpy as np
 import scipy.linalg
 import scipy.sparse.csgraph
 
-from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.rows import Rows
+from stochlin.kernels.basics.arrays import Array, Rows
 from stochlin.kernels.basics.systems import System
 from stochlin.kernels.pounding.run import BuildingRow
 from stochlin.kernels.simulation.account import Parts

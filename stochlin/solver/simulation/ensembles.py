@@ -11,9 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import scipy.linalg
 
-from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.arrays import Array, Rows
 from stochlin.kernels.basics.parallel import cores
-from stochlin.kernels.basics.rows import Rows
 from stochlin.kernels.linearization.filters import Filter
 from stochlin.kernels.simulation.ensemble import (
     Crowd,

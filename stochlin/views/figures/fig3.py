@@ -14,8 +14,7 @@ from stochlin.models.rules.effective_properties import (
     effective_rule,
     effective_rule_names,
 )
-from stochlin.solver.correlation.correlation import rho_white_noise
-from stochlin.solver.correlation.effective import rho_effective
+from stochlin.solver.correlation.equation_4 import rho_effective, rho_white_noise
 from stochlin.solver.tables import labels
 from stochlin.views.figures.charts import USUAL, ChartSettings, register_chart
 

@@ -1,9 +1,9 @@
-"""Correlation of yielding structures by eq. (4) with effective periods and damping ratios."""
+"""Correlation by eq. (4), of linear structures, and of yielding ones with effective properties."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from functools import partial
+from collections.abc import Iterable, Mapping
+from functools import partial, reduce
 
 import numpy as np
 import xarray as xr
@@ -13,12 +13,81 @@ from stochlin.kernels.correlation.white_noise import white_noise_correlation
 from stochlin.models.arguments import checked
 from stochlin.models.parameters import Parameter
 from stochlin.models.rules.effective_properties import EffectiveRule, YieldingPair, effective_rule
+from stochlin.models.structures import LinearPair
 from stochlin.solver.linearization.equivalent_systems import Solved
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.cellwise import Cells, cellwise, valid_cells
 from stochlin.solver.tables.lazy import in_blocks
+from stochlin.solver.tables.work import check_table
 
 EQ_4 = ("period_eq_1", "period_eq_2", "damping_eq_1", "damping_eq_2")  # arguments of eq. (4)
+
+
+def by_eq_4(pair: Iterable[Cells], *statuses: Cells) -> tuple[Cells, Cells]:
+    """Eq. (4) of both periods and both damping ratios, with the worst of the statuses.
+
+    It is NaN where this is a failure, and a failure where it is NaN.
+    """
+    rho, status = cellwise(partial(_eq_4, len(statuses)), *statuses, *pair, kinds=(float, np.int8))
+    return rho, status
+
+
+@np.errstate(invalid="ignore", divide="ignore")  # invalid cells become NaN by their status
+def _eq_4(statuses: int, *cells: Array) -> tuple[Array, Array]:
+    rho, status = white_noise_correlation(*cells[statuses:]), reduce(np.maximum, cells[:statuses])
+    status = np.where((status < labels.NOT_CONVERGED) & np.isnan(rho), labels.NOT_PHYSICAL, status)
+    return np.where(status < labels.NOT_CONVERGED, np.minimum(rho, 1), np.nan), status
+
+
+@checked
+def rho_white_noise(
+    period_1: Parameter, period_2: Parameter, damping_1: Parameter, damping_2: Parameter
+) -> xr.Dataset:
+    """Correlation coefficient of the displacements of two linear oscillators under white noise, eq. (4).
+
+    The equation is exact for the stationary response to one white noise. For any other ground, and for
+    structures that yield, it is approximate, as the paper says.
+
+    Parameters
+    ----------
+    period_1, period_2 : float or array
+        Periods [s], positive; all parameters broadcast by dimension name.
+    damping_1, damping_2 : float or array
+        Damping ratios [-], in (0, 1).
+
+    Returns
+    -------
+    xarray.Dataset
+        Over the dimensions of the parameters: ``rho`` [-] and ``status``.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If a scalar is out of range, a value is not a number, or dimensions do not fit.
+
+    References
+    ----------
+    Der Kiureghian, A. (1979), UCB/EERC-79/32; Jeng, Kasai and Maison (1992), Earthquake Spectra 8.
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> round(float(sl.rho_white_noise(0.9, 1.0, 0.05, 0.05).rho), 6)
+    0.473028
+    """
+    pair = LinearPair(period_1, period_2, damping_1, damping_2)
+    return labels.with_run_information(
+        labels.label(in_blocks(_of_linear, {"pair": pair})),
+        "Stationary correlation of two linear structures under white noise, eq. (4)",
+        "rho_white_noise()",
+        {"pair": pair},
+    )
+
+
+def _of_linear(pair: LinearPair) -> xr.Dataset:
+    check_table(4, pair)
+    rho, status = by_eq_4(pair.cells().values(), labels.status_where(valid_cells(pair)))
+    return xr.Dataset({"rho": rho, "status": status})
 
 
 @checked
@@ -95,14 +164,8 @@ def rho_effective(
 def _of_rule(rule: EffectiveRule, pair: YieldingPair) -> xr.Dataset:
     valid = valid_cells(pair)
     effective = effective_properties(pair.cells(), rule, valid)
-    rho, status = cellwise(_eq_4, valid, *effective.values(), kinds=(float, np.int8))
+    rho, status = by_eq_4(effective.values(), labels.status_where(valid))
     return xr.Dataset({"rho": rho, **effective, "status": status})
-
-
-def _eq_4(valid: Array, *pair: Array) -> tuple[Array, Array]:
-    rho = white_noise_correlation(*pair)
-    status = np.where(np.isnan(rho), labels.NOT_PHYSICAL, labels.CONVERGED)
-    return rho, np.where(valid, status, labels.INVALID_INPUT)
 
 
 def effective_properties(
