@@ -38,11 +38,8 @@ def named_errors(case: Case, where: str = "") -> Iterator[None]:
 def one_or_two(case: Case) -> tuple[Building, ...]:
     """The two buildings, or one beside its property line; a ValueError if there are more."""
     if len(case.buildings) > 2:
-        raise error_of(
-            case,
-            f"describes {len(case.buildings)} buildings; this command needs two, so leave the others "
-            "out; 'stochlin pound' accepts more",
-        )
+        what = f"describes {len(case.buildings)} buildings; this command needs two, so leave the others"
+        raise error_of(case, f"{what} out; 'stochlin pound' accepts more")
     return case.buildings
 
 
@@ -50,11 +47,8 @@ def pair_of(case: Case) -> tuple[Building, Building]:
     """The two buildings from left to right; a ValueError if there are more or fewer."""
     buildings = one_or_two(case)
     if len(buildings) == 1:
-        raise error_of(
-            case,
-            "building_2 is missing; write a line [building_2] and its keys below it; only 'stochlin "
-            "gap' and 'stochlin pound' accept one building alone",
-        )
+        only = "only 'stochlin gap' and 'stochlin pound' accept one building alone"
+        raise error_of(case, f"building_2 is missing; write [building_2] and its keys below it; {only}")
     return buildings[0], buildings[1]
 
 

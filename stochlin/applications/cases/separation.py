@@ -29,7 +29,6 @@ from stochlin.applications.sites.simulated_spectra import Motions, compared_spec
 from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.kernels.simulation.stepping import whole_groups
 from stochlin.messages import DoubtfulInput
-from stochlin.models.uncertain import UncertainModel
 from stochlin.solver.tables import labels
 
 HAZARD = ": site.hazard cannot be used"
@@ -37,7 +36,8 @@ SPECTRUM_PATHS = 512
 OF_RISK = 0.2  # share of the work for the risk, if there is a hazard
 SEARCHES = 0.95  # share of the remaining work for the existing gap, if there is one
 WITH_SENSITIVITIES = 0.5  # share of the work before the sensitivities
-USUAL_PATHS, FEW_PATHS = 512, 128  # motions for the sensitivities
+# Motions for the sensitivities; uncertain buildings with storeys are made anew for each, which takes long.
+USUAL_PATHS, FEW_PATHS = 512, 128
 BAND = 0.2, 1.5  # of the shortest and of the longest period of buildings, in which spectra are compared
 YEARS = 50.0  # default time of the probability of pounding [yr]
 SHARE = 4  # motions of the case over those at each of the 13 intensities
@@ -78,11 +78,7 @@ class CaseAnswer:
         return doubts(self.shaking)
 
 
-def answer_case(
-    case: Case,
-    progress: Progress | None = None,
-    sensitivities: bool = False,
-) -> CaseAnswer:
+def answer_case(case: Case, progress: Progress | None = None, sensitivities: bool = False) -> CaseAnswer:
     """Separation of the two buildings of a case or set-back of one, and limits of the existing gap.
 
     Sensitivities are computed if any parameter is uncertain, or if ``sensitivities`` is True.
@@ -90,15 +86,14 @@ def answer_case(
     `existing_gap` and `sensitivity`.
     """
     sensitivities = sensitivities or bool(case.uncertain)
-    first, *others = one_or_two(case)
-    second = others[0] if others else None
+    first, second, *_ = (*one_or_two(case), None)
     models = first.sampled, second.sampled if second else None, case.site.sampled_ground
     gap, motion = gap_of(case), motion_of(case)
     end = WITH_SENSITIVITIES if sensitivities else 1.0
     begin = end * OF_RISK if case.site.hazard else 0.0
     middle = begin if gap is None else begin + (end - begin) * SEARCHES
     risky = _simulated_risk(case, part_of(progress, 0.0, begin))
-    existing = None
+    existing = matters = records = None
     if gap is not None:
         searching = part_of(progress, begin, middle)
         existing = existing_gap(*models, gap=gap, **motion, progress=searching)
@@ -110,34 +105,24 @@ def answer_case(
         progress=part_of(progress, middle, end),
     )
     table = with_applied_codes(case, simulated)
-    answer, matters, records = float(table.gap[0]), None, None
+    answer = float(table.gap[0])
+    risk = None if risky is None else _risk_table(risky, case, answer)
     if sensitivities:
-        few = min(case.simulated.motions, _paths(case))
-        fewer = {"paths": few, "progress": part_of(progress, end, 1.0)}
-        matters = sensitivity(*models, **motion | fewer)
+        slow = any(each.has_storeys and each.name in case.uncertain for each in case.buildings)
+        few = min(case.simulated.motions, FEW_PATHS if slow else USUAL_PATHS)
+        matters = sensitivity(
+            *models, **motion | {"paths": few, "progress": part_of(progress, end, 1.0)}
+        )
     if len(case.site.records) > MOST_RECORDS:
         records = over_records(case, table.record_separation, answer)
-    risk = None if risky is None else _risk_table(risky, case, answer)
     results = existing, _spectrum(case), shaking_of(case), records, risk, matters
     return CaseAnswer(simulated_as(case, table), table, *results)
-
-
-def _paths(case: Case) -> int:
-    """Number of motions for the sensitivities, smaller for uncertain buildings with storeys.
-
-    Such a building is made anew for each motion, which takes long.
-    """
-    storeys = any(
-        building.has_storeys and isinstance(building.sampled, UncertainModel)
-        for building in case.buildings
-    )
-    return FEW_PATHS if storeys else USUAL_PATHS
 
 
 def _spectrum(case: Case) -> xr.Dataset:
     """Response spectrum of the motions beside the target or the record; empty if there is neither."""
     options: Any = {"paths": SPECTRUM_PATHS, "seed": case.simulated.seed}
-    motion = case.site.course.duration, case.site.course.envelope
+    motion = case.site.course[:2]
     if case.site.spectrum is not None:
         return simulated_spectrum(case.site.ground, case.site.spectrum, *motion, **options)
     if case.site.name == "fitted":
@@ -153,7 +138,7 @@ def _simulated_risk(case: Case, progress: Progress | None) -> SimulatedRisk | No
         return None
     sampled = (building.sampled for building in one_or_two(case))
     structures = dict(zip(("first", "second"), sampled, strict=False))
-    motion = case.site.course.duration, case.site.course.envelope, case.site.scatter
+    motion = *case.site.course[:2], case.site.scatter
     paths = whole_groups(max(FEWEST_PATHS, case.simulated.motions // SHARE))
     ground, seed = case.site.sampled_ground, case.simulated.seed
     risk = SimulatedRisk(structures, ground, hazard, *motion, paths, seed, progress)
@@ -173,9 +158,8 @@ def _risk_table(simulated: SimulatedRisk, case: Case, answer: float) -> xr.Datas
     if case.wanted.risk is not None:
         years = allowed_rate(case.wanted.risk)[1] or YEARS
         with named_errors(case, HAZARD):
-            target = simulated.gap_of(case.wanted.risk)
+            target = simulated.gap_of(case.wanted.risk)[list(KEPT)]
         gaps["target"] = float(target.required_gap)
-        target = target[list(KEPT)]
     gaps = {what: gap for what, gap in gaps.items() if gap > 0}
     if not gaps:
         return None
@@ -184,14 +168,9 @@ def _risk_table(simulated: SimulatedRisk, case: Case, answer: float) -> xr.Datas
         each = [simulated.of_gap(gap, years) for gap in gaps.values()]
     along = labels.axis(GAP, "gap of which the risk is", np.array(list(gaps.values())), "m")
     table = xr.concat(each, along, data_vars="all", coords="minimal", compat="override", join="exact")
-    attrs = {"long_name": "which gap this is"}
-    table = table.assign_coords({OF: (GAP, list(gaps), attrs)}).assign(target.data_vars)
-    table = labels.label(table).rename(
-        {name: f"{PREFIX}{name}" for name in table.variables if name not in (GAP, OF)}
-    )
-    table.attrs = {
-        "risk_hazard": simulated.hazard.describe(),
-        "risk_years": years,
-        "risk_paths": simulated.paths,
-    }
-    return table
+    which = {OF: (GAP, list(gaps), {"long_name": "which gap this is"})}
+    table = labels.label(table.assign_coords(which).assign(target.data_vars))
+    names = {name: f"{PREFIX}{name}" for name in table.variables if name not in (GAP, OF)}
+    hazard, paths = simulated.hazard.describe(), simulated.paths
+    about = {"risk_hazard": hazard, "risk_years": years, "risk_paths": paths}
+    return table.rename(names).drop_attrs(deep=False).assign_attrs(about)

@@ -26,12 +26,7 @@ LEVELS = (0.5, 0.84)  # quantiles over more records, besides the confidence of t
 
 def shaking_of(case: Case) -> xr.Dataset:
     """Mean intensity of the motions of a case: PGA, rms, S0, and Sa at the period of each building."""
-    return shaking(
-        case.site.ground,
-        np.array(case.periods),
-        case.site.course.duration,
-        case.site.course.envelope,
-    )
+    return shaking(case.site.ground, np.array(case.periods), *case.site.course[:2])
 
 
 def recorded_shaking(record: xr.DataArray, periods: list[float]) -> dict[str, xr.DataArray]:

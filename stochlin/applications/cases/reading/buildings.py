@@ -237,7 +237,7 @@ class ByModes(WithFloors):
         """The modes of the file, read once."""
         path = self.table.path("modes")
         options = self.given("direction", "points", "tower", "mass_units", "length_units")
-        with self.table.naming("modes", "cannot be read"):
+        with self.table.naming("modes", "cannot be read: "):
             return read_modes(path, **options)
 
     def described(self) -> Any:
@@ -306,7 +306,7 @@ class Building:
             return self
         closure = calibrated_closure(self.structure, site.ground)
         target = self.structure, site.ground, self.form.ductility
-        with self.form.table.naming("ductility", "has no strength"):
+        with self.form.table.naming("ductility", "has no strength: "):
             factor = float(strength_for_ductility(*target, closure=closure).reduction_factor)
         return replace(self, sampled=applied(partial(replace, reduction_factor=factor), self.sampled))
 

@@ -62,7 +62,8 @@ from stochlin.solver.tables.inputs import input_path
 
 MOST_BUILDINGS = 100
 NUMBERED = re.compile(r"building_([1-9]\d{0,5})")
-ALL = "all"
+ALL, TWO = "all", ListOf(integer(1), length=2)
+STOREYS = text_or(ListOf(integer(1), "listed"), f'"{ALL}", or a list of numbers')
 FEWEST_PATHS, MOST_PATHS = 100, 2048  # for a quantile with an interval, and where none is given
 GAP = Quantity("m", NOT_NEGATIVE, PLAUSIBLE["gap"])
 SHARE = Quantity("1", Range(upper=1.0, reason="a probability"), PLAUSIBLE["confidence"])
@@ -243,9 +244,7 @@ class OfContact(Form):
 class Devices(Form):
     """Damping devices in storeys of one building, all alike."""
 
-    storeys: Any = key(
-        text_or(ListOf(integer(1), "listed"), '"all", or a list of numbers'), "Storeys with one", ALL
-    )
+    storeys: Any = key(STOREYS, "Storeys that have one", ALL)
 
     @classmethod
     def keys(cls, table: Table) -> dict[str, Key]:
@@ -259,17 +258,15 @@ class Devices(Form):
         if not {*storeys} <= {*every}:
             what = f"is not in {building.name}; allowed: {ALL!r}, or storeys 1 to {building.floors}"
             raise self.table.error("storeys", what)
-        ends = [{"structures": (number, number), "floors": (n, n - 1)} for n in storeys]
-        return [_link(self.table, self.more, **each) for each in ends]
+        both = number, number
+        return [_link(self.table, self.more, structures=both, floors=(n, n - 1)) for n in storeys]
 
 
 @dataclass(frozen=True, kw_only=True)
 class OfMeasure(Form):
     """A measure between the first two buildings, or in them; ``more`` are parameters of its link."""
 
-    link_floors: list[int] | None = key(
-        ListOf(integer(1), length=2), "Floors that the link ties, one of each building", None
-    )
+    link_floors: list[int] | None = key(TWO, "Floors that the link ties, one of each building", None)
     dampers_1: Devices | None = key(Inner((Devices,)), "Devices in storeys of building 1", None)
     dampers_2: Devices | None = key(Inner((Devices,)), "Devices in storeys of building 2", None)
     contact: OfContact | None = key(Inner((OfContact,)), "Contact with the measure", None)
@@ -290,7 +287,11 @@ class OfMeasure(Form):
                 self.table.warn(name, "is doubtful: usual are factors above 1, on what there is")
         links = []
         if link or self.link_floors:
-            links.append(_link(self.table, link, floors=self._floors(buildings)))
+            counts = [building.floors for building in buildings]
+            if self.link_floors and any(map(int.__gt__, self.link_floors, counts)):
+                what = f"are not floors of both buildings; allowed: up to link_floors = {counts}"
+                raise self.table.error("link_floors", what)
+            links.append(_link(self.table, link, floors=self.link_floors))
         for number, devices in enumerate((self.dampers_1, self.dampers_2), start=1):
             if devices is not None:
                 links += devices.links(number, buildings[number - 1])
@@ -300,14 +301,6 @@ class OfMeasure(Form):
             values["contact"] = self.contact.contact()
         measure: Measure = self.table.made(Measure, **values)
         return measure
-
-    def _floors(self, buildings: Sequence[Building]) -> list[int] | None:
-        """The floors that the link ties, one of each building."""
-        counts = [building.floors for building in buildings]
-        if self.link_floors and any(map(int.__gt__, self.link_floors, counts)):
-            what = f"are not floors of both buildings; allowed: up to link_floors = {counts}"
-            raise self.table.error("link_floors", what)
-        return self.link_floors
 
 
 def _keys_of_link(prefix: str, table: Table) -> dict[str, Key]:
@@ -362,10 +355,10 @@ class Whole(Form):
     def keys(cls, table: Table) -> dict[str, Key]:
         """With the buildings, none left out, and the next one, which a wrong name may mean."""
         count = max(1, sum(1 for name in table.values if NUMBERED.fullmatch(name)))
+        needed = Key(Inner(FORMS, later=True), "A building")
         names = [f"building_{n}" for n in range(1, min(count, MOST_BUILDINGS) + 1)]
-        after = next((name for name in names if name not in table), f"building_{count + 1}")
-        building = Key(Inner(FORMS, later=True), "A building")
-        return keys_of(cls) | {after: building._replace(default=None)} | dict.fromkeys(names, building)
+        after = {f"building_{count + 1}": needed._replace(default=None)}
+        return keys_of(cls) | dict.fromkeys(names, needed) | after
 
 
 @dataclass(frozen=True)

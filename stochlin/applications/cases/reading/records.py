@@ -38,9 +38,9 @@ from stochlin.models.parameters import POSITIVE, Range
 from stochlin.models.plausible import PLAUSIBLE
 
 TIME, YEARS = Quantity("s", POSITIVE), Quantity("yr", POSITIVE)
-FACTOR = Quantity("1", POSITIVE)
+FACTOR, TWO_TIMES = Quantity("1", POSITIVE), ListOf(TIME, length=2)
 PEAK, RESPONSE = (Quantity("m/s^2", POSITIVE, PLAUSIBLE[name]) for name in ("pga", "sa"))
-DEGREES = Quantity("1", Range(-360.0, 360.0, True, True))
+PLACE = ListOf(Quantity("1", Range(-360.0, 360.0, True, True)), length=2)
 INTENSITIES = {
     measure: Quantity("m^2/s^3" if measure == "intensity" else "m/s^2", POSITIVE) for measure in MEASURES
 }
@@ -71,7 +71,7 @@ class Record(Reading):
     def read(self) -> xr.DataArray:
         """The record with its factor."""
         path = self.table.path("path")
-        with self.table.naming("path", "cannot be read"):
+        with self.table.naming("path", "cannot be read: "):
             record = read_record(path, **self.given(*READING))
         if self.scale == 1:
             return record
@@ -92,9 +92,7 @@ class Suite(Reading):
     sa: float | None = key(RESPONSE, "Spectral acceleration to which each is scaled", None)
     sa_period: float | None = key(TIME, "Its period", None)
     scale_to: str | None = key(Word(("spectrum",)), "Scale each to the spectrum of the site", None)
-    band: list[float] | None = key(
-        ListOf(TIME, length=2), "The two periods between which it is scaled to the spectrum", None
-    )
+    band: list[float] | None = key(TWO_TIMES, "Periods between which it is scaled to it", None)
 
     def read(self, spectrum: xr.DataArray | None) -> dict[str, xr.DataArray]:
         """The records, scaled to their goal if they have one."""
@@ -158,9 +156,7 @@ class OfFile(OfHazard):
     file: list[str] = key(ListOf(TEXT, "listed"), "File of this site, of OpenQuake or of the USGS")
     units: str | None = key(Word(INTENSITIES["pga"].spellings), "Unit in the file", None)
     site: int | None = key(integer(1), "Number of the site in a file of OpenQuake", None)
-    coordinates: list[float] | None = key(
-        ListOf(DEGREES, length=2), "Its longitude and latitude, in place of the number", None
-    )
+    coordinates: list[float] | None = key(PLACE, "Its longitude and latitude, in its place", None)
     investigation_time: float | None = key(YEARS, "Time in which probabilities of the file hold", None)
 
     def hazard(self) -> Hazard:
@@ -191,7 +187,7 @@ class OfPoints(OfHazard):
     def hazard(self) -> Hazard:
         """The curve through the points."""
         rates = self.frequencies or [1 / years for years in self.return_periods or ()]
-        with self.table.naming("intensities", "does not fit the others"):
+        with self.table.naming("intensities", "does not fit the others: "):
             return HazardCurve(tuple(self.intensities), tuple(rates), **self.of)
 
 

@@ -163,7 +163,7 @@ class Scaled(OfSite):
         if self.return_period is not None:
             if hazard is None:
                 raise self.table.error("return_period", "needs a hazard; allowed: with [site.hazard]")
-            with self.table.naming("return_period", "is not in the hazard"):
+            with self.table.naming("return_period", "is not in the hazard: "):
                 strength = {hazard.measure: float(hazard.intensity(self.return_period))}
             period = hazard.period
         return strength if period is None else strength | {"period": period}
@@ -312,7 +312,7 @@ class Site:
         """Duration and envelope, which may be fitted to records together with the ground."""
         if isinstance(self.motion, Motion):
             return self.motion.course()
-        with self.motion.table.naming("envelope", f"cannot be fitted to {listed(self.components)}"):
+        with self.motion.table.naming("envelope", f"cannot be fitted to {listed(self.components)}: "):
             fitted = fit_motion(self.components, filters=self.form.filters)
         return Course(fitted.duration, fitted.envelope, fitted.ground)
 
@@ -347,7 +347,7 @@ class Site:
             scaled = replace(ground, **self.goal)
         else:
             key = next(name for name in STRENGTHS if name in self.form.table)
-            with self.form.table.naming(key, "cannot be met"):
+            with self.form.table.naming(key, "cannot be met: "):
                 paths = paths_for(duration)
                 scaled = scale_ground(ground, duration, envelope, **self.goal, paths=paths)
         if not isinstance(described, UncertainModel):
@@ -362,7 +362,7 @@ class Site:
             with self.form.table.naming("spectrum"):
                 return fit_ground(self.spectrum, **options)
         record = next(iter(self.records.values()))
-        with self.form.table.naming("ground", f"cannot be fitted to {listed(self.components)}"):
+        with self.form.table.naming("ground", f"cannot be fitted to {listed(self.components)}: "):
             ground = fit_ground(record, self.form.model, self.form.estimator)
         ratio = energy_ratio(record, ground, envelope, duration)
         if not LIKE[0] <= ratio <= LIKE[1]:

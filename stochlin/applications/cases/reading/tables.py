@@ -74,21 +74,12 @@ class Table:
         warnings.warn(str(self.error(name, what)), DoubtfulInput, stacklevel=2)
 
     @contextmanager
-    def naming(self, name: str, what: str = "cannot be used") -> Iterator[None]:
-        """Add the file, the line and the key to errors and warnings of the work inside the context."""
+    def naming(self, name: str, what: str = "cannot be used: ") -> Iterator[None]:
+        """Add the file, the line and the key to errors of the work inside the context."""
         try:
-            with warnings.catch_warnings(record=True) as caught:
-                warnings.simplefilter("always", DoubtfulInput)
-                yield
+            yield
         except (OSError, ValueError, ArithmeticError) as error:
-            raise self.error(name, f"{what}: {sentence(error, LONGEST_MESSAGE)}") from error
-        for warning in caught:
-            if issubclass(warning.category, DoubtfulInput):
-                self.warn(name, f"is doubtful: {warning.message}")
-            else:
-                warnings.warn_explicit(
-                    warning.message, warning.category, warning.filename, warning.lineno
-                )
+            raise self.error(name, f"{what}{sentence(error, LONGEST_MESSAGE)}") from error
 
     def table(self, name: str) -> Table:
         """The table of this name; an empty one if there is none."""
@@ -123,10 +114,8 @@ class Table:
             tables = self.tables(name) if kind.several else [self.table(name)]
             read = tables if kind.later else [table.read(*kind.forms) for table in tables]
             return read if kind.several else read[0]
-        try:
+        with self.naming(name, ""):
             return kind.read(self.values[name], lambda what: self.warn(name, what))
-        except ValueError as error:
-            raise self.error(name, str(error)) from error
 
     def fitting(self, forms: Sequence[type[F]]) -> type[F]:
         """The form that has most of the keys of the table."""
