@@ -41,7 +41,7 @@ def test_the_gap_is_that_of_the_case_with_few_motions(tmp_path):
     page = answered(TEXT.replace('title = "', 'title = "<b>'), tmp_path)
     for sentence in first_lines(expected):
         assert sentence in page
-    shown = [answer.shown.gap for answer in (by_few_motions(case), expected)]
+    shown = [answer.separation.gap for answer in (by_few_motions(case), expected)]
     xr.testing.assert_identical(*shown)
     assert f"From {PATHS} motions; 'stochlin gap' takes more" in page
     assert "RuleGap [cm]Error" in page

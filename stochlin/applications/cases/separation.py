@@ -36,7 +36,7 @@ SPECTRUM_PATHS = 512
 OF_RISK = 0.2  # share of the work for the risk, if there is a hazard
 SEARCHES = 0.95  # share of the remaining work for the existing gap, if there is one
 WITH_SENSITIVITIES = 0.5  # share of the work before the sensitivities
-# Motions for the sensitivities; uncertain buildings with storeys are made anew for each, which takes long.
+# Motions for the sensitivities; an uncertain building with storeys is made anew for each, slowly.
 USUAL_PATHS, FEW_PATHS = 512, 128
 BAND = 0.2, 1.5  # of the shortest and of the longest period of buildings, in which spectra are compared
 YEARS = 50.0  # default time of the probability of pounding [yr]
@@ -86,8 +86,8 @@ def answer_case(case: Case, progress: Progress | None = None, sensitivities: boo
     `existing_gap` and `sensitivity`.
     """
     sensitivities = sensitivities or bool(case.uncertain)
-    first, second, *_ = (*one_or_two(case), None)
-    models = first.sampled, second.sampled if second else None, case.site.sampled_ground
+    first, second = (*(building.sampled for building in one_or_two(case)), None)[:2]
+    models = first, second, case.site.sampled_ground
     gap, motion = gap_of(case), motion_of(case)
     end = WITH_SENSITIVITIES if sensitivities else 1.0
     begin = end * OF_RISK if case.site.hazard else 0.0
