@@ -1,9 +1,7 @@
 """Speed and accuracy of a table of rho, beside other ways to it, within one run: one table.
 
-`python benchmarks/tables.py [FILE]` prints it and writes it to FILE. The other ways:
-
-- the textbook loop: the full augmented Lyapunov equation by scipy inside a root finder, cell by cell;
-- the library's own full equation, `solver="lyapunov"` of `correlate`, all cells at once.
+`python benchmarks/tables.py [FILE]` prints it and writes it to FILE. The other way
+is the textbook loop: the full augmented Lyapunov equation by scipy inside a root finder, cell by cell.
 
 A rate is the median of several repetitions, all in one process and one after another.
 """
@@ -133,23 +131,6 @@ def closures() -> list[Row]:
     return rows
 
 
-def solvers() -> list[Row]:
-    """Both solvers of `correlate` on one table, and how many times as long the chain takes."""
-    factor = xr.DataArray([1.0, 2.0, 4.0, 6.0], dims="factor")
-    pair = [building(axis(name, 40), factor) for name in "ab"]
-    found, spent = {}, {}
-    for solver in ("closed_form", "lyapunov"):
-        task = functools.partial(sl.correlate, *pair, GROUND, solver=solver)
-        found[solver], spent[solver] = task().rho, seconds(task, 3)
-    error = float(np.abs(found["lyapunov"] - found["closed_form"]).max())
-    rows: list[Row] = []
-    for solver, off in (("closed_form", np.nan), ("lyapunov", error)):
-        cells, took = found[solver].size, spent[solver]
-        remark = f"{1e6 * took / cells:.3g} us a pair, {took / spent['closed_form']:.3g} x closed form"
-        rows.append((f"correlate, 40 x 40 x 4, {solver}", cells / took, off, remark))
-    return rows
-
-
 def peak_memory() -> list[Row]:
     """Growth of the resident set by a large table over its own size, in a fresh process each."""
     pair = "*(tables.building(tables.axis(name, n)) for name in 'ab'), tables.GROUND"
@@ -199,7 +180,7 @@ def main() -> None:
     """Print one table, and write it."""
     table(50)
     book = textbook()
-    rows = [book, *ours(), *closures(), *solvers()]
+    rows = [book, *ours(), *closures()]
     counted = len(rows)
     rows += [*peak_memory(), *start_up()]
     load = f"{os.cpu_count()} cores, load average before and during {os.getloadavg()[0]:.1f}"

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import scipy.linalg
@@ -163,6 +163,17 @@ class Arrangement(NamedTuple):
         return np.concatenate([*storeys, self.yielding_modes])
 
     @property
+    def springs(self) -> list[str]:
+        """Names of the springs: the elements, and after them the links."""
+        return [*self.coordinates, *(tie.name for tie in self.ties)]
+
+    @property
+    def yielding_links(self) -> Array:
+        """Numbers of the links that yield among the springs."""
+        yields = [tie.link.yields for tie in self.ties]
+        return int(self.first_coordinate[-1]) + np.flatnonzero(yields)
+
+    @property
     def displacements(self) -> Array:
         """Matrix (w, n) from the coordinates to floors and then modes that yield, as `watched`."""
         shapes = self.storeys.shapes
@@ -308,9 +319,9 @@ def first_mode(structure: AnyStructure) -> Structure:
 
 def weaker(structure: AnyStructure, factor: float) -> AnyStructure:
     """The structure with its yield displacement or yield drifts [m] divided by ``factor``."""
-    if not structure.yields:
+    if not structure.yields or factor == 1:
         return structure
-    name = _yield_of(structure)
+    name = getattr(structure, "strength_name", "yield_displacement")
     return replace(structure, **{name: getattr(structure, name) / factor})
 
 
@@ -319,22 +330,11 @@ def retrofitted(structure: AnyStructure, stiffening: float, strengthening: float
 
     Its strength, if any, is given in metres.
     """
-    changed: dict[str, Any] = {}
-    if stiffening != 1:
-        if isinstance(structure, MultistoreyBuilding):
-            structure = structure.stiffened(stiffening)
-        else:
-            changed["period"] = structure.period / np.sqrt(stiffening)
-    if structure.yields and strengthening != stiffening:
-        name = _yield_of(structure)
-        changed[name] = getattr(structure, name) * (strengthening / stiffening)
-    return replace(structure, **changed)
-
-
-def _yield_of(structure: AnyStructure) -> str:
-    return (
-        structure.strength_name if isinstance(structure, MultistoreyBuilding) else "yield_displacement"
-    )
+    if isinstance(structure, MultistoreyBuilding):
+        structure = structure.stiffened(stiffening)
+    else:
+        structure = replace(structure, period=structure.period / np.sqrt(stiffening))
+    return weaker(structure, stiffening / strengthening)
 
 
 def first_period(structure: AnyStructure) -> xr.DataArray:

@@ -69,7 +69,7 @@ ANALYSES: dict[str, Callable[[Any], xr.Dataset]] = {
 }
 
 
-OF_ROUNDING = "covariance", "residual", "covariance_change", "coefficient_change"
+OF_ROUNDING = "covariance", "covariance_change", "coefficient_change"
 
 
 def assert_same(one: xr.Dataset, other: xr.Dataset, rtol: float) -> None:

@@ -1,4 +1,4 @@
-"""Buildings with many storeys: structures that are not linked are solved one by one, by halves."""
+"""Buildings with many storeys: structures that are not linked are solved one by one."""
 
 import numpy as np
 import pytest
@@ -6,9 +6,10 @@ import scipy.linalg
 
 import stochlin as sl
 from stochlin.kernels.linearization.systems.response import StationaryResponse
-from stochlin.kernels.linearization.systems.springs import Linear
 from stochlin.kernels.linearization.systems.state_space import state_space
-from stochlin.solver.linearization.systems.systems import equations_of, springs_of
+from stochlin.kernels.linearization.systems.substitution import Linear
+from stochlin.models.systems import arrangement_of
+from stochlin.solver.linearization.systems.state_space import springs_of
 
 pytestmark = pytest.mark.oracle
 
@@ -31,8 +32,7 @@ def building(storeys):
 
 
 def problem_of(storeys, ground, links=()):
-    equations = equations_of([building(n) for n in storeys], GROUNDS[ground], links)
-    return springs_of(equations)
+    return springs_of(arrangement_of([building(n) for n in storeys], links), GROUNDS[ground])
 
 
 def coefficients(problem, seed):
@@ -57,7 +57,7 @@ def test_covariance_is_that_of_scipy_for_the_whole_matrix(storeys, ground, linke
     links = [sl.Link(1e6, 1e4, structures=(1, 2))] if linked else []
     problem = problem_of(storeys, ground, links)
     linear = coefficients(problem, 35)
-    system = state_space(problem.mechanics, linear.slip - 1, linear.relaxation, linear.dashpots)
+    system = state_space(problem, linear.slip - 1, linear.relaxation, linear.dashpots)
     found = StationaryResponse(system).covariance[0]
     matrix, noise = system.matrix[0], system.noise[0]
     std = np.sqrt(np.diagonal(found))

@@ -143,7 +143,7 @@ def test_storeys_and_links_that_yield_have_states():
     link = sl.Link(1e7, 1e4, hardening=0.2, yield_displacement=0.01, floors=(1, 1))
     c_eq, k_eq = [-0.9, -1, -0.7, -0.8], [1, 0, 2, 3]
     space = sl.statespace(pair, sl.KanaiTajimi(2.0, 0.3), c_eq, k_eq, links=[link])
-    states = "xg xg_rate u_1.1 u_1.2 v_1.1 v_1.2 z_1.1 z_1.2 u_2 v_2 z_2"
+    states = "xg xg_rate u_1.1 u_1.2 u_2 v_1.1 v_1.2 v_2 z_1.1 z_1.2 z_2"
     assert space.state.values.tolist() == [*states.split(), "z_link 1"]
 
     def entry(row, column):

@@ -129,9 +129,6 @@ ROUNDED = {
         )
         for name, ground in GROUNDS.items()
     },
-    "correlate, lyapunov": lambda one, two: sl.correlate(
-        of(one), of(two), LAKE, solver="lyapunov", max_iterations=30
-    ),
     "system, anderson": system,
     "system, substitution": partial(system, **RELAXED),
     "system, linked": partial(system, link=sl.Link(2e6, 1e5)),

@@ -12,16 +12,16 @@ from scipy.optimize import elementwise
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.kernels.linearization.systems.response import StationaryResponse
-from stochlin.kernels.linearization.systems.state_space import state_space
+from stochlin.kernels.linearization.systems.springs import Springs
+from stochlin.kernels.linearization.systems.substitution import Linear, response_of
 from stochlin.kernels.linearization.transient import TransientMoments
 from stochlin.kernels.probability import accumulated, exceeding, hazards
+from stochlin.models.grounds import Ground
 from stochlin.models.structures import Gap
-from stochlin.models.systems import first_period
+from stochlin.models.systems import Arrangement, first_period
 from stochlin.models.uncertain import median_of
 from stochlin.solver.linearization.strength import strength_in_metres
-from stochlin.solver.linearization.systems.state_space import Equations
-from stochlin.solver.linearization.systems.systems import equations_of
+from stochlin.solver.linearization.systems.state_space import springs_of, system_of
 from stochlin.solver.linearization.transient_systems import TIME, TimeGrid, solve_course
 from stochlin.solver.simulation.structures_in_motion import at_height, meeting_heights
 from stochlin.solver.tables import labels
@@ -74,26 +74,27 @@ class PairMoments(NamedTuple):
 
 
 def moments_of_pair(
-    equations: Equations,
+    system: Arrangement,
+    ground: Ground,
     heights: Array,
     course: TimeGrid,
     shortest: float,
     progress: Progress | None = None,
 ) -> PairMoments:
     """Moments of two structures with this shortest period [s] by transient linearization."""
-    system = equations.arrangement
+    problem = springs_of(system, ground, in_time=True)
     floors = [[at_height(system, number, height) for height in heights] for number in (0, 1)]
-    first, second = np.array(floors) @ equations.system.shapes
+    first, second = np.array(floors) @ problem.system.shapes
     rows = np.concatenate([first, second, first - second])
-    moments = solve_course(equations, rows, course, shortest, progress)
-    bandwidth = _bandwidths(moments, equations, first - second, course.times)
+    moments = solve_course(system, problem, rows, course, shortest, progress)
+    bandwidth = _bandwidths(moments, problem, first - second, course.times)
     u_1, u_2, d_d = np.split(moments.displacement, 3, axis=-1)
     d_v, v_v = (values[..., -heights.size :] for values in (moments.mixed, moments.velocity))
     d_d = np.where(d_d > EQUAL * (u_1 + u_2), d_d, 0.0)
     return PairMoments(u_1, u_2, d_d, d_v, v_v, bandwidth)
 
 
-def _bandwidths(moments: TransientMoments, equations: Equations, rows: Array, times: Array) -> Array:
+def _bandwidths(moments: TransientMoments, problem: Springs, rows: Array, times: Array) -> Array:
     """Bandwidth [-] over (times, m, h) of h sums of coordinates with these weights, in m motions.
 
     At each instant it is that of the stationary response of the equivalent linear systems at this
@@ -101,12 +102,11 @@ def _bandwidths(moments: TransientMoments, equations: Equations, rows: Array, ti
     """
     elastic = not moments.relaxation.any() and not moments.slip.any()
     chosen = np.unique(np.linspace(0, times.size - 1, 1 if elastic else INSTANTS).astype(int))
-    mechanics, table = equations.mechanics(equations.yields), []
+    table = []
     for instant in chosen:
-        coefficients = moments.slip[instant] - 1, moments.relaxation[instant]
-        space = state_space(mechanics, *coefficients, equations.dashpots)
-        l0, l1, l2 = StationaryResponse(space).spectral_moments(rows)
+        linear = Linear(moments.slip[instant], moments.relaxation[instant], problem.dashpots)
         with np.errstate(invalid="ignore", divide="ignore"):
+            l0, l1, l2 = response_of(problem, linear).spectral_moments(rows)
             narrow = 1 - l1**2 / (l0 * l2)
         # NaN, for structures that move together, becomes 1: crossings are then independent.
         table.append(np.sqrt(np.clip(np.nan_to_num(narrow, nan=1.0), 0, 1)))
@@ -191,13 +191,12 @@ def by_formula(
     if intensities is None:
         intensities = np.array([float(ground.arrays()["intensity"])])
     factors, weights = strengths(scatter)
-    changed: dict[str, Any] = {
-        "intensity": xr.DataArray(np.outer(intensities, factors**2).ravel(), dims=MOTION)
-    }
-    equations = equations_of(pair, replace(ground, **changed))
-    heights = meeting_heights(*equations.arrangement.stacks)
+    motions = xr.DataArray(np.outer(intensities, factors**2).ravel(), dims=MOTION)
+    ground = replace(ground, intensity=motions)
+    system = system_of(pair, ground)
+    heights = meeting_heights(*system.stacks)
     shortest = min(float(first_period(structure)) for structure in pair)
-    moments = moments_of_pair(equations, heights, course, shortest, progress)
+    moments = moments_of_pair(system, ground, heights, course, shortest, progress)
     return [
         _table(RelativeMotion(PairMoments(*parts), course, weights), heights, distance, confidence)
         for parts in zip(*(np.split(each, intensities.size, axis=1) for each in moments), strict=True)

@@ -22,8 +22,8 @@ import numpy as np
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.linearization.filters import stationary
-from stochlin.kernels.linearization.systems.springs import Law, coefficients_of
-from stochlin.kernels.linearization.systems.state_space import Mechanics, state_space
+from stochlin.kernels.linearization.systems.springs import Springs, coefficients_of
+from stochlin.kernels.linearization.systems.state_space import state_space
 
 PHASE = 0.25  # length of a step, as phase of the fastest motion that is followed [rad]
 FIRST_PHASE, FIRST = 0.1, 30.0  # the same while a motion begins, and how long, as phase [rad]
@@ -63,10 +63,8 @@ class TransientSystems:
 
     Parameters
     ----------
-    mechanics : Mechanics
-        Structures and ground.
-    laws : sequence of Law
-        Laws of the springs that yield, with their further states.
+    problem : Springs
+        Structures and ground; laws may have further states.
     limit : (c, s) array
         Extension of each spring at which its structure falls [m]; infinite if it cannot.
     followed : float
@@ -77,18 +75,15 @@ class TransientSystems:
 
     def __init__(
         self,
-        mechanics: Mechanics,
-        laws: Sequence[Law],
+        problem: Springs,
         limit: Array,
         followed: float,
         envelope: Callable[[float], float],
     ) -> None:
-        cells, springs = len(mechanics.system.mass), mechanics.springs
-        elastic = np.zeros((cells, springs.size))
-        space = state_space(mechanics, elastic - 1, elastic, np.empty((cells, 0)))
+        elastic = np.zeros_like(problem.strength)
+        space = state_space(problem, elastic - 1, elastic, problem.dashpots)
         self.blocks, self.yielding = space.blocks, space.yielding
-        self.laws, self.envelope = laws, envelope
-        self.strength = mechanics.system.strength[:, springs]
+        self.laws, self.envelope, self.strength = problem.laws, envelope, problem.strength
         self.extensions, self.most = space.extensions, limit**2
         g, _, v, _ = self.blocks
         self.matrix, self.modulated = space.matrix, np.zeros_like(space.matrix)
@@ -100,7 +95,7 @@ class TransientSystems:
         if self.filtered:
             root = np.sqrt(space.intensity)[:, None]
             start[:, g, g] = stationary(self.matrix[:, g, g], root * space.noise[:, g])
-        states = max((law.states for law in laws), default=0)
+        states = max((law.states for law in problem.laws), default=0)
         self.start = State(start, np.zeros((1 + states, *elastic.shape)))
         fastest = float(np.abs(np.linalg.eigvals(self.matrix)).max())
         self.followed = max(followed, fastest / STABLE)

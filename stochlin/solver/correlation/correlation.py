@@ -9,12 +9,11 @@ from typing import Annotated, Any, NamedTuple
 import xarray as xr
 
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.messages import brief
 from stochlin.models.arguments import OneOf, Paths, RelaxationTimes, Seed, StepsPerPeriod, Truth, checked
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import Model
 from stochlin.models.rules.effective_properties import EffectiveRule, effective_rule
-from stochlin.models.structures import DRIFT, GAUSSIAN, Structure
+from stochlin.models.structures import DRIFT, Structure
 from stochlin.models.systems import AnyStructure
 from stochlin.solver.correlation.equation_4 import EQ_4, by_eq_4, effective_pair
 from stochlin.solver.correlation.pairs import SHOWN, difference, linearized_pairs
@@ -34,7 +33,6 @@ def correlate(
     method: Annotated[str, OneOf(METHODS)] = "linearization",
     *,
     closure: str = "gaussian",
-    solver: Annotated[str, OneOf(SOLVERS)] = "closed_form",
     rule: str | EffectiveRule = "iwan_1980",
     bias: Truth = True,
     rtol: float = 1e-10,
@@ -71,12 +69,6 @@ def correlate(
         Closure of the linearization, as in `linearize`; for linearization and effective properties. With
         ``"drift"`` the correlation includes that of the plastic drifts, derived in ``docs/drift.md``
         and, on Kanai-Tajimi ground, corrected by a map of simulations.
-    solver : {"closed_form", "lyapunov"}
-        How linearization solves the equations of a pair. ``"closed_form"``: the covariances of a
-        structure and of a pair are formulas; a million pairs take seconds. ``"lyapunov"``: for each
-        pair the state matrix of both structures and the ground is formed, its Lyapunov equation solved
-        and the coefficients renewed, as `linearize_system` does; a pair takes about a millisecond. The
-        numbers are the same. For the Gaussian closure.
     rule : str or EffectiveRule
         Rule for effective properties, one of `stochlin.rules.effective_rule_names` or a rule object.
     bias : bool
@@ -160,15 +152,10 @@ def correlate(
     >>> [round(float(rho), 6) for rho in table.rho]
     [-0.033778, 1.0]
     """
-    if solver == LYAPUNOV and (method != "linearization" or closure != GAUSSIAN):
-        raise ValueError(
-            f"solver = {LYAPUNOV!r} with method = {method!r}, closure = {brief(closure)}; allowed: "
-            "method linearization with the closure gaussian"
-        )
     models: dict[str, Model] = {"first": first, "second": second, "ground": ground}
     settings = SimulationSettings(paths, seed, steps_per_period, relaxation_times, progress)
     tolerance = Tolerance(rtol, atol, max_iterations)
-    query = Query(method, closure, solver, tolerance, rule, bias, settings)
+    query = Query(method, closure, tolerance, rule, bias, settings)
     if isinstance(first, Structure) and isinstance(second, Structure):
         check_closure(first, closure)
         check_closure(second, closure)
@@ -211,7 +198,6 @@ class Query(NamedTuple):
 
     method: str
     closure: str
-    solver: str
     tolerance: Tolerance
     rule: str | EffectiveRule
     bias: bool
@@ -233,17 +219,9 @@ Answer = tuple[dict[str, Cells], str, dict[str, Any]]
 
 
 def _by_linearization(query: Query, pair: Pair, ground: Ground) -> Answer:
-    chained, table = query.solver == LYAPUNOV, dict[str, Cells]()
     comment = labels.CAUTION_DRIFT if query.closure == DRIFT else labels.CAUTION_PAIR
-    how = f"closure={query.closure!r}"
-    if query.bias or not chained:
-        table = linearized_pairs(pair, ground, query.closure, query.tolerance, query.bias)
-    if chained:
-        from stochlin.solver.correlation.chained import chained_pairs
-
-        table |= chained_pairs(pair, ground, query.tolerance)
-        how += f", solver={LYAPUNOV!r}"
-    return table, how, {"comment": comment}
+    table = linearized_pairs(pair, ground, query.closure, query.tolerance, query.bias)
+    return table, f"closure={query.closure!r}", {"comment": comment}
 
 
 def _by_white_noise(query: Query, pair: Pair, ground: Ground) -> Answer:
@@ -269,7 +247,6 @@ def _by_simulation(query: Query, pair: Pair, ground: Ground) -> Answer:
     return variables, query.settings.history, table.attrs
 
 
-SOLVERS = ("closed_form", LYAPUNOV := "lyapunov")
 SIMULATION = "simulation"
 METHODS: Mapping[str, Callable[[Query, Pair, Ground], Answer]] = {
     "linearization": _by_linearization,

@@ -14,7 +14,7 @@ from stochlin.models.grounds import Ground
 from stochlin.models.parameters import Model
 from stochlin.models.structures import Structure
 from stochlin.solver.linearization.equivalent_systems import solve_elastic
-from stochlin.solver.linearization.systems.systems import equations_of
+from stochlin.solver.linearization.systems.state_space import springs_of, system_of
 from stochlin.solver.linearization.transient_systems import (
     POINTS,
     TIME,
@@ -142,11 +142,12 @@ def _of_cells(
     cells = flat({"structure": structure, "ground": ground}, settled=False)
     if not cells.where.size:
         raise ValueError("no structure has valid parameters; correct those that are out of range")
-    equations = equations_of([cells.models["structure"]], cells.models["ground"])
+    system = system_of([cells.models["structure"]], cells.models["ground"])
+    problem = springs_of(system, cells.models["ground"], in_time=True)
     shortest = float(np.min(cells.models["structure"].arrays()["period"]))
     course = course_of(envelope, seconds, shortest, points)
-    moments = solve_course(equations, np.eye(1), course, shortest)
-    uy, couple = equations.strength[:, 0], equations.system.couple[:, 0]
+    moments = solve_course(system, problem, np.eye(1), course, shortest)
+    uy, couple = problem.system.strength[:, 0], problem.system.couple[:, 0]
     # Sums over the one element that yields, or over none.
     parts = moments.z, moments.slip, moments.relaxation, moments.means
     z, slip, relaxation, means = (part[course.shown].sum(axis=-1) for part in parts)

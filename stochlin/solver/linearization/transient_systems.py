@@ -9,10 +9,10 @@ import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
+from stochlin.kernels.linearization.systems.springs import Springs
 from stochlin.kernels.linearization.transient import PHASE, TransientMoments, TransientSystems
 from stochlin.models.envelopes import Envelope, envelope_at
-from stochlin.solver.linearization.systems.state_space import Equations
-from stochlin.solver.linearization.systems.systems import laws_of
+from stochlin.models.systems import Arrangement
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_duration
 from stochlin.solver.tables.work import check_work
@@ -79,7 +79,8 @@ def course_of(envelope: Envelope | None, duration: float, shortest: float, point
 
 
 def solve_course(
-    equations: Equations,
+    system: Arrangement,
+    problem: Springs,
     rows: Array,
     course: TimeGrid,
     shortest: float,
@@ -90,20 +91,19 @@ def solve_course(
     ``shortest`` is the shortest first period of all structures [s]. ``progress`` is called with the
     share of the duration that is done.
     """
-    stacks, followed = equations.arrangement.stacks, 2 * np.pi / shortest
-    limits = [np.broadcast_to(s.limits, (equations.cells, s.coordinates)) for s in stacks]
+    cells = problem.level.size
+    limits = [np.broadcast_to(s.limits, (cells, s.coordinates)) for s in system.stacks]
     systems = TransientSystems(
-        equations.mechanics(equations.yields),
-        laws_of(equations, in_time=True),
+        problem,
         np.concatenate(limits, axis=1),
-        followed,
+        2 * np.pi / shortest,
         lambda time: float(course.values(np.array(time))),
     )
-    cells, states, _ = systems.matrix.shape
+    states = systems.matrix.shape[1]
     check_work(
         f"{cells} systems at {course.times.size} instants, with {states} states, would take",
         "take fewer cells at a time, storeys together, or a shorter motion",
-        numbers=COLUMNS * course.times.size * cells * (len(rows) + len(equations.elements)),
+        numbers=COLUMNS * course.times.size * cells * (len(rows) + len(system.springs)),
         seconds=8e-11 * 4 / PHASE * course.duration * systems.followed * cells * states**3,
     )
     kinks = () if course.envelope is None else course.envelope.kinks()

@@ -39,22 +39,6 @@ class StationaryResponse:
         return 0.5 * (covariance + covariance.swapaxes(1, 2))
 
     @property
-    def residual(self) -> Array:
-        """Largest residual (c,) of the Lyapunov equation ``A X + X A' + 2 pi S0 b b' = 0``.
-
-        It is in units of the standard deviations of the states, over the largest entry of ``A``.
-        """
-        matrix, noise, intensity, *_ = self.system
-        std = np.sqrt(np.diagonal(self.covariance, axis1=1, axis2=2))
-        std = np.where(std == 0, 1.0, std)
-        rates = matrix * std[:, None] / std[:, :, None]
-        flow = rates @ (self.covariance / (std[:, :, None] * std[:, None]))
-        b = noise / std
-        off = flow + flow.swapaxes(1, 2) + intensity[:, None, None] * b[:, :, None] * b[:, None]
-        largest: Array = np.abs(off).max(axis=(1, 2)) / np.abs(rates).max(axis=(1, 2))
-        return largest
-
-    @property
     def moments(self) -> Array:
         """Variances of the rate and of z of the yielding springs, and covariances of both (3, c, m)."""
         rate, z = self.rows(self.system.yielding, rates=True), self._back[:, self.system.blocks[Z]]

@@ -22,32 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.systems import System
-from stochlin.kernels.linearization.filters import Filter
-
-
-class Mechanics(NamedTuple):
-    """Masses, springs and dashpots of the structures and their links, and the ground's filter."""
-
-    springs: Array  # (m,) numbers of the springs with a state z
-    system: System  # of c cells, without the dashpots of links
-    soil: Filter  # the ground's
-
-    @property
-    def frequency(self) -> Array:
-        """Frequencies (c, m) [rad/s] of the springs that yield, with the masses at their ends."""
-        own = self.system.extensions[self.springs]
-        square: Array = self.system.elastic[:, self.springs] * ((1 / self.system.mass) @ (own**2).T)
-        return np.sqrt(square)
-
-    @property
-    def elastic(self) -> Mechanics:
-        """The same without states z."""
-        return self._replace(springs=np.empty(0, int))
-
-    def at(self, cells: Array) -> Mechanics:
-        """The cells with these numbers."""
-        return self._replace(system=self.system.at(cells), soil=self.soil.at(cells))
+from stochlin.kernels.linearization.systems.springs import Springs
 
 
 class StateSpace(NamedTuple):
@@ -74,22 +49,19 @@ class StateSpace(NamedTuple):
         return rows
 
 
-def state_space(mechanics: Mechanics, c_eq: Array, k_eq: Array, dashpots: Array) -> StateSpace:
-    """State matrix and noise vector for equivalent coefficients (c, m) and dashpots of links (c, l).
-
-    The links are the last springs.
-    """
-    springs, system, filtered = mechanics
-    mass, structural, extensions, _, post, couple, _ = system
-    links = extensions[len(extensions) - dashpots.shape[1] :]
+def state_space(problem: Springs, c_eq: Array, k_eq: Array, dashpots: Array) -> StateSpace:
+    """State matrix and noise vector for coefficients (c, m) and dashpots of links (c, l) [N s/m]."""
+    springs, filtered = problem.yielding, problem.soil
+    mass, structural, extensions, _, post, couple, _ = problem.system
+    links = extensions[problem.links]
     damping = structural + (links.T * dashpots[:, None]) @ links
     yields = np.isin(np.arange(len(extensions)), springs)
-    by_extension = np.where(yields, post, system.elastic)
+    by_extension = np.where(yields, post, problem.system.elastic)
     count, soil = len(mass), filtered.arrays
     states = len(filtered.states) + 2 * extensions.shape[1] + springs.size
     matrix, noise = np.zeros((count, states, states)), np.zeros((count, states))
     intensity = np.broadcast_to(2 * np.pi * np.asarray(filtered.intensity), count)
-    space = StateSpace(matrix, noise, intensity, springs, extensions, system.elastic)
+    space = StateSpace(matrix, noise, intensity, springs, extensions, problem.system.elastic)
     g, q, v, z = space.blocks
     matrix[:, g, g], noise[:, g] = soil.matrix, soil.noise
     matrix[:, q, v] = np.eye(extensions.shape[1])

@@ -1,35 +1,31 @@
 """State matrix of any number of linearized structures on one ground, and its stationary covariance.
 
-`correlate` has a faster method for pairs of oscillators without links, and uses this one with the
-argument ``solver="lyapunov"``.
+`correlate` has a faster method for pairs of oscillators without links.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.systems import System
-from stochlin.kernels.linearization.filters import Filter
+from stochlin.kernels.linearization.gaussian import gaussian
 from stochlin.kernels.linearization.systems.lyapunov import INACCURATE, UNSTABLE
 from stochlin.kernels.linearization.systems.response import StationaryResponse
-from stochlin.kernels.linearization.systems.state_space import (
-    Mechanics,
-    StateSpace,
-    state_space,
-)
+from stochlin.kernels.linearization.systems.springs import Law, Springs
+from stochlin.kernels.linearization.systems.state_space import StateSpace, state_space
 from stochlin.messages import brief
 from stochlin.models.arguments import as_numbers, checked
 from stochlin.models.buildings import MultistoreyBuilding
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
 from stochlin.models.parameters import Model, expect
+from stochlin.models.structures import GAUSSIAN
 from stochlin.models.systems import (
     STRUCTURES,
     AnyStructure,
@@ -44,142 +40,60 @@ from stochlin.solver.tables.checks import check_scalars
 ONE_SYSTEM = "a scalar, since this describes one system"
 
 
-@dataclass(frozen=True)
-class Equations:
-    """Eqs. (5), (6), (8), (11) and (12) of structures on one ground, in one or several cells (c).
-
-    The springs (s) are the elements of the structures, which are storeys or modes, and, after them, the
-    links (l). The elements (e) are the springs that can have a hysteresis law: those of the structures
-    and the links that yield. There are n coordinates.
-    """
-
-    arrangement: Arrangement
-    ground: Ground
-
-    @cached_property
-    def springs(self) -> list[str]:
-        """Names of the springs."""
-        return [*self.arrangement.coordinates, *(tie.name for tie in self.arrangement.ties)]
-
-    @property
-    def first_link(self) -> int:
-        """Number of the first link among the springs."""
-        return int(self.arrangement.first_coordinate[-1])
-
-    @property
-    def reported_names(self) -> list[str]:
-        """Names of the elements of results: the `watched` of the structures, and links that yield."""
-        links = (self.springs[spring] for spring in self.elements[self.first_link :])
-        return [*self.arrangement.watched, *links]
-
-    def reported(self, values: Array, elastic: float, unknown: float | None = None) -> Array:
-        """Values (..., e) of the elements for those of results; see `Arrangement.of_elements`."""
-        unknown = elastic if unknown is None else unknown
-        own = self.arrangement.of_elements(values, elastic, unknown)
-        return np.concatenate([own, values[..., self.first_link :]], axis=-1)
-
-    def from_reported(self, values: Array, elastic: float) -> Array:
-        """Values (e,) of the elements from those of results, ``elastic`` where there is none."""
-        links = np.arange(self.first_link, len(self.elements))
-        number = np.concatenate([self.arrangement.of_watched, links])
-        of_elements = np.full(len(self.elements), elastic)
-        of_elements[number[number >= 0]] = values[number >= 0]
-        return of_elements
-
-    @cached_property
-    def elements(self) -> Array:
-        """Numbers of the springs that are elements (e,)."""
-        n, ties = self.first_link, self.arrangement.ties
-        return np.array([*range(n), *(n + i for i, tie in enumerate(ties) if tie.link.yields)])
-
-    @cached_property
-    def strength(self) -> Array:
-        """Yield drifts of the elements (c, e) [m], infinite if elastic."""
-        return self.system.strength[:, self.elements]
-
-    @property
-    def yields(self) -> Array:
-        """Whether each element (e,) yields; a strength that could not be computed is NaN."""
-        return np.asarray(~np.isposinf(self.strength).all(axis=0))
-
-    @cached_property
-    def system(self) -> System:
-        """Elements and springs of links in all cells, without the dashpots of links."""
-        storeys, links = self.arrangement.storeys.over_cells(self.cells), self._links
-        post, couple, strength = (
-            np.concatenate(parts, axis=1) for parts in zip(storeys[-3:], links[:3], strict=True)
-        )
-        mass, damping, _, shapes, *_ = storeys
-        return System(mass, damping, self.arrangement.extensions, shapes, post, couple, strength)
-
-    @cached_property
-    def soil(self) -> Filter:
-        """The filter of the ground in all cells."""
-        parameters = self.ground.arrays().items()
-        return self.ground.filter({n: np.broadcast_to(value, self.cells) for n, value in parameters})
-
-    def states(self, own: Array) -> tuple[list[str], Array]:
-        """Names of the states by structures, links last, and their numbers in a `StateSpace`.
-
-        Elements with ``own`` (e,) have a ``z``.
-        """
-        first, coordinates = self.arrangement.first_coordinate, self.arrangement.coordinates
-        of_ground = self.soil.states
-        names = [*of_ground, *(f"{state}_{name}" for state in "uv" for name in coordinates)]
-        names += [f"z_{self.springs[spring]}" for spring in self.elements[own]]
-        structure = np.repeat(np.arange(first.size - 1), np.diff(first))
-        with_links = np.append(structure, np.full(len(self.elements) - structure.size, first.size))
-        ground = np.full(len(of_ground), -1)
-        order = np.argsort(
-            np.concatenate([ground, structure, structure, with_links[own]]), kind="stable"
-        )
-        return [names[state] for state in order], order
-
-    def mechanics(self, own: Array) -> Mechanics:
-        """Masses, springs and ground of all cells; elements with ``own`` (e,) have a state ``z``."""
-        return Mechanics(self.elements[own], self.system, self.soil)
-
-    def state_space(
-        self, c_eq: Array, k_eq: Array, own: Array, dashpots: Array | None = None
-    ) -> StateSpace:
-        """Linear systems for coefficients of the elements (e,); those with ``own`` have a state ``z``.
-
-        ``dashpots`` (c, l) [N s/m] replace the damping constants of the links.
-        """
-        c, k = (np.broadcast_to(a[..., own], (self.cells, int(own.sum()))) for a in (c_eq, k_eq))
-        return state_space(self.mechanics(own), c, k, self.dashpots if dashpots is None else dashpots)
-
-    @property
-    def dashpots(self) -> Array:
-        """Damping constants of the links (c, l), in N s/m for the exponent 1."""
-        return self._links[3]
-
-    @property
-    def exponents(self) -> Array:
-        """Exponents of the dashpots of the links (c, l)."""
-        return self._links[4]
-
-    @cached_property
-    def cells(self) -> int:
-        """Number of cells."""
-        shapes = [stack.system.mass.shape[:-1] for stack in self.arrangement.stacks]
-        shapes += [value.shape for tie in self.arrangement.ties for value in _of_link(tie.link)]
-        shapes += [value.shape for value in self.ground.arrays().values()]
-        return math.prod(np.broadcast_shapes(*shapes))
-
-    @cached_property
-    def _links(self) -> Array:
-        """Post-yield stiffness, what yielding takes of it, strength, dashpot and exponent: (5, c, l)."""
-        ties = self.arrangement.ties
-        rows = [[np.broadcast_to(v, self.cells) for v in _of_link(tie.link)] for tie in ties]
-        return np.array(rows).reshape(len(rows), 5, self.cells).transpose(1, 2, 0)
+def system_of(
+    structures: Sequence[AnyStructure], ground: Ground, links: Sequence[Link | None] = ()
+) -> Arrangement:
+    """Structures and links as one system, with all strengths in metres."""
+    return arrangement_of([strength_in_metres(structure, ground) for structure in structures], links)
 
 
-def _of_link(link: Link) -> list[Array]:
+def springs_of(system: Arrangement, ground: Ground, *, in_time: bool = False) -> Springs:
+    """Structures, links and ground in all cells; in time, their laws may have further states."""
+    values, links = ground.arrays(), [_of_link(tie.link) for tie in system.ties]
+    shapes = [stack.system.mass.shape[:-1] for stack in system.stacks]
+    shapes += [np.shape(value) for value in (*sum(links, ()), *values.values())]
+    cells = math.prod(np.broadcast_shapes(*shapes))
+    rows = [[np.broadcast_to(value, cells) for value in link] for link in links]
+    columns = np.array(rows).reshape(len(rows), 5, cells).transpose(1, 2, 0)
+    mass, damping, _, floors, *storeys = system.storeys.over_cells(cells)
+    post, couple, strength = (
+        np.concatenate(both, axis=1) for both in zip(storeys, columns[:3], strict=True)
+    )
+    springs = System(mass, damping, system.extensions, floors, post, couple, strength)
+    soil = ground.filter({name: np.broadcast_to(value, cells) for name, value in values.items()})
+    # A strength that could not be computed is NaN.
+    yielding = np.flatnonzero(~np.isposinf(strength).all(axis=0))
+    dashpots, exponents = columns[3:]
+    power = np.flatnonzero(((exponents != 1) & (dashpots > 0)).any(axis=0))
+    laws = _laws_of(system, cells, yielding.size, in_time)
+    return Springs(springs, soil, yielding, laws, dashpots, exponents, power, np.zeros(cells))
+
+
+def _of_link(link: Link) -> tuple[Any, ...]:
     """Post-yield stiffness, what yielding takes of it, strength, dashpot and exponent of a link."""
     values = link.cells()
-    dashpot = values["damping_constant"], values.get("damping_exponent", 1.0)
-    return [np.asarray(value) for value in (*link.springs, *dashpot)]
+    return *link.springs, values["damping_constant"], values.get("damping_exponent", 1.0)
+
+
+def _laws_of(system: Arrangement, cells: int, springs: int, in_time: bool) -> list[Law]:
+    """The laws of so many springs that yield: those of the structures, and of links the bilinear one."""
+    laws, begin = list[Law](), 0
+    for stack in system.stacks:
+        mine = begin + np.arange(stack.yields.sum())
+        if mine.size:
+            values = stack.law_parameters[..., stack.yields, :]
+            wide = np.broadcast_to(values, (cells, mine.size, values.shape[-1]))
+            closures = stack.law.closure_in_time() if in_time else (stack.law.closure(GAUSSIAN),)
+            laws.append(Law(mine, np.moveaxis(wide, -1, 0), *closures))
+        begin += mine.size
+    links = np.arange(begin, springs)
+    return [*laws, Law(links, np.empty((0, cells, links.size)), gaussian)] if links.size else laws
+
+
+def state_names(system: Arrangement, problem: Springs) -> list[str]:
+    """Names of the states: those of the ground, then displacements, velocities and ``z``."""
+    names = [*problem.soil.states, *(f"{state}_{name}" for state in "uv" for name in system.coordinates)]
+    return [*names, *(f"z_{system.springs[spring]}" for spring in problem.yielding)]
 
 
 def checked_system(
@@ -273,7 +187,7 @@ def statespace(
     >>> pair = [sl.Bilinear(T, 0.05, 0.05, reduction_factor=4) for T in (1.0, 0.7)]
     >>> space = sl.statespace(pair, ground)
     >>> space.state.values.tolist()
-    ['xg', 'xg_rate', 'u_1', 'v_1', 'z_1', 'u_2', 'v_2', 'z_2']
+    ['xg', 'xg_rate', 'u_1', 'u_2', 'v_1', 'v_2', 'z_1', 'z_2']
     >>> v, z, uy = ["v_1", "v_2"], ["z_1", "z_2"], space.yield_displacement.values
     >>> for _ in range(30):
     ...     x = sl.stationary_covariance(space).to_pandas()
@@ -293,33 +207,37 @@ def statespace(
                 f"links, number {number}: damping_exponent = {link.exponent:g}; allowed: 1, since this "
                 "is a linear system. Give the link the equivalent_damping_constant of linearize_system"
             )
-    equations = Equations(
-        arrangement_of([strength_in_metres(s, ground) for s in structures], links), ground
-    )
-    elements, strength, own = equations.reported_names, equations.strength[0], equations.yields
-    c, k = (
-        equations.from_reported(_of_elements(name, values, elastic, elements), elastic)
-        for name, values, elastic in (("c_eq", c_eq, -1.0), ("k_eq", k_eq, 0.0))
-    )
-    if (elastic := ~own & ((c != -1) | (k != 0))).any():
+    system = system_of(structures, ground, links)
+    problem = springs_of(system, ground)
+    elements = [*system.watched, *(system.springs[link] for link in system.yielding_links)]
+    numbers = np.concatenate([system.of_watched, system.yielding_links])
+    coefficients = np.tile([[-1.0], [0.0]], len(system.springs))
+    for row, name, values in zip(coefficients, ("c_eq", "k_eq"), (c_eq, k_eq), strict=True):
+        if values is not None:
+            row[numbers[numbers >= 0]] = _of_elements(name, values, elements)[numbers >= 0]
+    elastic = np.delete(coefficients, problem.yielding, axis=1) != [[-1.0], [0.0]]
+    if elastic.any():
+        first = np.delete(system.springs, problem.yielding)[elastic.any(axis=0)][0]
         raise ValueError(
-            f"element {equations.springs[int(np.argmax(elastic))]} has no strength, so that it stays "
+            f"element {first} has no strength, so that it stays "
             "elastic; allowed: c_eq = -1 and k_eq = 0, or a structure with a yield displacement"
         )
-    written = equations.state_space(c, k, own)
-    names, order = equations.states(own)
-    extension = np.zeros((len(equations.springs), len(names)))
+    c, k = coefficients[:, None, problem.yielding]
+    written = state_space(problem, c, k, problem.dashpots)
+    names = state_names(system, problem)
+    extension = np.zeros((len(system.springs), len(names)))
     extension[:, written.blocks[1]] = written.extensions
+    strength = in_elements(system, problem.system.strength, np.inf, np.inf)[0]
     space = xr.Dataset(
         {
-            "state_matrix": (("state", "state_2"), written.matrix[0][order[:, None], order]),
-            "noise_vector": ("state", written.noise[0][order]),
+            "state_matrix": (("state", "state_2"), written.matrix[0]),
+            "noise_vector": ("state", written.noise[0]),
             "noise_intensity": ((), written.intensity[0], {"units": "m^2/s^3"}),
-            "extension": (("spring", "state"), extension[:, order]),
+            "extension": (("spring", "state"), extension),
             "stiffness": ("spring", written.stiffness[0], {"units": "N/m"}),
-            "yield_displacement": ("element", equations.reported(strength, np.inf), {"units": "m"}),
+            "yield_displacement": ("element", strength, {"units": "m"}),
         },
-        coords={"state": names, "state_2": names, "spring": equations.springs, "element": elements},
+        coords={"state": names, "state_2": names, "spring": system.springs, "element": elements},
     )
     models = {f"structure_{n}": s for n, s in enumerate(structures, start=1)} | {"ground": ground}
     return labels.with_run_information(
@@ -330,15 +248,19 @@ def statespace(
     )
 
 
-def _of_elements(
-    name: str, values: Sequence[float] | None, elastic: float, elements: Sequence[str]
-) -> Array:
-    """The coefficients of all elements; ``elastic`` if there are none."""
+def _of_elements(name: str, values: Sequence[float], elements: Sequence[str]) -> Array:
+    """The coefficients of all elements, checked."""
     allowed = f"{len(elements)} finite numbers, for the elements {', '.join(elements)}"
-    array = as_numbers(name, [elastic] * len(elements) if values is None else values, allowed)
+    array = as_numbers(name, values, allowed)
     if array.shape != (len(elements),) or not np.isfinite(array).all():
         raise ValueError(f"{name} = {brief(values)}; allowed: {allowed}")
-    return array.astype(float)
+    return array
+
+
+def in_elements(system: Arrangement, values: Array, elastic: float, unknown: float) -> Array:
+    """Values (c, s) of the springs for the elements of results; see `Arrangement.of_elements`."""
+    own = system.of_elements(values, elastic, unknown)
+    return np.concatenate([own, values[:, system.yielding_links]], axis=1)
 
 
 @checked
@@ -384,26 +306,22 @@ def stationary_covariance(space: xr.Dataset) -> xr.DataArray:
     """
     if not isinstance(space, xr.Dataset) or "state_matrix" not in space or "extension" not in space:
         raise TypeError(f"space = {brief(space)}; allowed: the dataset that statespace returns")
-    names = [str(name) for name in space.state.values]
-    springs = [str(name) for name in space.spring.values]
-    kind = np.array([{"u_": 1, "v_": 2, "z_": 3}.get(name[:2], 0) for name in names])
-    order = np.argsort(kind, kind="stable")
-    inside = space.isel(state=order, state_2=order)
+    kinds = space.state.str[:2]
+    springs = space.indexes["spring"].get_indexer(space.state[kinds == "z_"].str[2:])
     response = StationaryResponse(
         StateSpace(
-            inside.state_matrix.values[None],
-            inside.noise_vector.values[None],
-            np.array([float(space.noise_intensity)]),
-            np.array([springs.index(names[n][2:]) for n in np.flatnonzero(kind == 3)], int),
-            space.extension.values[:, kind == 1],
+            space.state_matrix.values[None],
+            space.noise_vector.values[None],
+            space.noise_intensity.values[None],
+            springs,
+            space.extension[:, kinds == "u_"].values,
             space.stiffness.values[None],
         )
     )
     if not np.isfinite(response.covariance).all():
         raise ArithmeticError(INACCURATE if response.stable[0] else UNSTABLE)
-    back = np.argsort(order)
     return xr.DataArray(
-        response.covariance[0][back[:, None], back],
+        response.covariance[0],
         dims=("state", "state_2"),
         coords={name: space.coords[name] for name in ("state", "state_2")},
         name="covariance",

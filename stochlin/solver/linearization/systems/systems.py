@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from functools import reduce
 from operator import and_
 from typing import Annotated, NamedTuple
@@ -11,36 +11,42 @@ import numpy as np
 import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.linearization.gaussian import absolute_moment, gaussian
+from stochlin.kernels.linearization.gaussian import absolute_moment
 from stochlin.kernels.linearization.systems.response import StationaryResponse
-from stochlin.kernels.linearization.systems.springs import (
+from stochlin.kernels.linearization.systems.springs import Springs
+from stochlin.kernels.linearization.systems.substitution import (
     DEPTH,
-    Law,
-    Springs,
+    Linear,
     elastic_start,
     linear_for,
+    response_of,
     solve_springs,
 )
 from stochlin.models.arguments import Number, OneOf, checked
-from stochlin.models.buildings import MultistoreyBuilding
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
 from stochlin.models.parameters import Model, Range
-from stochlin.models.structures import GAUSSIAN
-from stochlin.models.systems import AnyStructure, arrangement_of, check_stationary, stack_of
+from stochlin.models.systems import (
+    AnyStructure,
+    Arrangement,
+    check_stationary,
+    floor_count,
+)
 from stochlin.solver.linearization.equivalent_systems import ELASTIC, STRONG
-from stochlin.solver.linearization.strength import strength_in_metres
 from stochlin.solver.linearization.systems.state_space import (
-    Equations,
     check_one_system,
     checked_system,
+    in_elements,
+    springs_of,
+    state_names,
+    system_of,
 )
 from stochlin.solver.linearization.tolerance import USUAL, Tolerance
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.cells import NONE_VALID, Flat, flat
 from stochlin.solver.tables.floors import element_coordinates, floor_coordinates
 from stochlin.solver.tables.lazy import check_names
-from stochlin.solver.tables.work import check_work, count_cells
+from stochlin.solver.tables.work import check_work
 
 ANDERSON = "anderson"
 ITERATIONS = {ANDERSON: DEPTH, "substitution": 0}  # by name, with the number of rounds that are mixed
@@ -54,7 +60,6 @@ DIMS = {
     **dict.fromkeys(("rho", "relative_displacement_std"), ("floor", "floor_2")),
     "covariance": ("state", "state_2"),
     **dict.fromkeys(("link_force_std", "equivalent_damping_constant"), ("link",)),
-    "residual": (),
 }
 CHANGES = "covariance_change", "coefficient_change"
 OWN = {"iteration", "iterations", "status", *CHANGES, *DIMS, *sum(DIMS.values(), ())}
@@ -119,9 +124,7 @@ def linearize_system(
         ``coefficient_change`` [-], NaN after the last iteration of a cell; where a solution is followed,
         they are those at full shaking. Over ``link``: ``link_force_std`` [N] and, if a link has a
         dashpot with an exponent, ``equivalent_damping_constant`` [N s/m], which is NaN if the ends of
-        the link do not move relative to each other. And ``iterations``; ``residual`` [-] of the Lyapunov
-        equation, in units of the standard deviations of the states and over the largest entry of the
-        state matrix; and ``status``.
+        the link do not move relative to each other. And ``iterations`` and ``status``.
 
     Raises
     ------
@@ -171,14 +174,17 @@ def linearize_system(
     models: dict[str, Model] = {f"structure_{n}": s for n, s in enumerate(structures, start=1)}
     models |= {"ground": ground}
     models |= {f"link_{n}": link for n, link in enumerate(links, start=1) if link is not None}
-    check_chain(models)
     cells = flat(models)
+    _check_iteration(cells.where.size, structures)
     check_names((*cells.shape.dims, *cells.shape.coords), OWN)
     if not cells.where.size:
         raise ValueError(NONE_VALID)
-    equations = equations_of_cells(cells, links)
-    solution = solve_equations(equations, tolerance, depth, relaxation)
-    table = labels.label(solution_table(cells, equations, solution))
+    rows = [cells.models[f"structure_{n}"] for n, _ in enumerate(structures, start=1)]
+    of_links = [cells.models.get(f"link_{n}") for n, _ in enumerate(links, start=1)]
+    system = system_of(rows, cells.models["ground"], of_links)
+    problem = springs_of(system, cells.models["ground"])
+    solution = solve_system(system, problem, tolerance, depth, relaxation)
+    table = labels.label(solution_table(cells, system, problem, solution))
     described = ", ".join(structure.describe() for structure in structures)
     labels.raise_if_lone_failure(table, f"linearize_system([{described}], {ground.describe()})")
     if any(structure.yields for structure in structures):
@@ -196,77 +202,42 @@ def linearize_system(
 class SystemSolution(NamedTuple):
     """Result of the iteration in c cells; NaN in cells that failed."""
 
-    c_eq: Array  # (c, e), of the elements; -1 if elastic
-    k_eq: Array  # (c, e) [1/s]; 0 if elastic
-    dashpots: Array  # (c, l) constants of the links, NaN for those with an exponent that do not move
+    linear: Linear  # elastic where a spring hardly yields
     changes: Array  # (iterations, 2, c) of the covariance and of the coefficients
     iterations: Array  # (c,)
     status: Array  # (c,)
 
 
 @np.errstate(all="ignore")  # NaN is checked where it matters
-def solve_equations(
-    equations: Equations, tolerance: Tolerance, depth: int = DEPTH, relaxation: float = 1.0
+def solve_system(
+    system: Arrangement,
+    problem: Springs,
+    tolerance: Tolerance,
+    depth: int = DEPTH,
+    relaxation: float = 1.0,
 ) -> SystemSolution:
-    """The equivalent coefficients of all elements, by mixing so many rounds, or by substitution."""
-    own = equations.yields
-    check_stationary(equations.arrangement)
-    problem, elastic = elastic_start(springs_of(equations))
-    m = problem.springs
-    weak = (stack.law for stack in equations.arrangement.stacks if stack.yields.any())
+    """The equivalent coefficients of a system, by mixing so many rounds, or by substitution."""
+    check_stationary(system)
+    elastic, m = elastic_start(problem), problem.yielding.size
+    weak = (stack.law for stack in system.stacks if stack.yields.any())
     unique = (law.has_one_solution().to_numpy() for law in weak)
-    one_solution = np.broadcast_to(reduce(and_, unique, np.array(True)), equations.cells)
+    one_solution = np.broadcast_to(reduce(and_, unique, np.array(True)), problem.level.shape)
     rule = tolerance.max_iterations, tolerance.rtol
     solved, changes = solve_springs(problem, elastic, one_solution, *rule, depth, relaxation)
     slip, k, dashpots = linear_for(problem, solved.unknowns)
-    still = (np.abs(slip) < ELASTIC) & (np.abs(k) < ELASTIC * problem.mechanics.frequency)
-    c_eq, k_eq = np.full((equations.cells, own.size), -1.0), np.zeros((equations.cells, own.size))
-    c_eq[:, own], k_eq[:, own] = np.where(still, -1.0, slip - 1), np.where(still, 0.0, k)
-    idle = problem.exponents != equations.exponents
-    dashpots = np.where(idle, np.nan, dashpots)
+    still = (np.abs(slip) < ELASTIC) & (np.abs(k) < ELASTIC * problem.frequency)
+    linear = Linear(np.where(still, 0.0, slip), np.where(still, 0.0, k), dashpots)
     demand = np.exp(elastic[m : 2 * m].max(axis=0, initial=-np.inf))
     failed = np.where(demand > STRONG, labels.TOO_STRONG, labels.NOT_CONVERGED)
     failed = np.where(np.isnan(demand), labels.NOT_PHYSICAL, failed)
     calm = np.where(still.all(axis=1), labels.ELASTIC_LIMIT, labels.CONVERGED)
     status = np.where(solved.converged, calm, failed).astype(np.int8)
-    return SystemSolution(c_eq, k_eq, dashpots, changes, solved.iterations, status)
+    return SystemSolution(linear, changes, solved.iterations, status)
 
 
-def springs_of(equations: Equations) -> Springs:
-    """What the iteration takes: springs that yield with their laws, and dashpots that it linearizes."""
-    dashpots, exponents = equations.dashpots, equations.exponents
-    power = np.flatnonzero(((exponents != 1) & (dashpots > 0)).any(axis=0))
-    mechanics, level = equations.mechanics(equations.yields), np.zeros(equations.cells)
-    return Springs(mechanics, laws_of(equations), dashpots, exponents, power, level)
-
-
-def laws_of(equations: Equations, *, in_time: bool = False) -> list[Law]:
-    """The laws of the yielding elements, which may have further states if they are followed in time."""
-    laws, begin, cells = list[Law](), 0, equations.cells
-    for stack in equations.arrangement.stacks:
-        mine = begin + np.arange(stack.yields.sum())
-        if mine.size:
-            values = stack.law_parameters[..., stack.yields, :]
-            wide = np.broadcast_to(values, (cells, mine.size, values.shape[-1]))
-            closures = stack.law.closure_in_time() if in_time else (stack.law.closure(GAUSSIAN),)
-            laws.append(Law(mine, np.moveaxis(wide, -1, 0), *closures))
-        begin += mine.size
-    links = np.arange(begin, equations.yields.sum())
-    if links.size:
-        laws.append(Law(links, np.empty((0, cells, links.size)), gaussian))
-    return laws
-
-
-def check_chain(models: Mapping[str, Model]) -> None:
-    """Raise a ValueError if the iteration of all cells would take too long or too much memory.
-
-    ``models`` are structures, ground and links by their roles.
-    """
-    elements = sum(
-        stack_of(model).coordinates if isinstance(model, MultistoreyBuilding) else 1
-        for model in models.values()
-    )
-    cells = max(1, count_cells(*(m for m in models.values() if not isinstance(m, MultistoreyBuilding))))
+def _check_iteration(cells: int, structures: Sequence[AnyStructure]) -> None:
+    """Raise a ValueError if the iteration of all cells would take too long or too much memory."""
+    elements = sum(map(floor_count, structures))
     check_work(
         f"the iteration of {cells} systems would take" if cells > 1 else "the iteration would take",
         "take fewer cells at a time, storeys together, or structures that are not linked apart",
@@ -281,42 +252,21 @@ def linearized_motion(
     """Response of the equivalent linear system, with its covariance; an ArithmeticError if it fails."""
     links = checked_system(structures, ground, links)
     check_one_system(structures, ground, links)
-    equations = equations_of(structures, ground, links)
-    solution = solve_equations(equations, USUAL)
+    system = system_of(structures, ground, links)
+    problem = springs_of(system, ground)
+    solution = solve_system(system, problem, USUAL)
     if solution.status[0] >= labels.NOT_CONVERGED:
         meaning = labels.STATUS_MEANINGS[solution.status[0]].replace("_", " ")
         raise ArithmeticError(f"linearization of {len(structures)} structures: {meaning}")
-    return response_of(equations, solution)
-
-
-def response_of(equations: Equations, solution: SystemSolution) -> StationaryResponse:
-    """Response of the linear systems with the coefficients and dashpots of a solution."""
-    dashpots = np.nan_to_num(solution.dashpots)
-    space = equations.state_space(solution.c_eq, solution.k_eq, equations.yields, dashpots)
-    return StationaryResponse(space)
-
-
-def equations_of(
-    structures: Sequence[AnyStructure], ground: Ground, links: Sequence[Link | None] = ()
-) -> Equations:
-    """Equations with all strengths in metres."""
-    solid = [strength_in_metres(structure, ground) for structure in structures]
-    return Equations(arrangement_of(solid, links), ground)
-
-
-def equations_of_cells(cells: Flat, links: Sequence[Link | None]) -> Equations:
-    """Equations of the valid cells; the models are those of `linearize_system` by their roles."""
-    structures = [model for role, model in cells.models.items() if role.startswith("structure_")]
-    flat_links = [
-        None if link is None else cells.models[f"link_{n}"] for n, link in enumerate(links, start=1)
-    ]
-    return equations_of(structures, cells.models["ground"], flat_links)
+    return response_of(problem, solution.linear)
 
 
 @np.errstate(all="ignore")  # correlations of floors that do not move are 0/0
-def solution_table(cells: Flat, equations: Equations, solution: SystemSolution) -> xr.Dataset:
+def solution_table(
+    cells: Flat, system: Arrangement, problem: Springs, solution: SystemSolution
+) -> xr.Dataset:
     """Dataset of `linearize_system` from a solution, without labels."""
-    system, results = equations.arrangement, _results(equations, solution)
+    results = _results(system, problem, solution.linear)
     finite = np.isfinite(results["covariance"]).all(axis=(1, 2))
     status = np.where(
         finite | (solution.status >= labels.NOT_CONVERGED), solution.status, labels.NOT_PHYSICAL
@@ -329,13 +279,13 @@ def solution_table(cells: Flat, equations: Equations, solution: SystemSolution) 
         variables[name] = changes.transpose("iteration", ...)
     variables["iterations"] = cells.table(solution.iterations, blank=0)
     variables["status"] = cells.table(status.astype(np.int8), blank=labels.INVALID_INPUT)
-    states, _ = equations.states(equations.yields)
+    states = state_names(system, problem)
     links = [tie.name for tie in system.ties]
     table = xr.Dataset(
         variables,
         coords={
             **{name: cells.shape.coords[name] for name in cells.shape.coords},
-            **element_coordinates(system, equations.reported_names[len(system.watched) :]),
+            **element_coordinates(system, [system.springs[link] for link in system.yielding_links]),
             **floor_coordinates(system),
             "floor_2": ("floor_2", system.floors, {"long_name": "floor"}),
             "state": ("state", states, {"long_name": "state"}),
@@ -348,51 +298,55 @@ def solution_table(cells: Flat, equations: Equations, solution: SystemSolution) 
     return table
 
 
-def _results(equations: Equations, solution: SystemSolution) -> dict[str, Array]:
+def _results(system: Arrangement, problem: Springs, linear: Linear) -> dict[str, Array]:
     """What follows from the responses of the equivalent linear systems, by variable."""
-    system, floors, own = equations.arrangement, equations.system.shapes, equations.yields
-    n, links = len(floors), equations.system.extensions[equations.elements[equations.first_link :]]
-    motion = response_of(equations, solution)
-    covariance, (_, order), q = motion.covariance, equations.states(own), motion.system.blocks[1]
-    std, strength = motion.std(floors), equations.strength
+    springs, yielding, motion = problem.system, problem.yielding, response_of(problem, linear)
+    floors, covariance, q = springs.shapes, motion.covariance, motion.system.blocks[1]
+    std, n = motion.std(floors), len(floors)
+    links = springs.extensions[system.yielding_links]
     drifts = motion.std(np.concatenate([system.drifts @ system.displacements, links]))
-    (velocity, of_z, velocity_z), (z, corr) = motion.moments, np.zeros((2, *strength.shape))
-    z[:, own], corr[:, own] = np.sqrt(of_z) / strength[:, own], velocity_z / np.sqrt(velocity * of_z)
+    velocity, of_z, velocity_z = motion.moments
+
+    def of_elements(values: Array, elastic: float) -> Array:
+        whole = np.full(springs.strength.shape, elastic)
+        whole[:, yielding] = values
+        return in_elements(system, whole, elastic, elastic)
+
     rho = floors @ covariance[:, q, q] @ floors.T / (std[:, :, None] * std[:, None])
     pairs = (floors[:, None] - floors).reshape(n * n, -1)
-    yield_drift = equations.reported(strength, np.inf, np.nan)
+    yield_drift = in_elements(system, springs.strength, np.inf, np.nan)
     results = {
         "drift_std": drifts,
         "ductility_std": drifts / yield_drift,
-        "z_std": equations.reported(z, 0.0),
-        "velocity_z_corr": equations.reported(corr, 0.0),
-        "c_eq": equations.reported(solution.c_eq, -1.0),
-        "k_eq": equations.reported(solution.k_eq, 0.0),
+        "z_std": of_elements(np.sqrt(of_z) / problem.strength, 0.0),
+        "velocity_z_corr": of_elements(velocity_z / np.sqrt(velocity * of_z), 0.0),
+        "c_eq": of_elements(linear.slip - 1, -1.0),
+        "k_eq": of_elements(linear.relaxation, 0.0),
         "yield_drift": yield_drift,
         "displacement_std": std,
         "velocity_std": motion.std(floors, rates=True),
         "rho": np.clip(rho, -1, 1),
         "relative_displacement_std": motion.std(pairs).reshape(-1, n, n),
-        "covariance": covariance[:, order[:, None], order],
-        "residual": motion.residual,
+        "covariance": covariance,
     }
     if system.ties:
-        results["link_force_std"] = link_forces(equations, solution, motion)
+        results["link_force_std"] = link_forces(problem, linear, motion)
     if any(tie.link.damping_exponent is not None for tie in system.ties):
-        results["equivalent_damping_constant"] = solution.dashpots.copy()
+        still = (linear.dashpots == 0) & (problem.dashpots > 0)
+        results["equivalent_damping_constant"] = np.where(still, np.nan, linear.dashpots)
     return results
 
 
-def link_forces(equations: Equations, solution: SystemSolution, motion: StationaryResponse) -> Array:
+def link_forces(problem: Springs, linear: Linear, motion: StationaryResponse) -> Array:
     """Standard deviations of the forces in all links (c, l) [N].
 
     For a dashpot with an exponent, the variance of its linearized force is replaced by that of the
     nonlinear force for a Gaussian rate.
     """
-    dashpots, exponents = np.nan_to_num(solution.dashpots), equations.exponents
-    links, springs = slice(equations.first_link, None), equations.system
-    linear = motion.force_std(springs.post[:, links], springs.couple[:, links], dashpots)
+    links, springs, exponents = problem.links, problem.system, problem.exponents
+    dashpots = linear.dashpots
+    force = motion.force_std(springs.post[:, links], springs.couple[:, links], dashpots)
     rate = motion.std(springs.extensions[links], rates=True)
-    whole = equations.dashpots**2 * absolute_moment(2 * exponents, rate)
-    nonlinear = np.sqrt(linear**2 + whole - (dashpots * rate) ** 2)
-    return np.where((exponents != 1) & (dashpots > 0), nonlinear, linear)
+    whole = problem.dashpots**2 * absolute_moment(2 * exponents, rate)
+    nonlinear = np.sqrt(force**2 + whole - (dashpots * rate) ** 2)
+    return np.where((exponents != 1) & (dashpots > 0), nonlinear, force)
