@@ -57,6 +57,7 @@ REMOVED: dict[str, str] = {
     "--intensity": "intensity= of the ground of stochlin.correlate",
     "--structure-period": "period= of stochlin.charts.portrait_chart and energy_chart",
     "--all-rules": "--details prints all rules",
+    "--sensitivity": "the page of a case with uncertain parameters, or charts.draw_sensitivity",
     "simulated_rho": "simulate has the rho of both structures, for critical_gap with the peaks",
     "--jobs": "stochlin warmup takes all cores",
 }

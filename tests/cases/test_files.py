@@ -167,7 +167,7 @@ def test_answer_is_that_of_the_library(tmp_path: Path) -> None:
     record = sl.read_record(tmp_path / "wave.txt", dt=0.02, units="g")
     sites = {"height_1": 24.0, "height_2": 15.0, "storeys_1": 8, "storeys_2": 5, "zone": "II"}
     sites |= dict.fromkeys(("floors_align", "same_property", "same_system"), True)
-    expected = sl.separation(*pair, ground, 20.0, **motion, **sites, records={"wave.txt": record})
+    expected = sl.separation(*pair, ground, 20.0, **motion, codes=sites, records={"wave.txt": record})
     # Sums over modes are rounded otherwise by the oldest libraries.
     xr.testing.assert_allclose(answer.separation, expected, rtol=1e-13, atol=1e-15)
     assert answer.existing is not None

@@ -331,7 +331,7 @@ REFUSED = {
     r"storeys_1 = 0\.5 is out of range": gaps(storeys_1=0.5),
     "storeys_2 is given, of a second building": gaps(peak_2=None, storeys_2=3),
     "storeys_1 = 3, but that building has 2 storeys; leave it out": lambda: sl.separation(
-        TOWER, None, sl.KanaiTajimi(0.5, 0.5, intensity=0.01), 9.0, storeys_1=3
+        TOWER, None, sl.KanaiTajimi(0.5, 0.5, intensity=0.01), 9.0, codes={"storeys_1": 3}
     ),
 }
 

@@ -68,12 +68,9 @@ def test_the_page_of_a_case_with_uncertain_periods(tmp_path):
     text = text.replace('existing = "5 cm"', "").replace("paths = 2048", "paths = 100")
     text = text.replace('duration = "20 s"', 'duration = "16 s"')
     (tmp_path / "case.toml").write_text(text, encoding="utf-8")
-    page, picture = tmp_path / "page.html", tmp_path / "tornado.svg"
-    options = ["--report", str(page), "--sensitivity", str(picture)]
+    page = tmp_path / "page.html"
+    options = ["--report", str(page)]
     result = CliRunner().invoke(main, ["gap", str(tmp_path / "case.toml"), *options])
     assert result.exit_code == 0, result.output
     assert "Influence of the inputs:" in result.output
     assert "period of Annex" in page.read_text(encoding="utf-8").split("Influence of the inputs")[1]
-    with xr.open_dataset(picture.with_suffix(".nc")) as saved:
-        assert saved.uncertain.values.tolist().count(1) == 1
-        assert len(sl.charts.draw_sensitivity(saved).axes) == 1

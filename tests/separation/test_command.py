@@ -205,23 +205,19 @@ def test_storeys_are_told_and_drawn_from_the_saved_data(storeyed: dict[str, Done
             told = f"{drift:.1f} cm, {drift / 3.2:.2f} % of its height"
             told += f", ductility {float(worst.ductility):.1f}"
             assert f"storey {int(worst.storey)} of Block 1, {told}" in shown
-            figure = draw_heights(table)
             if name == "uneven":  # beside an oscillator there is one height
+                figure = draw_heights(table)
                 line = figure.axes[0].get_lines()[0]
                 gaps = 100 * table.gap_at_height.sel(rule="simulation")
                 np.testing.assert_allclose(line.get_xdata()[1:], gaps)
-            drawn = [line.get_label() for line in figure.axes[-1].get_lines()]
-            assert ("building 2, mean peak" in drawn) == (name == "uneven")
-            caption = figure.get_supxlabel()
-            assert "shear building (masses 3 times 300 t" in caption
-            assert "128 motions of 20 s" in caption
-        assert "Gap over height and storey drifts" in one.page
+                caption = figure.get_supxlabel()
+                assert "shear building (masses 3 times 300 t" in caption
+                assert "128 motions of 20 s" in caption
+        assert ("The gap over the height" in one.page) == (name == "uneven")
         assert (one.folder / "gap.svg").read_text(encoding="utf-8").startswith("<?xml")
     assert "that of the roof of Block 1, 9.6 m up, although it is 4 m high" in " ".join(
         storeyed["mixed"].result.output.split()
     )
-    words = Page(storeyed["mixed"].page).text
-    assert "Block 1 is a row of bilinear storeys, Kiosk is one bilinear oscillator" in words
 
 
 def test_a_bad_file_writes_nothing(tmp_path: Path) -> None:

@@ -30,7 +30,8 @@ def building(period, **options):
 
 @pytest.fixture(scope="module")
 def table():
-    return sl.separation(building(0.6), building(1.0), FIRM, 30.0, confidence=0.8, **OF_SITE, **SHORT)
+    pair = building(0.6), building(1.0)
+    return sl.separation(*pair, FIRM, 30.0, confidence=0.8, codes=OF_SITE, **SHORT)
 
 
 def row(table, rule):
@@ -142,8 +143,9 @@ def test_cells_of_a_table_are_those_of_single_calls():
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"zone": "IV"}, "zone = 'IV' is not known"),
-        ({"height_1": -3.0}, "height_1 = -3 is out of range"),
+        ({"codes": {"zone": "IV"}}, "zone = 'IV' is not known"),
+        ({"codes": {"height_1": -3.0}}, "height_1 = -3 is out of range"),
+        ({"codes": {"heigth_1": 3.0}}, "codes has 'heigth_1', .*did you mean 'height_1'"),
         ({"duration": 1e9}, "duration = 1e.09 s, .*would take .*; allowed: "),
         ({"duration": -1.0}, "duration = -1.0 is out of range; allowed: a positive"),
     ],

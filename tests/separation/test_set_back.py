@@ -45,7 +45,7 @@ def test_it_is_the_largest_displacement_to_one_side(structure: object, scatter: 
 
 @pytest.mark.invariant
 def test_a_building_stays_on_its_side_with_every_floor() -> None:
-    table = sl.separation(TOWER, None, GROUND, **QUAKE, zone="II")
+    table = sl.separation(TOWER, None, GROUND, **QUAKE, codes={"zone": "II"})
     motions = sl.simulate([TOWER], GROUND, **QUAKE)
     np.testing.assert_array_equal(table.height, TOWER.levels())
     by_floor = np.quantile(motions.peak_positive.values, 0.9, axis=0)
@@ -62,7 +62,7 @@ def test_a_building_stays_on_its_side_with_every_floor() -> None:
 @pytest.mark.invariant
 def test_rules_of_two_say_that_they_need_a_second() -> None:
     of_site = {"height_1": 24.0, "storeys_1": 7, "zone": "I"}
-    table = sl.separation(OFFICE, None, GROUND, **QUAKE, **of_site)
+    table = sl.separation(OFFICE, None, GROUND, **QUAKE, codes=of_site)
     known = table.gap.notnull()
     assert set(table.rule.values[known]) == OF_ONE | {
         "mexico_city",
@@ -134,6 +134,6 @@ def test_what_is_of_a_second_building_is_refused() -> None:
     facts = dict.fromkeys(("floors_align", "same_property", "same_system"), True)
     for name, value in ({"height_2": 12.0} | facts).items():
         with pytest.raises(ValueError, match=f"{name} is given, of a second building"):
-            sl.separation(OFFICE, None, GROUND, 20.0, **{name: value})
+            sl.separation(OFFICE, None, GROUND, 20.0, codes={name: value})
     with pytest.raises(ValueError, match="canada needs a second building"):
         sl.rules.code_rule("canada").gap(0.03, None)

@@ -33,7 +33,7 @@ def test_buildings_of_one_storey_get_the_answer_of_oscillators():
     one, two = building(1, period=0.5), building(1, period=0.8)
     storeys = sl.separation(one, two, FIRM, **FEW)
     heights = {"height_1": 3.2, "height_2": 3.2, "storeys_1": 1, "storeys_2": 1}
-    plain = sl.separation(one.oscillator(), two.oscillator(), FIRM, **heights, **FEW)
+    plain = sl.separation(one.oscillator(), two.oscillator(), FIRM, codes=heights, **FEW)
     assert storeys.height.values.tolist() == [3.2]
     other = ("eq_3_drift", "eq_3_paper")
     known = [name for name in plain.rule.values if name not in other]
@@ -89,7 +89,7 @@ def test_codes_take_roofs_and_not_levels_for_the_same_height():
     for other, share in ((3, 0.5), (2, 1.0)):
         pair = building(3), building(other)
         usual, found = (
-            sl.separation(*pair, FIRM, **(FEW | told)).gap_at_height.sel(rule="mexico_city")
+            sl.separation(*pair, FIRM, codes=told, **FEW).gap_at_height.sel(rule="mexico_city")
             for told in (whole, alike)
         )
         np.testing.assert_allclose(found, share * usual, rtol=1e-14)
@@ -98,8 +98,14 @@ def test_codes_take_roofs_and_not_levels_for_the_same_height():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"floors_align": True}, r"floors_align = True, but at 3\.2, 3\.5, 6\.4, 7 m only one of both"),
-        ({"height_1": 20.0}, r"height_1 = 20 m, but the storeys of that building add up to 9\.6 m"),
+        (
+            {"codes": {"floors_align": True}},
+            r"floors_align = True, but at 3\.2, 3\.5, 6\.4, 7 m only one of both",
+        ),
+        (
+            {"codes": {"height_1": 20.0}},
+            r"height_1 = 20 m, but the storeys of that building add up to 9\.6 m",
+        ),
         ({"duration": 0.2, "envelope": None}, "shorter than the period of first"),
     ],
 )

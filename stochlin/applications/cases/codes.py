@@ -31,7 +31,7 @@ APPLY = (
     "A code as you apply it: displacements under design forces times the factors of the code, combined "
     "as the code asks."
 )
-GIVEN, BY_SPECTRUM = "given", "of the first mode under the design spectrum"
+GIVEN, BY_SPECTRUM = "given", "by the first mode under the design spectrum"
 EC8 = "eurocode_8"  # name of its rule and of its spectrum
 LIMITED = (
     "design spectrum of 3.2.2.5 with its branch below TB and its lower bound 0.2 ag; q times its "
@@ -59,15 +59,6 @@ def with_applied_codes(case: Case, table: xr.Dataset) -> xr.Dataset:
     whole = xr.concat([table, applied], "rule", data_vars="minimal", coords="minimal", compat="override")
     whole = labels.label(whole)
     return whole.assign_attrs(comment=f"{APPLY} {COMBINED}")
-
-
-def sources(case: Case) -> str:
-    """Where the displacements of the buildings come from."""
-    parts: dict[str, list[str]] = {}
-    for building in one_or_two(case):
-        where = GIVEN if building.form.displacements else BY_SPECTRUM
-        parts.setdefault(where, []).append(building.name)
-    return ", ".join(f"those of {' and '.join(names)} are {where}" for where, names in parts.items())
 
 
 def _applied(case: Case, rule: CodeRule, table: xr.Dataset) -> Rule:
@@ -130,11 +121,14 @@ def _reduces(case: Case, building: Building, rule: CodeRule) -> bool:
 
 def _stated(case: Case, rule: CodeRule) -> str:
     """The displacements of the buildings and the factors of the code, in words."""
-    sentences = [f"displacements: {sources(case)}"]
-    if any(_reduces(case, building, rule) for building in one_or_two(case)):
+    buildings = one_or_two(case)
+    where = (GIVEN if each.form.displacements else BY_SPECTRUM for each in buildings)
+    both = (f"of {each.name} {words}" for each, words in zip(buildings, where, strict=True))
+    sentences = [f"displacements: {', '.join(both)}"]
+    if any(_reduces(case, building, rule) for building in buildings):
         sentences.append(LIMITED)
     for name in (rule.multiplies, *([IMPORTANCE] if rule.over_importance else [])):
-        factors = (f"{factors_of(building).get(name, 1.0):g}" for building in one_or_two(case))
+        factors = (f"{factors_of(building).get(name, 1.0):g}" for building in buildings)
         sentences.append(f"{rule.called[name]}: {' and '.join(factors)}")
     return "; ".join(sentences)
 

@@ -78,18 +78,17 @@ class CaseAnswer:
         return doubts(self.shaking)
 
 
-def answer_case(case: Case, progress: Progress | None = None, sensitivities: bool = False) -> CaseAnswer:
+def answer_case(case: Case, progress: Progress | None = None) -> CaseAnswer:
     """Separation of the two buildings of a case or set-back of one, and limits of the existing gap.
 
-    Sensitivities are computed if any parameter is uncertain, or if ``sensitivities`` is True.
+    Sensitivities are computed if any parameter is uncertain.
     ``progress`` is called with the share of the work that is done. Errors are those of `separation`,
     `existing_gap` and `sensitivity`.
     """
-    sensitivities = sensitivities or bool(case.uncertain)
     first, second = (*(building.sampled for building in one_or_two(case)), None)[:2]
     models = first, second, case.site.sampled_ground
     gap, motion = gap_of(case), motion_of(case)
-    end = WITH_SENSITIVITIES if sensitivities else 1.0
+    end = WITH_SENSITIVITIES if case.uncertain else 1.0
     begin = end * OF_RISK if case.site.hazard else 0.0
     middle = begin if gap is None else begin + (end - begin) * SEARCHES
     risky = _simulated_risk(case, part_of(progress, 0.0, begin))
@@ -99,15 +98,15 @@ def answer_case(case: Case, progress: Progress | None = None, sensitivities: boo
         existing = existing_gap(*models, gap=gap, **motion, progress=searching)
     simulated = separation(
         *models,
-        **motion | of_codes(case),
-        numbers=case.wanted.of_rules,
+        **motion,
+        codes=of_codes(case) | {"numbers": case.wanted.of_rules},
         records=dict(case.site.records) or None,
         progress=part_of(progress, middle, end),
     )
     table = with_applied_codes(case, simulated)
     answer = float(table.gap[0])
     risk = None if risky is None else _risk_table(risky, case, answer)
-    if sensitivities:
+    if case.uncertain:
         slow = any(each.has_storeys and each.name in case.uncertain for each in case.buildings)
         few = min(case.simulated.motions, FEW_PATHS if slow else USUAL_PATHS)
         matters = sensitivity(

@@ -13,7 +13,6 @@ from stochlin.applications.separation.critical_gap import equation_3
 from stochlin.applications.separation.storeys import spectral_peaks
 from stochlin.messages import brief
 from stochlin.models.arguments import Truth, checked, fitting
-from stochlin.models.grounds import Ground, WhiteNoise
 from stochlin.models.parameters import Model, Parameter
 from stochlin.models.rules import look_up
 from stochlin.models.rules.codes import (
@@ -32,14 +31,7 @@ PEAKS = "peak_1", "peak_2"
 # What the displacements are, with or without the factors of a code.
 DEFINED = "displacements as each code defines them, its factors included"
 DESIGN = "displacements under design forces, which each code multiplies by its factors"
-SPECTRAL = (
-    "displacements of the elastic spectrum by the CQC over the modes of each building; cqc is that over "
-    "the modes of both"
-)
-REDUCED = (
-    f"{SPECTRAL}. They are reduced to design forces by the behaviour factor, and multiplied by the "
-    "factors of each code"
-)
+SPECTRAL = ", of the elastic spectrum by the CQC over the modes of each building, cqc over those of both"
 NEEDS = "needs "  # begins what is missing
 TEXTS: Mapping[str, str] = {
     "family": "what governs a building code: SRSS or sum of the peaks, the height, or a fixed distance",
@@ -80,19 +72,13 @@ class Rule:
 
 
 def _check_source(
-    peak_1: object, peak_2: object, modes_1: object, modes_2: object, spectrum: object, ground: object
+    peak_1: object, peak_2: object, modes_1: object, modes_2: object, spectrum: object
 ) -> None:
     """Raise a ValueError unless displacements are given once, as peaks or as modes with a spectrum."""
-    of_modes = {"modes_1": modes_1, "modes_2": modes_2, "spectrum": spectrum, "ground": ground}
-    named = [name for name, value in of_modes.items() if value is not None]
-    peaks = [name for name, value in zip(PEAKS, (peak_1, peak_2), strict=True) if value is not None]
-    if peaks and named:
-        raise ValueError(f"{peaks[0]} and {named[0]} are both given; allowed: peaks, or modes")
-    lacking = [name for name in ("modes_1", "spectrum") if of_modes[name] is None]
-    if named and lacking:
-        raise ValueError(f"{lacking[0]} is missing; {named[0]} needs modes_1 and a spectrum")
-    if not named and peak_1 is None:
-        raise ValueError("peak_1 is missing; give it, or modes_1 and a spectrum")
+    if (modes_1 is None) != (spectrum is None) or (modes_2 is not None and modes_1 is None):
+        raise ValueError("modes_1 and spectrum go together, and modes_2 with both; one is missing")
+    if (peak_1 is None) == (modes_1 is None) or not (peak_2 is None or modes_1 is None):
+        raise ValueError("peak_1 is missing, or given beside modes_1; allowed: one of both")
 
 
 @fitting(_check_source)
@@ -120,7 +106,6 @@ def code_gaps(
     modes_1: AnyStructure | None = None,
     modes_2: AnyStructure | None = None,
     spectrum: xr.DataArray | None = None,
-    ground: Ground | None = None,
 ) -> xr.Dataset:
     """Separation of two buildings by every known rule of a building code.
 
@@ -178,9 +163,6 @@ def code_gaps(
         Elastic spectrum [m/s^2] over ``period`` [s], as from `eurocode_8`, `asce_7` and `read_spectrum`,
         given with ``modes_1``. It is taken as it is, also for modes with other damping ratios. A mode
         shorter than its shortest period has the ordinate there.
-    ground : WhiteNoise, KanaiTajimi or CloughPenzien, optional
-        Ground on which the modes are correlated. By default it is white noise, as in the CQC of
-        programs.
 
     Returns
     -------
@@ -217,7 +199,7 @@ def code_gaps(
     The modes ``i`` of both buildings have the spectral displacements ``D_i``, and ``d_i`` is the share
     of ``D_i`` by which a mode of building 1 closes the gap at the height, or, negative, by which one of
     building 2 opens it. Then ``cqc`` is the root of ``sum_ij d_i d_j rho_ij D_i D_j`` over all modes of
-    both, with the correlations ``rho_ij`` of the oscillators of the modes: eq. (4) on white noise.
+    both, with the correlations ``rho_ij`` of the oscillators of the modes on white noise, eq. (4).
 
     References
     ----------
@@ -254,30 +236,11 @@ def code_gaps(
     >>> by_modes.height.values.tolist(), by_modes.gap.round(4).values, by_modes.cqc.round(4).values
     ([3.0, 6.0], array([0.0218, 0.0384]), array([0.0215, 0.038 ]))
     """
-    codes = rules_with(numbers)
-    if modes_1 is not None:  # until the displacements are known
-        peak_1, peak_2 = 0.0, None if modes_2 is None else 0.0
-    assert peak_1 is not None
-    site = Site(
-        peak_1=peak_1,
-        peak_2=peak_2,
-        height_1=height_1,
-        height_2=height_2,
-        floors_align=floors_align,
-        zone=zone,
-        same_property=same_property,
-        same_system=same_system,
-        storeys_1=storeys_1,
-        storeys_2=storeys_2,
-        importance_1=importance_1,
-        importance_2=importance_2,
-        design_pga=design_pga,
-        behaviour_1=behaviour_1,
-        behaviour_2=behaviour_2,
-        deflection_1=deflection_1,
-        deflection_2=deflection_2,
-        elastic=modes_1 is not None,
-    )
+    facts = {name: value for name, value in locals().items() if name in Site.__dataclass_fields__}
+    codes, elastic = rules_with(numbers), modes_1 is not None
+    if elastic:  # until the displacements are known
+        facts |= {"peak_1": 0.0, "peak_2": None if modes_2 is None else 0.0}
+    site = Site(**facts, elastic=elastic)
     if not site.of_design and not {"importance_1", "importance_2"}.isdisjoint(site.known):
         raise ValueError(
             "importance is given without a factor on displacements; give behaviour_1 or deflection_1"
@@ -286,8 +249,8 @@ def code_gaps(
     models: dict[str, Model | None] = {"pair": site}
     if modes_1 is not None and spectrum is not None:
         both = [modes_1] if modes_2 is None else [modes_1, modes_2]
-        site, correlation = spectral_peaks(both, spectrum, ground or WhiteNoise(1.0), site)
-        models = {"modes_1": modes_1, "modes_2": modes_2, "ground": ground}
+        site, correlation = spectral_peaks(both, spectrum, site)
+        models = {"modes_1": modes_1, "modes_2": modes_2}
     valid = site.valid()
     site = site.with_arrays({name: array.where(valid) for name, array in site.arrays().items()})
     rules = [code_row(code, site) for code in codes]
@@ -306,11 +269,9 @@ def code_gaps(
             )
         table.attrs["spectrum"] = str(spectrum.attrs.get("source", "a spectrum"))
     table = labels.label(table)
-    known = (DEFINED, DESIGN), (SPECTRAL, REDUCED)
-    table.attrs["comment"] = (
-        f"The peaks are {known[site.elastic][site.of_design]}. Rules whose mark has an M were not "
-        "compared with their source."
-    )
+    peaks = f"{DESIGN if site.of_design else DEFINED}{SPECTRAL * site.elastic}"
+    checked_not = "Rules whose mark has an M were not compared with their source."
+    table.attrs["comment"] = f"The peaks are {peaks}. {checked_not}"
     return labels.with_run_information(
         table,
         f"{'Set-back' if site.alone else 'Separation'} by the rules of building codes",

@@ -291,24 +291,17 @@ def existing_gap(
     added = required(lambda more: (changed(damped, more), ground), 0.0).least(DAMPINGS)
     modes = map(first_mode, both.values())
     factors = [solved_reduction_factor(mode, solve_elastic(mode, usual)) for mode in modes]
-    limits = {
-        (f"{end}_reduction_factor", f"_{n}"): [factor * times for times in edge]
-        for end, edge in (("largest", largest_factor), ("least", least_factor))
-        for n, factor in enumerate(factors, start=1)
-    }
-    limits["largest_intensity", ""] = [float(usual.arrays()["intensity"]) * a**2 for a in amplitude]
-    limits["least_added_damping", ""] = [*added]
-    table = xr.Dataset(
-        {
-            **keeping_apart(pair_separation(built), float(gap)),
-            "required_gap": required_gaps(built)[0],
-            **{
-                f"{name}{which}{number}": value
-                for (name, number), interval in limits.items()
-                for which, value in zip(labels.VALUE_AND_ENDS, interval, strict=True)
-            },
-        }
-    )
+    limits: dict[str, Sequence[float]] = {}
+    for end, edge in (("largest", largest_factor), ("least", least_factor)):
+        for n, factor in enumerate(factors, start=1):
+            limits[f"{end}_reduction_factor{{}}_{n}"] = [factor * times for times in edge]
+    limits["largest_intensity{}"] = [float(usual.arrays()["intensity"]) * a**2 for a in amplitude]
+    limits["least_added_damping{}"] = added
+    table = xr.Dataset(keeping_apart(pair_separation(built), float(gap)))
+    table["required_gap"] = required_gaps(built)[0]
+    for name, interval in limits.items():
+        for end, value in zip(labels.VALUE_AND_ENDS, interval, strict=True):
+            table[name.format(end)] = value
     searched = (
         f"reduction factors times {STRENGTHS[0]:g} to {STRENGTHS[-1]:g}, motion times "
         f"{AMPLITUDES[0]:g} to {AMPLITUDES[-1]:g}, added damping to {DAMPINGS[-1]:g}"

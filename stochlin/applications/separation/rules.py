@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any
@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from stochlin.applications.separation.code_gaps import Rule, code_row, rules_with
+from stochlin.applications.separation.code_gaps import Rule, code_row
 from stochlin.applications.separation.critical_gap import ALIKE, equation_3
 from stochlin.applications.separation.storeys import (
     combine_modes,
@@ -24,7 +24,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.systems.response import StationaryResponse
 from stochlin.models.buildings import MultistoreyBuilding
 from stochlin.models.grounds import Ground
-from stochlin.models.rules.codes import Site
+from stochlin.models.rules.codes import CodeRule, Site
 from stochlin.models.rules.effective_properties import (
     EffectiveRule,
     effective_rule,
@@ -81,11 +81,6 @@ class PairInMotion:
     def has_storeys(self) -> bool:
         """Whether one of the structures is a building with storeys."""
         return any(isinstance(structure, MultistoreyBuilding) for structure in self.structures)
-
-    @property
-    def scatter(self) -> float:
-        """Scatter between the motions [-]."""
-        return float(self.motions.attrs.get("scatter", 0.0))
 
     @cached_property
     def system(self) -> Arrangement:
@@ -251,7 +246,7 @@ def peak_quantile(
     return peak.peak_mean + GUMBEL * (reduced - np.euler_gamma) * peak.peak_std
 
 
-def all_rules(pair: PairInMotion, numbers: Mapping[str, float] | None) -> list[Rule]:
+def all_rules(pair: PairInMotion, codes: Sequence[CodeRule]) -> list[Rule]:
     """All rules, including those that have no gap because something is missing.
 
     Rules of codes for the roof are applied at every level below it.
@@ -263,7 +258,7 @@ def all_rules(pair: PairInMotion, numbers: Mapping[str, float] | None) -> list[R
     if pair.has_storeys:
         known |= {f"height_{n}": pair.heights for n in range(1, len(peaks) + 1)}
     site = pair.site.with_arrays(known)
-    return [*rules, *(code_row(code, site) for code in rules_with(numbers))]
+    return [*rules, *(code_row(code, site) for code in codes)]
 
 
 def _solved(pair: PairInMotion, rule: Rule, solve: Callable[[], Gaps]) -> Rule:
@@ -288,7 +283,8 @@ def _formulas(pair: PairInMotion) -> Iterator[tuple[Rule, Callable[[], Gaps]]]:
 
     yield eq_3("linearized", "rho of linearization", pair.linearized_rho, "C")
     yield eq_3("drift", "rho of linearization with plastic drift", pair.drift_rho, "C")
-    without = f", without the scatter of {pair.scatter:g} between motions" if pair.scatter else ""
+    scatter = pair.motions.attrs.get("scatter", 0.0)
+    without = f", without the scatter of {scatter:g} between motions" if scatter else ""
     unsimulated = f"stationary for {pair.strong_seconds:.3g} s, Gaussian; nothing simulated{without}"
     about = f"eq. (3) with elastic peaks times D; rho and D of linearization; {unsimulated}"
     paper = Rule("eq_3_paper", EQUATION_3, reference=PAPER, mark="P", assumptions=about)

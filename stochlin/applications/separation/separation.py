@@ -18,19 +18,19 @@ from stochlin.applications.separation.rules import PairInMotion, all_rules
 from stochlin.applications.separation.storeys import of_storeys
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, part_of
+from stochlin.messages import brief, hint
 from stochlin.models.arguments import (
     Duration,
     Paths,
     Probability,
     Scatter,
     Seed,
-    Truth,
     checked,
 )
 from stochlin.models.buildings import MultistoreyBuilding
 from stochlin.models.envelopes import Envelope, strong_seconds
 from stochlin.models.grounds import Ground
-from stochlin.models.rules.codes import Site, Zone
+from stochlin.models.rules.codes import BOTH, Site
 from stochlin.models.systems import AnyStructure, first_period
 from stochlin.models.uncertain import median_of
 from stochlin.solver.linearization.strength import strength_in_metres
@@ -67,6 +67,7 @@ COMBINED = (
     "for, and it has no verdict."
 )
 EXACT = "nonlinear simulation of the given models"
+ASKED = (*BOTH, "height_1", "height_2", "storeys_1", "storeys_2", "zone", "design_pga")  # by codes
 BEFORE_RECORDS = 0.8  # share of the work before the records, if there are any
 MOTION = ("paths", "seed", "step_s", "duration_s", "envelope")
 TEXTS: Mapping[str, str] = {
@@ -89,16 +90,7 @@ def separation(
     scatter: Scatter = 0.0,
     paths: Paths | None = None,
     seed: Seed = 0,
-    height_1: float | None = None,
-    height_2: float | None = None,
-    floors_align: Truth = False,
-    same_property: Truth = False,
-    same_system: Truth = False,
-    zone: Zone | None = None,
-    storeys_1: int | None = None,
-    storeys_2: int | None = None,
-    design_pga: float | None = None,
-    numbers: Mapping[str, float] | None = None,
+    codes: Mapping[str, Any] | None = None,
     records: Any = None,
     progress: Progress | None = None,
 ) -> xr.Dataset:
@@ -134,21 +126,10 @@ def separation(
         more of them, to 2048, until the 95 % interval of the gap is within 10 % of it; 2048 in a table.
     seed : int
         As in `simulate`.
-    height_1, height_2 : float, optional
-        Heights of the buildings [m], for building codes that require them.
-    floors_align : bool
-        Whether the floors are at the same levels, which reduces the gap in some codes.
-    same_property, same_system : bool
-        Whether no property line is between the buildings, and whether their structural systems are the
-        same, as in `code_gaps`.
-    zone : str, optional
-        Zone of Mexico City, ``"I"``, ``"II"`` or ``"III"``.
-    storeys_1, storeys_2 : int, optional
-        Numbers of storeys of buildings described as oscillators; others have theirs.
-    design_pga : float, optional
-        Peak ground acceleration of the design [m/s^2], as in `code_gaps`.
-    numbers : mapping, optional
-        Numbers of code rules by name, as in `code_gaps`.
+    codes : mapping, optional
+        What rules of building codes ask besides the peaks, by the names of the arguments of `code_gaps`:
+        ``height_1`` and ``height_2``, ``storeys_1`` and ``storeys_2`` of oscillators; ``floors_align``,
+        ``same_property``, ``same_system``; ``zone``, ``design_pga``; and ``numbers`` of rules.
     records : DataArray, or list or mapping of them, optional
         Recorded motions [m/s^2] over ``time`` [s], as from `read_record`.
     progress : callable, optional
@@ -225,24 +206,19 @@ def separation(
     >>> bool(alone.gap.sel(rule="asce_7") > alone.gap.sel(rule="simulation"))  # |u| and u
     True
     """
-    rules_with(numbers)
     if records is not None:
         checked_motions(records)
     by_role, alone = standing(first, second), second is None
     both = {role: median_of(structure) for role, structure in by_role.items()}
-    site = Site(
-        peak_1=0.0,  # until it is simulated
-        peak_2=None if alone else 0.0,
-        height_1=height_1,
-        height_2=height_2,
-        floors_align=floors_align,
-        zone=zone,
-        same_property=same_property,
-        same_system=same_system,
-        storeys_1=storeys_1,
-        storeys_2=storeys_2,
-        design_pga=design_pga,
-    )
+    if not isinstance(codes, Mapping | None):
+        raise TypeError(f"codes = {brief(codes)}; allowed: a mapping with {', '.join(ASKED)}, numbers")
+    facts = dict(codes or {})
+    numbers = facts.pop("numbers", None)
+    rules = rules_with(numbers)
+    if unknown := [name for name in facts if name not in ASKED]:
+        what = f"codes has {brief(unknown[0])}, which is not known"
+        raise ValueError(f"{what}; {hint(unknown[0], ASKED)}allowed: {', '.join(ASKED)}, numbers")
+    site = Site(0.0, None if alone else 0.0, **facts)  # until the peaks are simulated
     check_scalars(site, "separation", "a number")
     check_duration(duration, both)
     inputs = inputs_in_words(site, numbers)
@@ -266,7 +242,7 @@ def separation(
             structures = tuple(strength_in_metres(structure, ground) for structure in known)
             seconds = strong_seconds(duration, envelope)
             pair = PairInMotion(structures, ground, motions, confidence, seconds, site)
-            table = _judged(all_rules(pair, numbers), pair)
+            table = _judged(all_rules(pair, rules), pair)
             if "input_factor" in motions:
                 table["input_factor"] = motions.input_factor
             table.attrs = {name: motions.attrs[name] for name in MOTION} | labels.of_scatter(scatter)

@@ -24,7 +24,7 @@ from stochlin.kernels.linearization.systems.response import StationaryResponse
 from stochlin.messages import DoubtfulInput
 from stochlin.models.buildings import MultistoreyBuilding
 from stochlin.models.buildings.base import MODE
-from stochlin.models.grounds import Ground
+from stochlin.models.grounds import Ground, WhiteNoise
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.links import Link
 from stochlin.models.rules.codes import Site
@@ -165,14 +165,13 @@ def combine_modes(
 
 
 def spectral_peaks(
-    structures: Sequence[AnyStructure], spectrum: xr.DataArray, ground: Ground, site: Site
+    structures: Sequence[AnyStructure], spectrum: xr.DataArray, site: Site
 ) -> tuple[Site, xr.DataArray]:
     """The site with displacements by the modes at the heights where they could meet, and ``rho`` there.
 
-    Raises a ValueError if an oscillator or the ground has arrays as parameters, heights contradict the
-    storeys or the spectrum has no value for a mode.
+    Raises a ValueError if an oscillator has arrays as parameters, heights contradict the storeys or the
+    spectrum has no value for a mode.
     """
-    check_scalars(ground, "ground", "numbers")
     for n, structure in enumerate(structures, start=1):
         if isinstance(structure, Structure):
             check_scalars(structure, f"modes_{n}", "numbers")
@@ -180,7 +179,7 @@ def spectral_peaks(
     heights = facing_heights(system)
     modes = modes_of(system)
     displacements = spectral_displacements(modes, spectrum)
-    sizes, rho = combine_modes(modes, displacements, ground, weights_at(system, heights))
+    sizes, rho = combine_modes(modes, displacements, WhiteNoise(1.0), weights_at(system, heights))
     arrays = [xr.DataArray(values, dims="height") for values in (*sizes, rho)]
     if np.isnan(heights).any():  # of oscillators
         *peaks, correlation = (array.squeeze("height") for array in arrays)

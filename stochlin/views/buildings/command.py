@@ -8,7 +8,6 @@ from typing import Any
 import click
 
 from stochlin.messages import brief
-from stochlin.views.shared.options import QuantityType
 from stochlin.views.shared.screen import (
     COMMANDS,
     FILE,
@@ -19,7 +18,7 @@ from stochlin.views.shared.screen import (
     write,
 )
 
-USUAL_DAMPING = 0.05
+USUAL_DAMPING = 0.05  # which changes nothing that is shown
 
 
 @COMMANDS.register("building")
@@ -30,11 +29,6 @@ USUAL_DAMPING = 0.05
 @click.option("--tower", help="Tower, or diaphragm, if the file has several buildings: T1.")
 @click.option("--mass-units", help="Unit of the masses, if the file does not say it: kg, t, kN-s2/m.")
 @click.option("--length-units", help="Unit of the levels, if the file does not say it: m, cm, mm, ft.")
-@click.option(
-    "--damping",
-    type=QuantityType("1"),
-    help=f"Damping ratio of every mode; {USUAL_DAMPING:g} if not given.",
-)
 @click.option(
     "--pushover",
     type=FILE,
@@ -53,7 +47,6 @@ def building(
     tower: str | None,
     mass_units: str | None,
     length_units: str | None,
-    damping: float | None,
     pushover: Path | None,
     pushover_units: str | None,
     example: bool,
@@ -91,14 +84,14 @@ def building(
         named = [name.strip() for name in points.split(",")] if points else ()
         units = {"tower": tower, "mass_units": mass_units, "length_units": length_units}
         table = read_modes(modes, direction=direction, points=named, **units)
-        of_modes = ModalBuilding.from_table(table, damping=USUAL_DAMPING if damping is None else damping)
+        of_modes = ModalBuilding.from_table(table, damping=USUAL_DAMPING)
         ideal: Any = None
         if pushover is not None:
             names = dict(zip(("length_units", "force_units"), _pair(pushover_units), strict=True))
             ideal = bilinear_of(read_pushover(pushover, **names))
             of_modes = of_modes.with_pushover(ideal)
         table = with_masses(table, of_modes)
-        show(lines(building_sections(table, of_modes, damping is not None, ideal)))
+        show(lines(building_sections(table, of_modes, ideal)))
         write(table, out)
 
 

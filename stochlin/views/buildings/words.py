@@ -21,15 +21,9 @@ MOST_COLUMNS = 6  # modes whose shapes are printed
 
 
 def building_sections(
-    table: xr.Dataset,
-    building: ModalBuilding,
-    damped: bool,
-    ideal: xr.Dataset | None = None,
+    table: xr.Dataset, building: ModalBuilding, ideal: xr.Dataset | None = None
 ) -> list[ViewSection]:
-    """The sections of ``stochlin building``.
-
-    ``damped`` says whether the damping was given, and ``ideal`` is the idealized pushover curve.
-    """
+    """The sections of ``stochlin building``; ``ideal`` is the idealized pushover curve."""
     height, mass = float(table["level"][-1]), float(table["mass"].sum()) / 1000
     modes, floors = (_count(table.sizes[name], name) for name in ("mode", "floor"))
     along_axis = f" along {table.attrs['direction']}" if "direction" in table.attrs else ""
@@ -39,7 +33,7 @@ def building_sections(
     )
     whole = per_cent(float(table["mass_share"].sum()), 1)
     moves = "Floors, with their displacements over that of each mode's oscillator"
-    taken = [*_assumed(table, building, damped), *_strength(table, building, ideal)]
+    taken = [*_assumed(table, building), *_strength(table, building, ideal)]
     return [
         ViewSection("", [Text(head)]),
         ViewSection("Modes", [_modes(table), Text(f"Effective modal masses together: {whole}.")]),
@@ -84,7 +78,7 @@ def _floors(table: xr.Dataset) -> Table:
     return Table.of([*heads, *(f"mode {mode}" for mode in shown["mode"].values)], rows)
 
 
-def _assumed(table: xr.Dataset, building: ModalBuilding, damped: bool) -> Iterator[str]:
+def _assumed(table: xr.Dataset, building: ModalBuilding) -> Iterator[str]:
     """What the numbers are from, and what is not in the file."""
     if building.modal_masses is None:
         yield "Participation factors and modal masses are computed from shapes and floor masses."
@@ -106,8 +100,6 @@ def _assumed(table: xr.Dataset, building: ModalBuilding, damped: bool) -> Iterat
     if "below_ground" in table.attrs:
         count = _count(table.attrs["below_ground"], "floor")
         yield f"Left out: {count} at or below the ground, with whose mass the lowest floor is shown."
-    assumed = "" if damped else ", assumed, since the file has none; --damping gives another"
-    yield f"Damping ratio of every mode: {per_cent(building.arrays()['damping'].item(), 1)}{assumed}."
     yield "Only the motion along the gap is described; that across it is neglected."
 
 

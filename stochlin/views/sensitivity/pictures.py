@@ -42,7 +42,7 @@ def draw_sensitivity(
     Parameters
     ----------
     dataset : xarray.Dataset
-        From memory or as ``stochlin gap --sensitivity`` saves it.
+        From memory or from a file.
     names : mapping
         Names of ``structure_1``, ``structure_2`` and ``ground`` in the chart.
     caption : bool

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from pathlib import Path
 
 import click
@@ -10,7 +9,6 @@ import click
 from stochlin.views.shared.screen import (
     COMMANDS,
     FILE,
-    PICTURES,
     bad_input,
     check_target,
     data_target,
@@ -40,12 +38,6 @@ MORE = "'--details' adds the shaking, drifts, all other rules and the notes on t
     ".pdf, and save the data beside the picture.",
 )
 @click.option(
-    "--sensitivity",
-    type=FILE,
-    help="Draw the influence of each input on the gap, also if no input is uncertain, as .png, .svg "
-    "or .pdf, and save the data beside the picture.",
-)
-@click.option(
     "--details", is_flag=True, help="Also print the shaking, drifts, all other rules and notes on them."
 )
 @click.option("--example", is_flag=True, help="Print a case file to start from, and stop.")
@@ -57,7 +49,6 @@ def gap(
     report: Path | None,
     out: Path | None,
     picture: Path | None,
-    sensitivity: Path | None,
     details: bool,
     example: bool,
     example_record: bool,
@@ -75,10 +66,9 @@ def gap(
       stochlin gap case.toml --details
       stochlin gap case.toml --report gap.html --out gap.nc
       stochlin gap case.toml --picture gap.png
-      stochlin gap case.toml --sensitivity tornado.png
     """
     with bad_input():
-        if example or example_record:
+        if example:
             from stochlin.applications.cases import examples
 
             text = examples.short_example() if example else examples.example_record()
@@ -91,25 +81,18 @@ def gap(
         from stochlin.applications.cases.reading.case import read_case
         from stochlin.applications.cases.separation import answer_case
         from stochlin.solver.tables.storage import CSV, FORMATS, whole_file
-        from stochlin.views.sensitivity.pictures import draw_sensitivity
         from stochlin.views.separation.elevation import elevation_figure
         from stochlin.views.separation.report import answer_sections, report_page
-        from stochlin.views.separation.words import names_of
 
         described = read_case(case)
         check_target("--report", report, REPORTS, described.files)
         data = data_target(out, picture, FORMATS, described.files)
-        beside = None if sensitivity is None else sensitivity.with_suffix(".nc")
-        check_target("--sensitivity", sensitivity, PICTURES, described.files)
-        check_target("--sensitivity", beside, FORMATS, described.files)
         with progress_bar("simulating") as progress:
-            answer = answer_case(described, progress, sensitivity is not None)
+            answer = answer_case(described, progress)
         page = report_page(answer) if report else ""
         show([*lines(answer_sections(answer), details), *([] if details else ["", MORE])])
         table = answer.table(samples=data is not None and data.suffix.lower() != CSV)
         write(table, data, picture, lambda _: elevation_figure(answer))
-        if answer.matters is not None:
-            write(answer.matters, beside, sensitivity, partial(draw_sensitivity, names=names_of(answer)))
         if report is not None:
             with whole_file(report) as temporary:
                 temporary.write_text(page, encoding="utf-8")

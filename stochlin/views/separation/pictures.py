@@ -6,17 +6,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stochlin.views.separation.words import gap_of, measure_of, subject_of
+from stochlin.views.separation.words import gap_of, subject_of
 from stochlin.views.shared.style import (
     AS_GIVEN,
     CURVES,
-    decade_ticks,
     filled,
     legend_above,
     open_frame,
     styled,
 )
-from stochlin.views.shared.symbols import typeset
 from stochlin.views.shared.words import roles_in_words, rule_label, with_interval
 
 if TYPE_CHECKING:
@@ -27,10 +25,9 @@ if TYPE_CHECKING:
     from stochlin.applications.cases.separation import CaseAnswer
 
 WIDTH = 4.6  # inches: a phone shows it at three quarters of its size
-PANEL, HEAD, LINE = 2.9, 0.5, 0.17  # inches: of a panel with its axis, of legends, of a line of text
+PANEL, LINE = 3.4, 0.17  # inches: of a panel with its axis and legend, of a line of text
 CAPTION = 66  # characters
 FORMULAS = ("eq_3_linearized", "linearization", "srss")  # beside the simulation, where they are known
-TICKS = 12  # at most, of storeys
 GREY = "0.75"
 CENTIMETRES = 100.0
 
@@ -40,7 +37,7 @@ def distribution_figure(answer: CaseAnswer) -> Figure:
     table, about = answer.separation, subject_of(answer.case)
     samples = CENTIMETRES * np.sort(table.separation_samples.values)
     share = np.linspace(0, 1, 401)
-    figure, (axes,) = _panels(1)
+    figure, axes = _panel()
     axes.plot(np.quantile(samples, share), share, color="0.1", zorder=3, label="motions")
     right = samples[-1]
     if answer.over_records is not None:
@@ -63,23 +60,6 @@ def distribution_figure(answer: CaseAnswer) -> Figure:
     return figure
 
 
-def risk_figure(answer: CaseAnswer) -> Figure:
-    """Share of motions in which the first of the gaps is not enough, by intensity."""
-    assert answer.risk is not None
-    risk, (name, units, unit) = answer.risk.isel(risk_gap=0), measure_of(answer)
-    figure, (axes,) = _panels(1)
-    x = risk.risk_intensity.values / unit
-    low, high = (100 * risk[f"risk_pounding_probability_{end}"] for end in ("lower", "upper"))
-    axes.fill_between(x, low, high, color=GREY, lw=0, label="95 % interval")
-    axes.plot(x, 100 * risk.risk_pounding_probability, color="0.1", marker="o", ms=3, label="simulated")
-    axes.set(xscale="log", ylim=(-2, 102), xlabel=typeset(f"{name} [{units}]"))
-    bad = "across the line" if answer.case.alone else "with pounding"
-    axes.set_ylabel(f"motions {bad} [%]")
-    decade_ticks(axes.xaxis)
-    legend_above(axes, 2, 9)
-    return figure
-
-
 @styled(AS_GIVEN | {"font.size": 10})
 def draw_heights(dataset: xr.Dataset, caption: bool = True) -> Figure:
     """Draw the result of `stochlin.separation` for buildings with storeys.
@@ -95,43 +75,37 @@ def draw_heights(dataset: xr.Dataset, caption: bool = True) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        Above the gap that is needed at each height, if there are several, by simulation with its 95 %
-        interval and by formulas, and the height that governs; below the mean peak drift of each storey,
-        and its drift at yield.
+        The gap that is needed at each height, by simulation with its 95 % interval and by formulas, and
+        the height that governs.
 
     Raises
     ------
     ValueError
         If the dataset is another one.
     """
-    if "height" not in dataset.dims or set(dataset.gap.dims) != {"rule"}:
+    if dataset.sizes.get("height", 0) < 2 or set(dataset.gap.dims) != {"rule"}:
         raise ValueError(
-            f"dataset has the dimensions {tuple(dataset.dims)}; allowed: the separation of one pair of "
-            "buildings, at least one of them with storeys"
+            f"dataset has the dimensions {dict(dataset.sizes)}; allowed: the separation of one pair of "
+            "buildings with storeys, which could meet at several heights"
         )
     text = caption_of(dataset) if caption else ""
-    several = dataset.sizes["height"] > 1
-    figure, panels = _panels(1 + several, LINE * (text.count("\n") + 1) if text else 0.0)
-    if several:
-        _gaps(panels[0], dataset)
-    _drifts(panels[-1], dataset)
-    for axes in panels:
-        legend_above(axes)
-        axes.set(xlim=(0, None))
+    figure, axes = _panel(LINE * (text.count("\n") + 1) if text else 0.0)
+    _gaps(axes, dataset)
+    legend_above(axes)
+    axes.set(xlim=(0, None))
     if text:
         figure.supxlabel(text, x=0.02, ha="left", size=8.5)
     return figure
 
 
-def _panels(count: int, foot: float = 0.0) -> tuple[Figure, list[Axes]]:
-    """A figure with panels below one another, and so many inches below them."""
+def _panel(foot: float = 0.0) -> tuple[Figure, Axes]:
+    """A figure with one panel, and so many inches below it."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(WIDTH, count * (PANEL + HEAD) + foot), layout="constrained")
-    panels = list(figure.subplots(count, squeeze=False)[:, 0])
-    for axes in panels:
-        open_frame(axes)
-    return figure, panels
+    figure = Figure(figsize=(WIDTH, PANEL + foot), layout="constrained")
+    axes = figure.add_subplot()
+    open_frame(axes)
+    return figure, axes
 
 
 def _gaps(axes: Axes, dataset: xr.Dataset) -> None:
@@ -163,25 +137,6 @@ def _gaps(axes: Axes, dataset: xr.Dataset) -> None:
     share = f"{100 * float(dataset.attrs['confidence']):.4g} %"
     quantity = f"{gap_of(dataset)} [cm] not exceeded in {share} of the motions"
     axes.set(ylabel="height [m]", xlabel=quantity, ylim=(0, 1.04 * heights[-1]))
-
-
-def _drifts(axes: Axes, dataset: xr.Dataset) -> None:
-    """Mean peak drifts of the storeys of both buildings; an oscillator has none."""
-    for number, (color, dash), marker in zip((1, 2), CURVES, "os", strict=False):
-        there = (dataset.element_structure.values == number) & (dataset.storey.values > 0)
-        if str(number) in dataset.element.values[there] or not there.any():
-            continue
-        own = dataset.isel(element=there)
-        drift, storeys = CENTIMETRES * own.peak_drift_mean.values, own.storey.values
-        style: Any = {"color": color, "linestyle": dash, "marker": marker, "ms": 3.5, "lw": 1.3}
-        axes.plot(drift, storeys, label=f"building {number}, mean peak", **style)
-        if float(own.ductility.max()) > 0:
-            at_yield = drift / own.ductility.values
-            style = {"color": color, "ls": "", "marker": "|" if number == 1 else "x", "ms": 6}
-            axes.plot(at_yield, storeys, label=f"building {number}, at yield", **style)
-    most = int(dataset.storey.max())
-    axes.set(ylabel="storey", xlabel="drift [cm]", ylim=(0.5, most + 0.5))
-    axes.set_yticks(range(1, most + 1, 1 + most // TICKS))
 
 
 def caption_of(dataset: xr.Dataset) -> str:

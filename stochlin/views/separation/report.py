@@ -14,7 +14,7 @@ from stochlin.views.separation.elevation import elevation_picture
 from stochlin.views.separation.risk import risk_blocks
 from stochlin.views.shared.blocks import Block, Items, Picture, Table, Text, ViewSection, texts
 from stochlin.views.shared.page import page
-from stochlin.views.shared.words import centimetres, doubt, length, with_uncertainty
+from stochlin.views.shared.words import centimetres, doubt, with_uncertainty
 from stochlin.views.sites.pictures import draw_spectrum
 
 if TYPE_CHECKING:
@@ -69,23 +69,16 @@ def report_page(answer: CaseAnswer) -> str:
 def _pictures(answer: CaseAnswer) -> list[Picture]:
     """What the sentences and tables of the page do not say."""
     about, drawn = words.subject_of(answer.case), []
-    if "height" in answer.separation.dims:
-        caption = (
-            f"Above, the {about.gap} needed at each height; one for all heights has to be larger, since "
-            "different motions need it at different heights. Below, drifts of storeys."
-        )
+    if answer.separation.sizes.get("height", 0) > 1:
+        caption = "One gap for all heights is larger: different motions need it at different heights."
         draw = partial(pictures.draw_heights, answer.table(), caption=False)
-        drawn.append(Picture("Gap over height and storey drifts", caption, draw))
+        drawn.append(Picture(f"The {about.gap} over the height", caption, draw))
     shares = f"{about.good.capitalize()}, by the {about.gap}."
     draw = partial(pictures.distribution_figure, answer)
     drawn.append(Picture(f"How often a {about.gap} is enough", shares, draw))
     if "target" in answer.spectrum:
         draw = partial(draw_spectrum, answer.spectrum, False, answer.case.periods)
         drawn.append(Picture(f"The ground and {about.the_buildings}", SPECTRUM, draw))
-    if answer.risk is not None:
-        gap = length(float(answer.risk.risk_gap[0]))
-        caption = f"Motions in which {about.meet}, with {gap}, by intensity."
-        drawn.append(Picture(f"How often {about.meet}", caption, partial(pictures.risk_figure, answer)))
     return drawn
 
 

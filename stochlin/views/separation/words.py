@@ -337,19 +337,14 @@ class RuleLine(NamedTuple):
     """One rule as it is shown."""
 
     rule: str  # as in the dataset
-    name: str  # on the screen
     label: str  # as in a text
     group: str
     usual: bool  # whether it is shown without details
     metres: float
-    gap: str
-    error: str
-    probability: str
     verdict: str
-    mark: str
-    reference: str
-    assumptions: str
+    cells: tuple[str, ...]  # of the table on the screen
     missing: str
+    basis: str  # assumptions and source
 
 
 def rows(answer: CaseAnswer) -> list[RuleLine]:
@@ -377,21 +372,22 @@ def _group(case: Case, row: xr.Dataset) -> str:
 
 
 def _line(answer: CaseAnswer, group: str, row: xr.Dataset) -> RuleLine:
-    meanings = answer.separation.verdict.attrs["flag_meanings"].split()
-    rule, words = str(row.rule.item()), NAMED.get(group, "")
+    rule, words, gap = str(row.rule.item()), NAMED.get(group, ""), float(row.gap)
     stem = rule.removesuffix(APPLIED)
+    verdict = row.verdict.attrs["flag_meanings"].split()[int(row.verdict)].replace("_", " ")
+    error = per_cent(float(row.error), sign="+") if group else ""
+    share = per_cent(float(row.no_pounding_probability), 1)
+    texts = {name: str(row[name].item()) for name in ("mark", "assumptions", "reference", "missing")}
     return RuleLine(
         rule=rule,
-        name=f"{stem} {words}" if words else rule,
         label=f"{rule_label(stem)}, {words}" if words else rule_label(stem),
         group=group,
         usual=rule in USUAL or group == AS_APPLIED or rule in answer.case.wanted.of_rules,
-        metres=float(row.gap),
-        gap=centimetres(float(row.gap)),
-        error=per_cent(float(row.error), sign="+") if group else "",
-        probability=per_cent(float(row.no_pounding_probability), 1),
-        verdict=meanings[int(row.verdict)].replace("_", " "),
-        **{name: str(row[name].item()) for name in ("mark", "reference", "assumptions", "missing")},
+        metres=gap,
+        verdict=verdict,
+        cells=(f"{stem} {words}".strip(), centimetres(gap), error, share, verdict, texts["mark"]),
+        missing=texts["missing"],
+        basis=". ".join(filter(None, (texts["assumptions"], texts["reference"]))),
     )
 
 
@@ -406,12 +402,7 @@ def rules_table(answer: CaseAnswer, shown: list[RuleLine]) -> Table:
     about = subject_of(answer.case)
     heads = ("rule", f"{about.gap} [cm]", "error", about.column, "verdict", "mark")
     table_rows = [
-        Row(
-            (row.name, row.gap, row.error, row.probability, row.verdict, row.mark),
-            label=row.label.removeprefix("eq. (3), "),
-            group=row.group,
-            look=row.verdict,
-        )
+        Row(row.cells, row.label.removeprefix("eq. (3), "), row.group, look=row.verdict)
         for row in shown
         if not row.missing
     ]
@@ -420,7 +411,7 @@ def rules_table(answer: CaseAnswer, shown: list[RuleLine]) -> Table:
 
 def not_available(shown: list[RuleLine]) -> Items:
     """The rules without a gap, each with the reason."""
-    return Items([f"{row.name}: {row.missing}" for row in shown if row.missing])
+    return Items([f"{row.cells[0]}: {row.missing}" for row in shown if row.missing])
 
 
 def rules_sections(answer: CaseAnswer) -> list[ViewSection]:
@@ -446,9 +437,5 @@ def rules_notes(answer: CaseAnswer) -> Text:
 
 def assumptions(answer: CaseAnswer) -> Items:
     """What the codes of the case assume, and their sources; those of all rules are in the dataset."""
-    texts = [
-        f"{row.label}: {'. '.join(filter(None, (row.assumptions, row.reference)))}."
-        for row in own_codes(answer)
-        if not row.missing
-    ]
-    return Items(texts)
+    shown = [row for row in own_codes(answer) if not row.missing]
+    return Items([f"{row.label}: {row.basis}." for row in shown])

@@ -80,7 +80,12 @@ def filled(lines: Iterable[str], width: int, hang: str = "") -> str:
 @checked
 def ratio_ticks(axis: Any, values: np.ndarray) -> None:
     """Label a logarithmic axis of period ratios with plain numbers."""
-    plain_ticks(axis, [t for t in TICKS if values[0] / 1.001 <= t <= values[-1] * 1.001])
+    from matplotlib.ticker import FixedLocator, NullLocator, StrMethodFormatter
+
+    inside = [t for t in TICKS if values[0] / 1.001 <= t <= values[-1] * 1.001]
+    axis.set_major_locator(FixedLocator(inside))
+    axis.set_minor_locator(NullLocator())
+    axis.set_major_formatter(StrMethodFormatter("{x:g}"))
 
 
 def decade_ticks(axis: Axis) -> None:
@@ -90,15 +95,6 @@ def decade_ticks(axis: Axis) -> None:
     axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
     axis.set_major_formatter(StrMethodFormatter("{x:g}"))
     axis.set_minor_formatter(NullFormatter())
-
-
-def plain_ticks(axis: Axis, ticks: Sequence[float]) -> None:
-    """Plain numbers on an axis that is logarithmic already."""
-    from matplotlib.ticker import FixedLocator, NullLocator, StrMethodFormatter
-
-    axis.set_major_locator(FixedLocator(ticks))
-    axis.set_minor_locator(NullLocator())
-    axis.set_major_formatter(StrMethodFormatter("{x:g}"))
 
 
 def quantity(values: xr.DataArray) -> str:

@@ -38,16 +38,8 @@ TURNS = (
     "neighbour, so that a gap can be too small: export the displacements of joints on that edge, and "
     'name one on each floor, as points = ["12"].'
 )
-ROLES = {
-    "first": "building 1",
-    "second": "building 2",
-    "ground": "ground",
-    "envelope": "envelope",
-    "envelope_model": "envelope",
-    "contact": "contact",
-    "gap": "gap",
-    "record": "record",
-}
+NAMES = {"first": "building 1", "second": "building 2", "envelope_model": "envelope"}
+ROLES = ("first", "second", "ground", "envelope", "envelope_model", "contact", "gap", "record")
 
 
 def centimetres(metres: float) -> str:
@@ -117,18 +109,14 @@ def behind(unit: str) -> str:
 
 
 def scatter(case: Case) -> str:
-    """The scatter of the motions in strength and its source; empty where it is 0 as usual."""
+    """The scatter of the motions in strength and its source; empty where it is 0."""
     usual, now = case.site.usual_scatter, case.site.scatter
-    if not now:
-        without = (
-            "With scatter = 0 in [motion] all motions are equally strong; records show a scatter of"
-        )
-        return f"{without} {usual.scatter:.2g} ({usual.source})." if usual.scatter else ""
     source = usual.source if now == usual.scatter else "scatter in [motion]"
-    return (
+    sentence = (
         "The motions differ in strength by a lognormal factor of median 1, whose logarithm has the "
         f"standard deviation {now:.2g} ({source})."
     )
+    return sentence if now else ""
 
 
 def in_g(acceleration: float) -> str:
@@ -197,7 +185,7 @@ def opening(case: Case, doubts: Sequence[str]) -> ViewSection:
 
 def roles_in_words(attrs: Mapping[Any, Any], *roles: str) -> list[str]:
     """A line for each of these roles that the attributes of a dataset describe; all if none is named."""
-    return [f"{ROLES[r]}: {attrs[r].removeprefix(f'{r} ')}" for r in roles or ROLES if r in attrs]
+    return [f"{NAMES.get(r, r)}: {attrs[r].removeprefix(f'{r} ')}" for r in roles or ROLES if r in attrs]
 
 
 def site_in_words(case: Case) -> str:
@@ -220,7 +208,7 @@ def left_out(case: Case) -> list[str]:
 
 
 def floors(case: Case) -> str:
-    """A warning that floors are not level, and the provision of codes; empty where that is not known."""
+    """A warning that slabs meet columns, and the provision of codes; empty where none does."""
     if not (slabs := case.slabs):
         return ""
     more = {0: "", 1: ", and one more does"}.get(len(slabs) - 1, f", and {len(slabs) - 1} more do")

@@ -13,10 +13,10 @@ from stochlin.applications.cases.separation import BAND
 from stochlin.views.shared.style import (
     AS_GIVEN,
     CURVES,
+    decade_ticks,
     filled,
     legend_above,
     open_frame,
-    plain_ticks,
     styled,
 )
 from stochlin.views.shared.words import per_cent
@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 
 WIDTH, HEIGHT, LINE = 4.6, 3.6, 0.14  # inches; LINE is that of a line of text
 CAPTION = 70  # characters
-TICKS = (0.05, 0.1, 0.2, 0.5, 1, 2, 4, 10)  # s
 BAND_IN_WORDS = f"{BAND[0]:g} to {BAND[1]:g} times the periods of the buildings"
 
 
@@ -72,7 +71,7 @@ def draw_spectrum(dataset: xr.Dataset, caption: bool = True, periods: Sequence[f
         look: Any = {"color": CURVES[2][0], "lw": 1.0, "linestyle": (0, (1, 1)) if number == 1 else "-."}
         axes.axvline(mark, label=f"building {number}", **look)
     axes.set(xscale="log", xlim=(period[0], period[-1]), xlabel="period [s]")
-    plain_ticks(axes.xaxis, [tick for tick in TICKS if period[0] <= tick <= period[-1] * 1.001])
+    decade_ticks(axes.xaxis)
     open_frame(axes, ("top",))
     legend_above(axes)
     figure.supxlabel(text, x=0.02, ha="left", size=8)
