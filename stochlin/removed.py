@@ -5,8 +5,8 @@ Whoever still uses it reads the clause in an error.
 """
 
 REMOVED: dict[str, str] = {
-    "amplification_limit": "mitigate has amplification_1 and _2 of every measure in the records",
-    "mitigation": "stochlin mitigate shows the amplification of every measure in the records",
+    "amplification_limit": "peak over peak_alone of pound is the amplification",
+    "mitigation": "peak over peak_alone of pound is the amplification",
     "example_case": "stochlin gap --example prints it",
     "fitted": "ModalBuilding takes the modes as they are",
     "evolutionary_psd": "it is envelope.at(time) ** 2 * ground.psd(frequency)",
@@ -47,7 +47,12 @@ REMOVED: dict[str, str] = {
     "added_damping_chart": "damping_for_gap gives the gap over added damping, which .plot draws",
     "link_slack": "a contact acts where a gap has closed, and a link without slack always",
     "system": "no number depends on it; the page on buildings says what a chain leaves out of a wall",
-    "strength_factor": "multiply the yield drifts, or take strengthening_1 of a measure",
+    "strength_factor": "multiply the yield drifts",
+    "stiffening_1": "compare with a structure of a shorter period or larger stiffnesses",
+    "stiffening_2": "compare with a structure of a shorter period or larger stiffnesses",
+    "strengthening_1": "compare with a structure of a larger strength",
+    "strengthening_2": "compare with a structure of a larger strength",
+    "bumper_thickness": "pound with the contact of the bumpers, and with the gap less their thickness",
     "parallel": "ParallelGround in Python, or a site by its spectrum, has several grounds",
     "--law": "stochlin.correlate of the library takes structures of any law",
     "solver": "linearize_system([first, second], ground).rho is by the full Lyapunov equation",

@@ -325,18 +325,6 @@ def weaker(structure: AnyStructure, factor: float) -> AnyStructure:
     return replace(structure, **{name: getattr(structure, name) / factor})
 
 
-def retrofitted(structure: AnyStructure, stiffening: float, strengthening: float) -> AnyStructure:
-    """The structure with its elastic stiffness and its yield force multiplied by these factors.
-
-    Its strength, if any, is given in metres.
-    """
-    if isinstance(structure, MultistoreyBuilding):
-        structure = structure.stiffened(stiffening)
-    else:
-        structure = replace(structure, period=structure.period / np.sqrt(stiffening))
-    return weaker(structure, stiffening / strengthening)
-
-
 def first_period(structure: AnyStructure) -> xr.DataArray:
     """Period of an oscillator, or of the first mode of a building [s]."""
     if isinstance(structure, MultistoreyBuilding):

@@ -170,13 +170,11 @@ VARIABLES = {
     "impacts_between": ("1", "number of impacts between the neighbours, at all levels"),
     "hardest_force_between": ("N", "largest force between the neighbours, at any level"),
     "contact_energy_between": ("J", "energy lost in all contacts between the neighbours"),
-    "bumper_thickness": ("m", "thickness of the bumpers"),
     # Links
     "link_force": ("N", "force of the link against structure 1, negative in tension"),
     "link_force_std": ("N", "standard deviation of the link force"),
     "link_energy": ("J", "energy dissipated by the link"),
     "link_damping_constant": ("N s/m", "damping constant of all links between both structures"),
-    "largest_link_force": ("N", "largest force of any link or device"),
     "peak_link_force": ("N", "peak link force"),
     "peak_link_stroke": ("m", "peak absolute extension of the link"),
     # Modes and pushover curves

@@ -33,7 +33,7 @@ LONG = {
     *("charts_from_python", "charts_of_every_figure", "gap_at_a_recorded_site"),
     *("first_passage_of_a_frame", "frame_of_six_storeys", "gap_of_bouc_wen_buildings"),
     *("gap_of_storeys", "measures_from_python"),
-    *("mitigate_with_a_record", "records_read_and_fitted", "risk_of_a_gap", "site_by_spectrum"),
+    *("records_read_and_fitted", "risk_of_a_gap", "site_by_spectrum"),
 }
 # Time steps of other programs; what they once said is compared with ours above all the same.
 LONG_INDEPENDENT = {

@@ -120,7 +120,6 @@ DOUBTS = {
         'pga = "0.3 m/s^2"',
         "usual are 0.05 to 1 g",
     ),
-    "weakening": ("[contact]", "[measures.m]\nstrengthening_2 = 0.3\n[contact]", "factors above 1"),
     "kN/m for MN/m": (
         BUILDING,
         'masses = ["300 t"]\nstiffnesses = ["300 kN/m"]\nstorey_height = "3 m"\ndamping = 0.05\n'

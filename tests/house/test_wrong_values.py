@@ -185,13 +185,7 @@ OWN: dict[str, dict[str, Any]] = {
     },
     "read_pushover": {"length_units": "mm", "force_units": "kN"},
     "bilinear_of": {"pushover": PUSHOVER},
-    "Measure": {
-        "added_damping_1": 0.1,
-        "link": [sl.Link(1e6)],
-        "bumper_thickness": 0.02,
-        "stiffening_1": 1.5,
-        "strengthening_1": 2.0,
-    },
+    "Measure": {"added_damping_1": 0.1, "link": [sl.Link(1e6)]},
     "Link": {
         "damping_exponent": 0.5,
         "hardening": 0.1,

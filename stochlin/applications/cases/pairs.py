@@ -29,22 +29,16 @@ def judge_gap(case: Case, gap: float, progress: Progress | None = None) -> xr.Da
 def mitigate_case(case: Case, progress: Progress | None = None) -> xr.Dataset:
     """The measures of a case compared, and the least sufficient ones, by `stochlin.mitigate`.
 
-    The case needs two buildings and an existing gap; errors name the file and the cure. Pounding is
-    computed in the records if the case has records, a contact and all masses. ``progress`` is called
-    with the share of the rows that is done.
+    The case needs two buildings and an existing gap; errors name the file and the cure. ``progress`` is
+    called with the share of the rows that is done.
     """
     (first, second), gap = pair_of(case), gap_of(case)
     if gap is None:
         cure = 'write existing = "5 cm" in [separation], "0 cm" for buildings that touch'
         raise error_of(case, f"measures are compared for the existing gap; {cure}")
-    weighed = all(each.has_storeys or each.structure.mass is not None for each in pair_of(case))
-    pounding = case.site.records and case.contact and weighed
-    in_records = {"contact": case.contact, "records": dict(case.site.records) if pounding else None}
-    ground, options = case.site.sampled_ground, {**motion_of(case), **in_records, "progress": progress}
+    models = first.sampled, second.sampled, case.site.sampled_ground
     with named_errors(case):
-        table = mitigate(
-            first.sampled, second.sampled, ground, gap=gap, measures=case.measures, **options
-        )
+        table = mitigate(*models, gap=gap, measures=case.measures, **motion_of(case), progress=progress)
     table = table.assign(shaking_of(case).data_vars)
     table = table.assign_coords(measure=table.measure.copy(data=_of_buildings(case, table)))
     return table.assign_attrs(title=f"{case.title}: {table.attrs['title']}", case=case.title)

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from itertools import chain
 
 import numpy as np
 import xarray as xr
 
-from stochlin.applications.mitigation.mitigated_pair import MitigatedPair
-from stochlin.applications.mitigation.searches import MeasureLine, Search, searches
-from stochlin.applications.pounding.rows import check_contact, checked_buildings
-from stochlin.applications.records.cells import checked_motions
+from stochlin.applications.mitigation.mitigated_pair import (
+    AS_BUILT,
+    GIVEN,
+    MeasureLine,
+    MitigatedPair,
+)
 from stochlin.applications.separation.separation import NOT_AVAILABLE, VERDICT_ATTRS, verdict_of
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.messages import brief
@@ -25,7 +27,6 @@ from stochlin.models.arguments import (
     check_label,
     checked,
 )
-from stochlin.models.contacts import Contact
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.measures import Measure
@@ -37,10 +38,8 @@ from stochlin.solver.simulation.simulation import check_repeated
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_duration
 
-AS_BUILT = "as built"
 VERDICTS = "answer enough not_enough within_error not_available no_verdict"  # numbered as those of rules
 SIMULATIONS = 60  # usual number of simulations of all searches together
-NO_RECORDS = "the effect of a contact is only computed in records, and none is given"
 TEXTS: dict[str, str] = {
     "kind": "as built, given, or the least that is sufficient",
     "description": "the measure with its parameters",
@@ -64,8 +63,6 @@ def mitigate(
     scatter: Scatter = 0.0,
     paths: Paths | None = None,
     seed: Seed = 0,
-    contact: Contact | None = None,
-    records: Mapping[str, xr.DataArray] | None = None,
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Compare mitigation measures against pounding in the same motions, and find the least sufficient.
@@ -85,19 +82,14 @@ def mitigate(
         Measures by name; may be empty.
     envelope, confidence, scatter, paths, seed
         As in `separation`.
-    contact : Contact, optional
-        Contact between the buildings as built, required with records.
-    records : mapping of str to xarray.DataArray, optional
-        Ground accelerations [m/s^2] by name, as from `read_record`, for which pounding is computed.
     progress : callable, optional
         Called with the share of the rows that is done.
 
     Returns
     -------
     xarray.Dataset
-        Over ``measure``: ``added_damping_1`` and ``_2`` [-], ``bumper_thickness`` [m], and
-        ``link_damping_constant`` [N s/m] of all links between both buildings together, NaN if some of
-        their dashpots are not linear.
+        Over ``measure``: ``added_damping_1`` and ``_2`` [-], and ``link_damping_constant`` [N s/m] of
+        all links between both buildings together, NaN if some of their dashpots are not linear.
 
         Over ``measure``, by simulation: ``required_gap`` [m], and ``no_pounding_probability`` [-] with
         the existing gap, each with a 95 % interval ``_lower`` and ``_upper``; ``verdict`` on the gap.
@@ -110,10 +102,6 @@ def mitigate(
         ``_mean`` and 95 % ``_quantile`` over the simulated motions without contact. Cells beyond the
         links of a measure are NaN.
 
-        With records, over ``measure`` and ``record``: ``amplification_1`` and ``_2`` [-], the peak over
-        the peak as built without neighbours; ``impacts``, ``largest_force`` [N] and
-        ``deepest_compression`` [m] of the contact; ``largest_link_force`` [N] of any link or device.
-
     Raises
     ------
     ValueError, TypeError
@@ -122,20 +110,14 @@ def mitigate(
 
     Notes
     -----
-    Strengths are converted to metres as built; stiffening and strengthening change them as described in
-    `Measure`. Peaks, required gaps and probabilities are for motions without contact and do not depend
-    on the kind of contact; the effect of bumpers shows only in the records. Linearization is unsafe if
-    structures yield and is given for comparison. A least measure is the first that is enough
-    as the damping grows from zero.
-
-    Contact between bumpers counts as pounding. With bumpers, the probability of no pounding is that of
-    the gap minus their thickness, the required gap includes their thickness, and pounding in the records
-    is computed with the remaining gap. A ``deepest_compression`` beyond ``bumper_thickness`` means that
-    the bumpers would be crushed; their behaviour beyond this is not modelled.
+    Strengths are converted to metres as built. All results are for motions without contact: what a
+    bumper changes is computed by `pound`, with its contact and with the gap less its thickness.
+    Linearization is unsafe if structures yield and is given for comparison. A least measure is the first
+    that is enough as the damping grows from zero.
 
     References
     ----------
-    Valles-Mattox and Reinhorn (1996), for links, bumpers and supplemental damping.
+    Valles-Mattox and Reinhorn (1996), for links and supplemental damping.
 
     Examples
     --------
@@ -149,41 +131,35 @@ def mitigate(
     >>> table.measure.values[-1].item()
     'least dashpot between'
     """
-    left, right = _checked(first, second, ground, measures, contact, records)
-    both = [median_of(structure) for structure in (left, right)]
-    check_duration(duration, dict(zip(("first", "second"), both, strict=True)))
+    _check(measures)
+    usual = median_of(ground)
+    left, right = (
+        applied(lambda s: strength_in_metres(s, usual), structure) for structure in (first, second)
+    )
+    both = {"first": median_of(left), "second": median_of(right)}
+    check_duration(duration, both)
+    simulations = len(measures) + SIMULATIONS
     motion = {"duration": duration, "envelope": envelope, "scatter": scatter, "seed": seed}
     pair = MitigatedPair(
         structures=(left, right),
         ground=ground,
         gap=float(gap),
         motion={**motion, "quantiles": [confidence]},
-        paths=check_repeated(both, median_of(ground), duration, paths, len(measures) + SIMULATIONS),
-        contact=contact,
-        records=records or {},
+        paths=check_repeated([*both.values()], usual, duration, paths, simulations),
     )
-    if progress is not None:
-        progress(0.0)
-    lines: list[MeasureLine | Search] = [MeasureLine(AS_BUILT, AS_BUILT, Measure())]
+    lines = [MeasureLine(AS_BUILT, AS_BUILT, Measure())]
     for name, measure in measures.items():
         try:
-            pair.open_gap(measure)
             pair.system(measure)
-        except (TypeError, ValueError) as error:
-            raise type(error)(f"measures[{brief(name)}]: {error}") from error
-        missing = NO_RECORDS if measure.has_bumpers and not records else ""
-        lines.append(MeasureLine(name, "given", measure, missing=missing))
-    lines += searches(pair)
+        except ValueError as error:
+            raise ValueError(f"measures[{brief(name)}]: {error}") from error
+        lines.append(MeasureLine(name, GIVEN, measure))
+    searches = pair.searches()
     tables = []
-    for done, line in enumerate(lines, start=1):
-        row = line.result(pair) if isinstance(line, Search) else line
-        described = "" if row.measure is None else row.measure.describe()
-        texts = {"kind": row.kind, "description": described, "missing": row.missing}
-        results = xr.Dataset() if row.measure is None else pair.row(row.measure)
-        tables.append(xr.Dataset(texts, {"measure": row.name}).merge(results))
+    for line in chain(lines, map(pair.least, searches)):
+        tables.append(pair.row(line))
         if progress is not None:
-            progress(done / len(lines))
-    models = {"first": first, "second": second, "ground": ground}
+            progress(len(tables) / (len(lines) + len(searches)))
     return labels.with_run_information(
         _table(tables, confidence).assign_attrs(
             gap_m=float(gap),
@@ -193,35 +169,19 @@ def mitigate(
             paths=pair.built.sizes["path"],
             seed=seed,
         ),
-        f"Measures against pounding, {median_of(ground).name} ground",
+        f"Measures against pounding, {usual.name} ground",
         f"mitigate(gap={gap:g}, duration={duration:g}, confidence={confidence:g}, seed={seed})",
-        models if contact is None else models | {"contact": contact},
+        {"first": first, "second": second, "ground": ground},
     )
 
 
-def _checked(
-    first: AnyStructure,
-    second: AnyStructure,
-    ground: Ground,
-    measures: Mapping[str, Measure],
-    contact: Contact | None,
-    records: Mapping[str, xr.DataArray] | None,
-) -> list[Any]:
-    """The structures, with strengths in metres, after a check of the other arguments."""
-    for name, mapping in (("measures", measures), ("records", records)):
-        if not isinstance(mapping, Mapping) and (mapping is not None or name == "measures"):
-            raise TypeError(f"{name} = {brief(mapping)}; allowed: a mapping of them by name")
-        for label in mapping or ():
-            check_label(f"the name of a {name.removesuffix('s')}", label)
+def _check(measures: Mapping[str, Measure]) -> None:
+    """Raise an error unless these are measures by name."""
+    if not isinstance(measures, Mapping):
+        raise TypeError(f"measures = {brief(measures)}; allowed: a mapping of them by name")
     for name, measure in measures.items():
+        check_label("the name of a measure", name)
         expect(measure, Measure, f"measures[{brief(name)}]")
-    usual = median_of(ground)
-    pair = [applied(lambda s: strength_in_metres(s, usual), structure) for structure in (first, second)]
-    if records:
-        checked_motions(records)
-        check_contact("contact", contact)
-        checked_buildings([median_of(structure) for structure in pair])
-    return pair
 
 
 def _table(rows: list[xr.Dataset], confidence: float) -> xr.Dataset:

@@ -137,10 +137,6 @@ class MultistoreyBuilding(Model):
             values["law"] = law.law
         return type(law)(**values | changed)
 
-    @abstractmethod
-    def stiffened(self, factor: float) -> Self:
-        """The building with its elastic stiffness multiplied by a factor."""
-
     def with_pushover(self, idealized: Mapping[str, Any]) -> Self:
         """The building with the strength, the hardening and the elastic stiffness of a pushover curve.
 

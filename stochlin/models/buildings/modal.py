@@ -335,10 +335,6 @@ class ModalBuilding(MultistoreyBuilding):
         elastic = dict.fromkeys(OF_STRENGTH) if self.yields and n >= self._strengths.shape[1] else {}
         return self._as_oscillator(n, mass=float(self.effective_masses()[n]), **elastic)
 
-    def stiffened(self, factor: float) -> Self:
-        """The building with its elastic stiffness multiplied by a factor, and all shapes kept."""
-        return replace(self, periods=self.arrays()["periods"] / np.sqrt(factor))
-
     def _of_first_mode(self, period: float, yield_displacement: float, hardening: float) -> Self:
         if self.leading:
             what = f"mode {self.leading + 1} has more effective mass than mode 1"

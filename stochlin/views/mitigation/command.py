@@ -28,11 +28,10 @@ from stochlin.views.shared.screen import (
     help="Draw the measures as .png, .svg or .pdf, and save the data beside the picture.",
 )
 def mitigate(case: Path, out: Path | None, picture: Path | None) -> None:
-    """Compare links, bumpers and added damping against pounding, and find the least that is sufficient.
+    """Compare links and added damping against pounding, and find the least that is sufficient.
 
     CASE is a file like that of 'stochlin gap --example', with two buildings, the existing gap and the
-    measures to compare. With records, a contact and masses, the command also shows the pounding in the
-    records.
+    measures to compare.
 
     \b
     Examples:
@@ -52,6 +51,6 @@ def mitigate(case: Path, out: Path | None, picture: Path | None) -> None:
             table = mitigate_case(described, progress)
         show(lines(answer_sections(table, described)))
         rows = table
-        if data is not None and data.suffix.lower() == CSV:  # a row a measure, and a record
+        if data is not None and data.suffix.lower() == CSV:  # a row for each measure
             rows = table.drop_dims("link", errors="ignore")
         write(rows, data, picture, lambda _: draw_measures(table))

@@ -87,7 +87,7 @@ def _gaps(axes: Axes, dataset: xr.Dataset) -> None:
 
 def _caption(dataset: xr.Dataset) -> str:
     attrs = dataset.attrs
-    lines = roles_in_words(attrs, "first", "second", "ground", "contact")
+    lines = roles_in_words(attrs, "first", "second", "ground")
     motions = f"{attrs['paths']} motions of {attrs['duration_s']:g} s, seed {attrs['seed']}"
     lines.append(f"{motions}; bars: 95 % interval")
     for row in along(dataset, "measure"):

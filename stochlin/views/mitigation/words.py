@@ -39,21 +39,18 @@ WIDE = 34  # characters of a name
 NOTES = {
     "measure": "Damping: added to buildings 1 and 2, in per cent of critical. Dashpot: damping constant "
     "of all linear links between the buildings. Needed: the gap for the confidence, and its 95 % "
-    "interval, with the thickness of bumpers. Apart: share of the simulated motions in which the "
+    "interval. Apart: share of the simulated motions in which the "
     "existing gap prevents pounding. Std: standard deviation of the relative displacement by "
     "linearization, which is too small where buildings yield. All measures are simulated with the same "
     "motions.",
     "link": "Devices: mean | 95 % quantile over the simulated motions, without contact of the "
     "buildings and without partial factors of codes; 1.3 is floor 3 of building 1.",
-    "record": "Times: largest displacement of buildings 1 and 2, relative to the building as built and "
-    "alone. Pressed: the deepest compression of the contact; bumpers have to be thicker. Link: the "
-    "largest force of links and dampers.",
 }
 Columns = dict[str, "Callable[[xr.Dataset], str]"]  # heads, and the cells below them
 
 
 def answer_sections(table: xr.Dataset, case: Case) -> list[ViewSection]:
-    """The answer, the measures in simulated motions and in records, and what their columns mean."""
+    """The answer, the measures in simulated motions, and what their columns mean."""
     case = simulated_as(case, table)
     about = (floors(case), *left_out(case), _headline(table), shaking(table, case), scatter(case))
     return [
@@ -61,8 +58,7 @@ def answer_sections(table: xr.Dataset, case: Case) -> list[ViewSection]:
         ViewSection("", texts([*about, with_uncertainty(case, "needed gaps and shares are those")])),
         ViewSection("", [_table(along(table, "measure"), _of_motions(table))]),
         *_devices(table),
-        *_in_records(table),
-        ViewSection("", [Items(_remarks(table))]),
+        ViewSection("", [Items(_missing(table))]),
         ViewSection("", texts([text for name, text in NOTES.items() if name in table.dims])),
     ]
 
@@ -126,40 +122,10 @@ def _devices(table: xr.Dataset) -> list[ViewSection]:
     return [ViewSection("Devices", [_table(present, columns, ["device"])])]
 
 
-def _in_records(table: xr.Dataset) -> list[ViewSection]:
-    """A table of the largest values in the records; none without records."""
-    if "record" not in table.dims:
-        return []
-    count = table.sizes["record"]
-    what = f"Largest values in {count} records" if count > 1 else f"In {table.record[0].item()}"
-    met = (table.impacts > 0).sum("record")
-    largest = table.drop_dims("link", errors="ignore").max("record").assign(met=met)
-    columns: Columns = {
-        "meet in": lambda row: f"{int(row.met)} of {count}",
-        "times": lambda row: _pair(row, "amplification", "{:.2f}"),
-        "impacts": lambda row: short(float(row.impacts)),
-        "force [MN]": lambda row: number(float(row.largest_force), "MN"),
-        "pressed [cm]": lambda row: centimetres(float(row.deepest_compression)),
-        "link [MN]": lambda row: number(float(row.get("largest_link_force", np.nan)), "MN"),
-    }
-    rows = [row for row in along(largest, "measure") if np.isfinite(float(row.amplification_1))]
-    return [ViewSection(what, [_table(rows, columns)])]
-
-
-def _remarks(table: xr.Dataset) -> list[str]:
-    """Bumpers that are too thin, and what is missing, and why."""
-    remarks = []
-    for row in along(table, "measure"):
-        name, thickness = row.measure.item(), float(row.bumper_thickness)
-        deep = row.get("deepest_compression")
-        if deep is not None and float(deep.max()) > thickness > 0:
-            remarks.append(
-                f"{name}: the bumpers, {length(thickness)} thick, would be compressed by "
-                f"{length(float(deep.max()))} in {deep.idxmax().item()}; take thicker or stiffer ones."
-            )
-        if row.missing.item():
-            remarks.append(f"{name}: {row.missing.item()}.")
-    return remarks
+def _missing(table: xr.Dataset) -> list[str]:
+    """Searches without a result."""
+    rows = along(table, "measure")
+    return [f"{row.measure.item()}: {row.missing.item()}." for row in rows if row.missing.item()]
 
 
 def _pair(row: xr.Dataset, name: str, form: str, scale: float = 1.0) -> str:

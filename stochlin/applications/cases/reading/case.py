@@ -269,7 +269,6 @@ class OfMeasure(Form):
     link_floors: list[int] | None = key(TWO, "Floors that the link ties, one of each building", None)
     dampers_1: Devices | None = key(Inner((Devices,)), "Devices in storeys of building 1", None)
     dampers_2: Devices | None = key(Inner((Devices,)), "Devices in storeys of building 2", None)
-    contact: OfContact | None = key(Inner((OfContact,)), "Contact with the measure", None)
 
     @classmethod
     def keys(cls, table: Table) -> dict[str, Key]:
@@ -282,9 +281,6 @@ class OfMeasure(Form):
             raise self.table.error("", f"does nothing; allowed: {', '.join(self.keys(self.table))}")
         link = {n.removeprefix("link_"): v for n, v in self.more.items() if n.startswith("link_")}
         values = {name: value for name, value in self.more.items() if not name.startswith("link_")}
-        for name, value in values.items():
-            if "ening" in name and value < 1:
-                self.table.warn(name, "is doubtful: usual are factors above 1, on what there is")
         links = []
         if link or self.link_floors:
             counts = [building.floors for building in buildings]
@@ -295,11 +291,7 @@ class OfMeasure(Form):
         for number, devices in enumerate((self.dampers_1, self.dampers_2), start=1):
             if devices is not None:
                 links += devices.links(number, buildings[number - 1])
-        if links:
-            values["link"] = links[0] if len(links) == 1 else links
-        if self.contact is not None:
-            values["contact"] = self.contact.contact()
-        measure: Measure = self.table.made(Measure, **values)
+        measure: Measure = self.table.made(Measure, **values, link=links)
         return measure
 
 
