@@ -54,7 +54,7 @@ def law_times(factor, name="double"):
 
     law.__qualname__ = name
     forget()
-    return compiled.compiled_law(law, OF_ONE)
+    return compiled.c_function(law, OF_ONE)
 
 
 @pytest.fixture

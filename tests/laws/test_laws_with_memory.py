@@ -7,7 +7,7 @@ from scipy.integrate import solve_ivp
 
 import stochlin as sl
 from stochlin.kernels.basics.compiled import not_kept
-from stochlin.kernels.simulation import time_step as moves
+from stochlin.kernels.simulation import moving as moves
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.models.symbolic import SymbolicLaw
 from stochlin.models.systems import arrangement_of

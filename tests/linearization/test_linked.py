@@ -9,8 +9,8 @@ import stochlin as sl
 from stochlin.kernels.basics.systems import System
 from stochlin.kernels.simulation.ensemble import SteppedStructures
 from stochlin.kernels.simulation.laws import BILINEAR, LINEAR, by_number
+from stochlin.kernels.simulation.moving import Elements
 from stochlin.kernels.simulation.stepping import LANES
-from stochlin.kernels.simulation.time_step import Elements
 
 pytestmark = [pytest.mark.oracle, pytest.mark.extreme]
 

@@ -17,26 +17,27 @@ import scipy.optimize
 from hypothesis import given
 
 import stochlin as sl
-from stochlin.kernels.basics.arrays import Rows
 from stochlin.kernels.basics.systems import System
 from stochlin.kernels.pounding import run as kernel
-from stochlin.kernels.pounding.impacts import (
+from stochlin.kernels.pounding.impacts import CONTACT, LANE, REST, STORED
+from stochlin.kernels.simulation import contacts as forces
+from stochlin.kernels.simulation.account import Parts
+from stochlin.kernels.simulation.laws import LINEAR, by_number
+from stochlin.kernels.simulation.moving import (
     APPROACH,
     BEGIN,
-    CONTACT,
     DEEPEST,
     END,
+    ENTERING,
     HANDED,
-    LANE,
+    IMBALANCE,
     LARGEST,
     LOST,
-    REST,
-    STORED,
+    Elements,
+    Q,
+    V,
+    rows_of,
 )
-from stochlin.kernels.simulation import contacts as forces
-from stochlin.kernels.simulation.account import ENTERING, IMBALANCE, Parts
-from stochlin.kernels.simulation.laws import LINEAR, by_number
-from stochlin.kernels.simulation.time_step import MEETS, SLOW, Elements, Q, V, steps_of
 
 pytestmark = pytest.mark.oracle
 
@@ -50,12 +51,12 @@ STEPS = [32, 64, 128]  # in half a period
 ROUNDING = 1e-10  # of forces and of differences of penetrations, over many steps
 
 
-def free_row(masses, contact, gap=0.0, sides=None, owners=None, springs=0.0):
+def free_row(masses, contact, gap=0.0, sides=None, springs=0.0):
     """Masses in a row, each tied to the ground by a spring or none; ``sides`` are weights on either."""
     mass = np.array(masses, float)
     n, zero = mass.size, np.zeros(mass.size)
     left, right = (np.eye(n)[:-1], -np.eye(n)[1:]) if sides is None else sides
-    space, structure = np.full(len(left), gap), np.arange(n) if owners is None else np.array(owners)
+    space = np.full(len(left), gap)
     if isinstance(contact, sl.Stereomechanical):
         laws, e = [forces.ForceLaw()] * len(left), contact.e
     else:
@@ -64,10 +65,10 @@ def free_row(masses, contact, gap=0.0, sides=None, owners=None, springs=0.0):
     system = System(mass, np.zeros((n, n)), np.eye(n), np.eye(n), post, zero, np.full(n, np.inf))
     elements = Elements(system, np.full(n, LINEAR), np.ones(n, np.int64), np.zeros((n, 0)))
     none = np.zeros(0, np.int64)
-    shear = Rows.of(np.diag(post)), Rows.of(np.zeros((n, n)))
-    watched = Rows.of(np.vstack([np.eye(n), np.eye(n)]))
+    shear = rows_of(np.diag(post)), rows_of(np.zeros((n, n)))
+    watched = rows_of(np.vstack([np.eye(n), np.eye(n)]))
     parts = Parts(
-        *(mass, structure, n, np.zeros((n, n)), shear, watched, np.full(n, np.inf)),
+        *(mass, n, np.zeros((n, n)), *shear, watched, np.full(n, np.inf)),
         *(none, none, np.zeros(0)),
     )
     contacts = forces.Contacts.of(laws, n, left, right, space, e)
@@ -81,27 +82,22 @@ class Flight:
         mass, n = row.parts.mass, row.parts.mass.size
         v = np.array(velocities, float).reshape(n, -1)
         lanes, intervals = v.shape[1], int(np.ceil(duration / (dt * substeps)))
-        x, y, old, none = (row.at_rest(count) for count in (lanes, lanes, lanes, 0))
-        self.q, self.v = x.moving.coordinates[:, Q], x.moving.coordinates[:, V]
+        x = row.at_rest(lanes)
+        self.q, self.v = x.coordinates[:, Q], x.coordinates[:, V]
         self.v[:], self.q[:] = v, np.broadcast_to(np.array(places, float).T, v.T.shape).T
-        x.moving.motions[SLOW], x.moving.motions[MEETS] = slow, 1.0
 
         def energies():
             return 0.5 * mass[:, None] * self.v**2 + 0.5 * row.elements.system.post[:, None] * self.q**2
 
         start = energies()
-        entering = x.account.structures[:, ENTERING]
-        np.add.at(entering, row.parts.structure, start)  # as if the ground had done it
+        x.coordinates[:, ENTERING] = start  # as if the ground had done it
         ground = np.zeros((intervals + 1, lanes))
         counts, rates = np.full(lanes, intervals), np.full(lanes, slow)
         motions = kernel.GroundMotions(ground, substeps * dt, counts, rates, np.ones(lanes))
-        long = steps_of(row.elements, substeps * dt)
-        short = steps_of(row.elements, dt, row.contacts)
-        table, *_ = kernel._run(
-            row.law, long, short, row.parts, x, old.moving, y, motions, 1, substeps, none
-        )
+        none = np.empty((len(x.state), 0))
+        table = kernel.follow(row, x, motions, kernel.StepCounts(1, substeps), none)
         self.impacts = table[np.argsort(table[:, LANE], kind="stable")]
-        self.imbalance = x.account.motions[IMBALANCE]
+        self.imbalance = x.motions[IMBALANCE]
         self.duration = intervals * substeps * dt
         self.gained = energies() - start
 
@@ -359,7 +355,7 @@ def test_a_hit_on_a_free_column_moves_both_its_floors(masses, share, e, side):
     sides = (alone, -column) if side > 0 else (column, -alone)
     meeting = 1 / (1 / mass[0] + share**2 / mass[2] + (1 - share) ** 2 / mass[1])
     contact = sl.Kelvin(1e8, restitution=e)
-    row = free_row(masses, contact, sides=sides, owners=[0, 1, 1] if side > 0 else [1, 0, 0])
+    row = free_row(masses, contact, sides=sides)
     scale = time_scale(contact, meeting, v0)
     start, h = np.array([side * v0, 0, 0]), np.pi / 64
     run = Flight(row, start, h * scale, 20 * scale)

@@ -8,8 +8,9 @@ import scipy.integrate
 import sympy
 
 import stochlin as sl
+from stochlin.kernels.simulation.moving import CHANGE, LEAST, MORE, SLIP, STILL
 from stochlin.kernels.simulation.stepping import LANES
-from stochlin.kernels.simulation.time_step import CHANGE, LEAST, MORE, SLIP, STILL, _dashpot
+from stochlin.kernels.simulation.time_step import _dashpot
 from stochlin.models.systems import arrangement_of
 from stochlin.solver.simulation.connected_structures import connected_groups
 

@@ -11,6 +11,7 @@ from scipy.integrate import solve_ivp
 from stochlin.kernels.basics.systems import System
 from stochlin.kernels.simulation.ensemble import SteppedStructures
 from stochlin.kernels.simulation.laws import BILINEAR, BOUC_WEN, OTHER, by_number
+from stochlin.kernels.simulation.moving import Elements
 from stochlin.kernels.simulation.stepping import (
     LANES,
     bilinear_block,
@@ -19,7 +20,6 @@ from stochlin.kernels.simulation.stepping import (
     keep_extremes,
     turning_points,
 )
-from stochlin.kernels.simulation.time_step import Elements
 
 pytestmark = pytest.mark.oracle
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,15 +14,25 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.pounding import impacts
 from stochlin.kernels.pounding.run import RowResponse
 from stochlin.kernels.records.runs import SampledMotion
-from stochlin.kernels.simulation.account import DRAINED, ENTERING, MISSING, MOST, VISCOUS_LOSS
 from stochlin.kernels.simulation.contacts import ForceLaw, forces
-from stochlin.kernels.simulation.time_step import (
+from stochlin.kernels.simulation.moving import (
+    APPROACH,
+    BEGIN,
     DISSIPATED,
+    DRAINED,
+    END,
+    ENTERING,
     FORCE,
+    HANDED,
     HELD,
+    LARGEST,
+    LOST,
+    MISSING,
+    MOST,
     SLOW,
     SPEED,
     SPENT,
+    VISCOUS_LOSS,
     Q,
     V,
     Z,
@@ -75,7 +86,7 @@ def floor_coords(standing: Standing) -> dict[str, Any]:
 
 def _course(standing: Standing, response: RowResponse, ground: SampledMotion) -> Quantities:
     """Displacements, velocities, accelerations, forces and energies in the history of a response."""
-    moving, account, _ = response.history
+    moving = response.history
     row, arrangement, floors = standing.row, standing.arrangement, standing.first[:-1]
     system, first, n = row.elements.system, arrangement.first_coordinate[:-1], row.parts.mass.size
     q, v, z = moving.coordinates[:, Q].T, moving.coordinates[:, V].T, moving.elements[:, Z].T
@@ -86,9 +97,9 @@ def _course(standing: Standing, response: RowResponse, ground: SampledMotion) ->
     pushed, squeezed = _contact_forces(standing, response, q, v)
     load = _products(v, system.damping) + _products(force + drag, system.extensions.T)
     shear = _products(force[:, :n], arrangement.shear_shares)
-    most, missing = account.motions[MOST], np.abs(account.motions[MISSING])
+    most, missing = moving.motions[MOST], np.abs(moving.motions[MISSING])
     imbalance = np.divide(missing, most, out=np.zeros_like(most), where=most > 0)
-    kinetic = np.add.reduceat(0.5 * system.mass * v**2, first, axis=1)
+    of_structures = partial(np.add.reduceat, indices=first, axis=1)
     # A floor moves with the ground as far as the modes of a building leave out mass.
     carried = np.multiply.outer(ground.acceleration, 1 - system.shapes.sum(axis=1))
     sped = -(load + _products(pushed, row.contacts.weights.T)) / system.mass
@@ -98,17 +109,17 @@ def _course(standing: Standing, response: RowResponse, ground: SampledMotion) ->
         "acceleration": (FLOOR, _products(sped, system.shapes) + carried),
         "storey_shear": (FLOOR, shear),
         "base_shear": (STRUCTURE, shear[:, floors]),
-        "input_energy": (STRUCTURE, account.structures[:, ENTERING].T),
-        "kinetic_energy": (STRUCTURE, kinetic),
-        "elastic_energy": (STRUCTURE, np.add.reduceat(stored[:, :n], first, axis=1)),
-        "viscous_energy": (STRUCTURE, account.structures[:, VISCOUS_LOSS].T),
-        "hysteretic_energy": (STRUCTURE, np.add.reduceat(moving.elements[:n, SPENT].T, first, axis=1)),
+        "input_energy": (STRUCTURE, of_structures(moving.coordinates[:, ENTERING].T)),
+        "kinetic_energy": (STRUCTURE, of_structures(0.5 * system.mass * v**2)),
+        "elastic_energy": (STRUCTURE, of_structures(stored[:, :n])),
+        "viscous_energy": (STRUCTURE, of_structures(moving.coordinates[:, VISCOUS_LOSS].T)),
+        "hysteretic_energy": (STRUCTURE, of_structures(moving.elements[:n, SPENT].T)),
     }
     linked: Quantities = {}
     if row.parts.spring.size:
         values["link_force"] = LINK, _link_forces(standing, force, rate, drag)
         linked["link_stored_energy"] = OF_ROW, stored[:, n:].sum(axis=1)
-        linked["link_lost_energy"] = OF_ROW, account.links[:, DRAINED].sum(axis=0)
+        linked["link_lost_energy"] = OF_ROW, moving.links[:, DRAINED].sum(axis=0)
     return values | {
         "contact_stored_energy": (OF_ROW, squeezed),
         "contact_lost_energy": (OF_ROW, moving.contacts[:, DISSIPATED].sum(axis=0)),
@@ -140,7 +151,7 @@ def _contact_forces(
     standing: Standing, response: RowResponse, u: Array, v: Array
 ) -> tuple[Array, Array]:
     """Forces of the contacts [N] (times, c), and the energy stored in all of them [J] (times,)."""
-    contacts, known = standing.row.contacts, response.history.moving.contacts
+    contacts, known = standing.row.contacts, response.history.contacts
     if contacts.jumps:
         return (known[:, FORCE] * known[:, HELD]).T, np.zeros(len(u))
     depth, rate = _products(u, contacts.weights) - contacts.gap, _products(v, contacts.weights)
@@ -169,12 +180,12 @@ def histories(
     return xr.Dataset(
         {
             **labelled(course, standing, "time"),
-            "impact_time": ("impact", time[0] + line[impacts.BEGIN]),
+            "impact_time": ("impact", time[0] + line[BEGIN]),
             "impact_contact": ("impact", line[impacts.CONTACT].astype(np.int64) + 1),
-            "approach_velocity": ("impact", line[impacts.APPROACH]),
-            "largest_force": ("impact", line[impacts.LARGEST]),
-            "impact_duration": ("impact", line[impacts.END] - line[impacts.BEGIN]),
-            "energy_lost": ("impact", line[impacts.LOST]),
+            "approach_velocity": ("impact", line[APPROACH]),
+            "largest_force": ("impact", line[LARGEST]),
+            "impact_duration": ("impact", line[END] - line[BEGIN]),
+            "energy_lost": ("impact", line[LOST]),
             "energy_transferred": (("impact", "side"), energy_transferred(response)),
         },
         coords={
@@ -187,7 +198,7 @@ def histories(
 
 def energy_transferred(response: RowResponse) -> Array:
     """Work of each impact on the structures on its left and right [J], (impacts, 2)."""
-    columns = impacts.HANDED, impacts.LOST, impacts.STORED
+    columns = HANDED, LOST, impacts.STORED
     right, lost, stored = (response.impacts[:, column] for column in columns)
     return np.stack([-right - lost - stored, right], axis=-1)
 

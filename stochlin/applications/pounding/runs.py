@@ -12,8 +12,7 @@ from stochlin.kernels.basics.parallel import Progress, cores, in_order
 from stochlin.kernels.pounding import run as kernel
 from stochlin.kernels.pounding.run import RowResponse
 from stochlin.kernels.records.runs import SampledMotion
-from stochlin.kernels.simulation.account import FAILED
-from stochlin.kernels.simulation.time_step import Q
+from stochlin.kernels.simulation.moving import FAILED, Q
 from stochlin.models.contacts import Contact, Element
 from stochlin.solver.simulation.connected_structures import modes_of, shortest_mode
 from stochlin.solver.tables.work import check_work
@@ -152,7 +151,7 @@ def _motions(runs: Sequence[RowRun], shortest: float) -> kernel.GroundMotions:
 
 def failure(standing: Standing, response: RowResponse) -> str:
     """Why a motion was ended before its end: a building falls, or numbers do; empty if it was not."""
-    failed = float(response.account.motions[FAILED])
+    failed = float(response.moving.motions[FAILED])
     if failed == np.inf:
         return ""
     firsts = standing.arrangement.first_coordinate

@@ -15,7 +15,19 @@ from stochlin.applications.pounding.rows import Standing
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.pounding import impacts
 from stochlin.kernels.pounding.run import RowResponse
-from stochlin.kernels.simulation.account import ACCELERATION, DRAINED, IMBALANCE, PULL, SHEAR
+from stochlin.kernels.simulation.moving import (
+    ACCELERATION,
+    APPROACH,
+    BEGIN,
+    DEEPEST,
+    DRAINED,
+    END,
+    IMBALANCE,
+    LARGEST,
+    LOST,
+    PULL,
+    SHEAR,
+)
 from stochlin.solver.tables.floors import FLOOR, LINK
 
 
@@ -54,10 +66,10 @@ def _peaks(standing: Standing, response: RowResponse, alone: RowResponse) -> Qua
     first = standing.first
     for ending, own in (("", response), ("_alone", alone)):
         known = np.isfinite(standing.arrangement.shear_shares).all(axis=1)
-        shear = np.where(known, own.account.floors[:, SHEAR], np.nan)
+        shear = np.where(known, own.moving.watched[: own.floors, SHEAR], np.nan)
         values |= {
             f"peak{ending}": (FLOOR, own.peaks),
-            f"peak_acceleration{ending}": (FLOOR, own.account.floors[:, ACCELERATION]),
+            f"peak_acceleration{ending}": (FLOOR, own.moving.watched[: own.floors, ACCELERATION]),
             f"peak_storey_shear{ending}": (FLOOR, shear),
             f"peak_base_shear{ending}": (STRUCTURE, shear[first[:-1]]),
         }
@@ -66,10 +78,10 @@ def _peaks(standing: Standing, response: RowResponse, alone: RowResponse) -> Qua
     values["amplification"] = FLOOR, growth
     springs = standing.row.parts.spring
     if springs.size:
-        values["peak_link_force"] = LINK, response.account.links[:, PULL]
-        values["peak_link_stroke"] = LINK, response.account.largest[len(response.peaks) + springs]
-        values["link_energy"] = LINK, response.account.links[:, DRAINED]
-    return values | {"energy_balance_error": (OF_ROW, response.account.motions[IMBALANCE])}
+        values["peak_link_force"] = LINK, response.moving.links[:, PULL]
+        values["peak_link_stroke"] = LINK, response.moving.largest[len(response.peaks) + springs]
+        values["link_energy"] = LINK, response.moving.links[:, DRAINED]
+    return values | {"energy_balance_error": (OF_ROW, response.moving.motions[IMBALANCE])}
 
 
 def _tallies(standing: Standing, response: RowResponse) -> Quantities:
@@ -78,17 +90,17 @@ def _tallies(standing: Standing, response: RowResponse) -> Quantities:
     where = line[impacts.CONTACT].astype(np.int64)
     hit = where == np.arange(contacts.gap.size)[:, None]
     at_most = {
-        "hardest_force": line[impacts.LARGEST],
-        "fastest_approach": line[impacts.APPROACH],
-        "longest_impact": line[impacts.END] - line[impacts.BEGIN],
-        "deepest_compression": line[impacts.DEEPEST],
+        "hardest_force": line[LARGEST],
+        "fastest_approach": line[APPROACH],
+        "longest_impact": line[END] - line[BEGIN],
+        "deepest_compression": line[DEEPEST],
     }
     unknown = ("hardest_force", "deepest_compression") if contacts.jumps else ()
     values: Quantities = {"impacts": (CONTACT, hit.sum(axis=1))}
     for name, each in at_most.items():
         none = np.nan if name in unknown else 0.0
         values[name] = CONTACT, np.array([each[own].max(initial=none) for own in hit])
-    values["contact_energy"] = CONTACT, hit @ line[impacts.LOST]
+    values["contact_energy"] = CONTACT, hit @ line[LOST]
     received = np.zeros(standing.first.size - 1)
     for side, energy in enumerate(energy_transferred(response).T):
         np.add.at(received, standing.left[where] + side, energy)

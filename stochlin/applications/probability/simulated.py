@@ -86,7 +86,7 @@ def _histories(
     run: SimulationRun, course: TimeGrid, watched: Watched, progress: Progress | None
 ) -> Histories:
     """Simulated histories of a run; the motions are those of `simulate` with the same seed."""
-    check_finite(run, course.duration, len(watched.first.column))
+    check_finite(run, course.duration, len(watched.first))
     crowd, shape = finite_steps(run, course.duration, course.envelope)
     instants = course.times[course.shown] / run.plan.dt
     instants[-1] = shape.size

@@ -13,9 +13,8 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.pounding.run import GroundMotions, StepCounts, run
 from stochlin.kernels.records.runs import SampledMotion
-from stochlin.kernels.simulation.account import ENTERING, VISCOUS_LOSS
 from stochlin.kernels.simulation.contacts import Contacts
-from stochlin.kernels.simulation.time_step import SPENT, Q, V, Z
+from stochlin.kernels.simulation.moving import ENTERING, SPENT, VISCOUS_LOSS, Q, V, Z
 from stochlin.models.structures import Structure
 from stochlin.models.systems import AnyStructure, Arrangement, arrangement_of, first_period
 from stochlin.solver.simulation.connected_structures import SteppedGroup, connected_groups, row_of
@@ -87,7 +86,7 @@ def stepped_history(structure: AnyStructure, ground: SampledMotion, refine: int)
     intervals, none = np.array([between.size - 1]), np.zeros(1)
     motion = GroundMotions(finer.acceleration[:, None], finer.dt, intervals, none, none)
     [response] = run(row, motion, StepCounts(first.cuts, 1), keep=True)
-    moving, account, _ = response.history  # NaN after a fall
+    moving = response.history  # NaN after a fall
     q, rate = (moving.coordinates[:, column].T for column in (Q, V))
     z = moving.elements[:, Z].T
     u, v = (values @ system.storeys.shapes.T for values in (q, rate))
@@ -95,8 +94,8 @@ def stepped_history(structure: AnyStructure, ground: SampledMotion, refine: int)
     extension = q @ system.extensions.T
     mass, storeys = system.storeys.mass, system.storeys
     energies = {
-        "input": account.structures[0, ENTERING],
-        "viscous": account.structures[0, VISCOUS_LOSS],
+        "input": moving.coordinates[:, ENTERING].sum(axis=0),
+        "viscous": moving.coordinates[:, VISCOUS_LOSS].sum(axis=0),
         "hysteretic": moving.elements[:, SPENT].sum(axis=0),
         "kinetic": 0.5 * rate**2 @ mass,
         "elastic": 0.5 * (extension**2 @ storeys.post + z**2 @ storeys.couple),

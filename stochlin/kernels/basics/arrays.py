@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -61,18 +61,3 @@ def solve_3x3(matrix: Sequence[Sequence[Array]], right: Sequence[Array]) -> tupl
         ((f * g - d * i) * x + (a * i - c * g) * y + (c * d - a * f) * z) / determinant,
         ((d * h - e * g) * x + (b * g - a * h) * y + (a * e - b * d) * z) / determinant,
     )
-
-
-class Rows(NamedTuple):
-    """A matrix (m, n) by the numbers in each row that are not zero; zeros fill the shorter rows."""
-
-    column: Array  # (m, w)
-    weight: Array  # (m, w)
-
-    @classmethod
-    def of(cls, matrix: Array) -> Rows:
-        """The rows of a matrix."""
-        width = max(1, int((matrix != 0).sum(axis=1).max(initial=1)))
-        column = np.argsort(matrix == 0, axis=1, kind="stable")[:, :width]
-        weight = np.take_along_axis(matrix, column, axis=1).astype(float)
-        return cls(np.ascontiguousarray(column), np.ascontiguousarray(weight))

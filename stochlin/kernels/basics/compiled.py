@@ -153,7 +153,17 @@ def variant(function: Any, name: str) -> Any:
     return copy
 
 
-def compiled_law(function: Any, signature: Any) -> Any:
+def by_pointer(function: Any, *arguments: Any) -> Any:
+    """The function as a C function for arguments of the types of these, which returns nothing.
+
+    What calls it by its pointer does not contain it: each of both is compiled once, and only if used.
+    """
+    with _naming_folder:
+        return function if UNCOMPILED else c_function(function, nb.void(*map(nb.typeof, arguments)))
+
+
+@cache
+def c_function(function: Any, signature: Any) -> Any:
     """A C function with this signature, compiled now or found on the disk under its qualified name."""
     try:
         with _kept_on_disk(function) as can_be_kept:

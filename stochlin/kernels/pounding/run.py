@@ -13,50 +13,39 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array, on_arrays
-from stochlin.kernels.basics.compiled import called_often, compiled, entry
+from stochlin.kernels.basics.compiled import by_pointer, called_often, compiled, entry
 from stochlin.kernels.pounding.impacts import (
-    BEGIN,
     COLUMNS,
     CONTACT,
-    FIRST_LINES,
     LANE,
-    SPAN,
+    LINES,
     end_all,
-    strike,
-    watch_contact,
+    strike_all,
+    watch_contacts,
 )
-from stochlin.kernels.simulation.account import (
-    COUNTS,
-    FAILED,
-    FIRST,
-    SECOND,
-    THIRD,
-    Account,
-    Parts,
-    balance,
-    copy_account,
-    watch,
-    watch_displacements,
-)
+from stochlin.kernels.simulation.account import Parts, balance, watch, watch_displacements
 from stochlin.kernels.simulation.contacts import Contacts
-from stochlin.kernels.simulation.time_step import (
+from stochlin.kernels.simulation.moving import (
+    BEGIN,
     CHANGE,
     DQ,
+    FAILED,
+    FIRST,
+    GOES,
     MEETS,
+    SECOND,
     SLOW,
+    THIRD,
     Elements,
     F,
     Moving,
     Q,
     V,
     copy,
-    copy_state,
     fill,
-    steps_of,
-    take_step,
     times_row,
-    tolerances,
 )
+from stochlin.kernels.simulation.time_step import steps_of, take_step
 
 
 class BuildingRow(NamedTuple):
@@ -67,20 +56,10 @@ class BuildingRow(NamedTuple):
     contacts: Contacts
     parts: Parts
 
-    def at_rest(self, lanes: int) -> Motions:
+    def at_rest(self, lanes: int) -> Moving:
         """Motions before their beginning."""
-        count = self.contacts.gap.size
-        moving = Moving.at_rest([self.elements], lanes, count)
-        impacts = np.full((count, SPAN + 1, lanes), np.nan)
-        return Motions(moving, Account.of(self.parts, lanes), impacts)
-
-
-class Motions(NamedTuple):
-    """All that is known of every motion (the last axis)."""
-
-    moving: Moving
-    account: Account
-    impacts: Array  # (c, columns, lanes): the present impact of each contact, see `impacts`
+        sizes = self.contacts.gap.size, len(self.parts.watched), self.parts.spring.size
+        return Moving.at_rest([self.elements], lanes, *sizes)
 
 
 class StepCounts(NamedTuple):
@@ -104,61 +83,51 @@ class RowResponse(NamedTuple):
     """Response of a row of buildings to one motion."""
 
     moving: Moving  # at its end
-    account: Account
     impacts: Array  # (impacts, COLUMNS): the table of `impacts`, as they begin
-    history: Motions  # over its samples, in place of motions, if they were asked for
+    history: Moving  # over its samples, in place of motions, if they were asked for
+    floors: int
 
     @property
     def peaks(self) -> Array:
         """Largest absolute displacement of each floor [m]."""
-        return self.account.largest[: len(self.account.floors)]
+        return self.moving.largest[: self.floors]
 
 
 @called_often
-def _near(contacts, dt, x, lanes, near):
-    """Find the lanes that are in contact in the step taken without it, or may be.
+def _near(contacts, dt, moving, lanes, near):
+    """Write the lanes that are in contact in the step taken without it, or may be; returns their number.
 
     Within a step the penetration is a parabola, which rises above the ends by an eighth of the change of
-    the rate times ``dt`` at most. Lanes are written to ``near``, and do not count; returns their number.
+    the rate times ``dt`` at most.
     """
-    count, gap, (column, weight) = 0, contacts.gap, contacts.rows
-    coordinates, meets, motions = x.moving.coordinates, x.moving.motions, x.account.motions
+    count, gap, rows = 0, contacts.gap, contacts.rows
+    coordinates, motions = moving.coordinates, moving.motions
     fill(motions, THIRD, -1.0, lanes)
     for j in range(gap.size):
-        times_row(column, weight, j, coordinates, Q, motions, FIRST, lanes)
-        times_row(column, weight, j, coordinates, DQ, meets, CHANGE, lanes)
-        times_row(column, weight, j, coordinates, V, motions, SECOND, lanes)
+        times_row(rows, j, coordinates, Q, motions, FIRST, lanes)
+        times_row(rows, j, coordinates, DQ, motions, CHANGE, lanes)
+        times_row(rows, j, coordinates, V, motions, SECOND, lanes)
         for lane in range(lanes):
-            change = meets[CHANGE, lane]
+            change = motions[CHANGE, lane]
             bulge = 0.25 * abs(dt * motions[SECOND, lane] - change)
             highest = motions[FIRST, lane] + max(-change, 0.0) + bulge - gap[j]
-            reach = highest if np.isnan(x.impacts[j, BEGIN, lane]) else 1.0
+            reach = highest if np.isnan(moving.contacts[j, BEGIN, lane]) else 1.0
             motions[THIRD, lane] = max(motions[THIRD, lane], reach)
     for lane in range(lanes):
-        if motions[THIRD, lane] > 0.0 and motions[COUNTS, lane] * meets[MEETS, lane] > 0.0:
-            motions[COUNTS, lane] = 0.0
+        if motions[THIRD, lane] > 0.0 and motions[GOES, lane] * motions[MEETS, lane] > 0.0:
             near[count] = lane
             count += 1
     return count
 
 
 @compiled
-def _end_failed(steps, limit, time, coordinates, motions, lanes):
+def _end_failed(rows, limit, time, coordinates, motions, lanes):
     """End the motions in which an extension is beyond its limit, or not a number."""
-    column, weight = steps.extensions
     for i in range(limit.size):
-        times_row(column, weight, i, coordinates, Q, motions, FIRST, lanes)
+        times_row(rows, i, coordinates, Q, motions, FIRST, lanes)
         for lane in range(lanes):
             if not abs(motions[FIRST, lane]) <= limit[i] and motions[FAILED, lane] == np.inf:
                 motions[FAILED, lane] = time
-
-
-@compiled
-def _keep(x, history, sample):
-    """Keep what is known of the first motion at a sample."""
-    first, place = np.zeros(1, np.int64), np.full(1, sample)
-    copy_state(x.moving, first, history.moving, place, 1)
-    copy_account(x.account, first, history.account, place, 1)
 
 
 @compiled
@@ -171,123 +140,126 @@ def _set_forcing(ground, sample, share, of, motions, lanes):
 
 
 @compiled
-def _count_going(intervals, sample, motions, lanes):
-    """Mark the motions that go on, in which steps count; returns their number."""
-    going = 0
-    for lane in range(lanes):
-        goes = sample < intervals[lane] and motions[FAILED, lane] == np.inf
-        motions[COUNTS, lane] = 1.0 if goes else 0.0
-        going += goes
-    return going
-
-
-@called_often
-def _keep_ended(old, x, lanes, ended):
-    """Leave motions that have ended as they were before the step."""
+def _end(intervals, sample, motions, lanes, ended):
+    """Find the motions that have ended by a sample; returns their number."""
     count = 0
     for lane in range(lanes):
-        if x.account.motions[COUNTS, lane] == 0.0:
+        goes = sample < intervals[lane] and motions[FAILED, lane] == np.inf
+        motions[GOES, lane] = 1.0 if goes else 0.0
+        if not goes:
             ended[count] = lane
             count += 1
-    copy_state(old, ended, x.moving, ended, count)
-
-
-@called_often
-def _watch_impacts(short, parts, time, near, count, y, table, used):
-    """Update the impacts in all lanes near contact by a step; returns the table and its lines in use."""
-    for k in range(count):
-        if short.contacts.jumps:
-            table, used = strike(short, parts, time, near[k], y, k, table, used)
-        else:
-            for j in range(short.contacts.gap.size):
-                table, used = watch_contact(short, j, time, near[k], y, k, table, used)
-    return table, used
+    return count
 
 
 @entry
-def _run(law, steps, short, parts, x, old, y, ground, cuts, substeps, history):
-    """All motions ``x`` from their beginning, see `run`; ``steps`` are without contacts, ``short`` with.
+def _run(
+    step,
+    look,
+    reach,
+    meet,
+    settle,
+    law,
+    steps,
+    short,
+    parts,
+    x,
+    y,
+    old,
+    ground,
+    intervals,
+    cuts,
+    substeps,
+    table,
+    used,
+    history,
+):
+    """All motions ``x`` from their beginning, see `follow`; ``steps`` are without contacts.
 
-    ``old`` and ``y`` are for what moves before a step and near contact. The first motion is kept at the
-    samples in ``history``, if it has any. Returns the table of impacts and the number of samples kept.
+    The first arguments are the functions of a step, ``short`` are steps with contacts, and ``old`` and
+    ``y`` are for the states before a step and for what moves near contact. The first motion is written
+    at the samples to ``history``, if it has any. Returns the number of samples written.
     """
-    dt, contacts, acceleration = steps.dt, short.contacts, ground.acceleration
-    lanes, samples = acceleration.shape[1], history.account.motions.shape[1]
-    moving, account = x.moving, x.account
-    every, near = np.arange(lanes), np.empty(lanes, np.int64)
-    table, used, kept = np.empty((FIRST_LINES, COLUMNS)), 0, 1
-    tolerances(steps.spring, steps.kind, moving.elements, lanes)
-    tolerances(short.spring, short.kind, y.moving.elements, lanes)
-    if samples > 0:
-        _keep(x, history, 0)
-    for s in range(cuts * (len(acceleration) - 1)):
+    dt, lanes, kept = steps.dt, ground.shape[1], 1
+    every, near, ended = np.arange(lanes), np.empty(lanes, np.int64), np.empty(lanes, np.int64)
+    first, place = np.zeros(1, np.int64), np.zeros(1, np.int64)
+    copy(x.state, first, history, place, min(1, history.shape[1]))
+    for s in range(cuts * (len(ground) - 1)):
         sample, cut, time = s // cuts, s % cuts, s * dt
-        going = _count_going(ground.intervals, sample, account.motions, lanes)
-        if going == 0:
+        over = _end(intervals, sample, x.motions, lanes, ended)
+        if over == lanes:
             break
-        copy_state(moving, every, old, every, lanes)
-        _set_forcing(acceleration, sample, (cut + 0.5) / cuts, every, moving.motions, lanes)
-        take_step(law, steps, moving, lanes)
-        if going < lanes:
-            _keep_ended(old, x, lanes, near)
-        count = _near(contacts, dt, x, lanes, near)
-        watch(steps, parts, moving, account, lanes)
-        watch_displacements(dt, parts, moving, account, lanes)
+        copy(x.state, every, old, every, lanes)
+        _set_forcing(ground, sample, (cut + 0.5) / cuts, every, x.motions, lanes)
+        step(law, steps, x, lanes)
+        count = _near(short.contacts, dt, x, lanes, near)
+        look(steps, parts, x, lanes)
+        reach(steps, parts, x, lanes)
         if count > 0:
-            copy_state(old, near, y.moving, every, count)
-            copy_account(account, near, y.account, every, count)
-            copy(x.impacts, near, y.impacts, every, count, SPAN + 1)
-            for k in range(count):
-                y.moving.motions[SLOW, k] = moving.motions[SLOW, near[k]]
-            fill(y.account.motions, COUNTS, 1.0, count)
+            copy(old, near, y.state, every, count)
             for part in range(substeps):
                 now = time + part * short.dt
                 within = (cut + (part + 0.5) / substeps) / cuts
-                _set_forcing(acceleration, sample, within, near, y.moving.motions, count)
-                take_step(law, short, y.moving, count)
-                watch(short, parts, y.moving, y.account, count)
-                table, used = _watch_impacts(short, parts, now, near, count, y, table, used)
-                watch_displacements(short.dt, parts, y.moving, y.account, count)
-            copy_state(y.moving, every, moving, near, count)
-            copy_account(y.account, every, account, near, count)
-            copy(y.impacts, every, x.impacts, near, count, SPAN + 1)
-            for k in range(count):
-                account.motions[COUNTS, near[k]] = 1.0
+                _set_forcing(ground, sample, within, near, y.motions, count)
+                step(law, short, y, count)
+                look(short, parts, y, count)
+                meet(short, parts, now, near, count, y, table, used)
+                reach(short, parts, y, count)
+            copy(y.state, every, x.state, near, count)
+        copy(old, ended, x.state, ended, over)
         if cut == cuts - 1:
-            balance(steps, contacts, parts, moving, account, lanes)
-            _end_failed(steps, parts.limit, time + dt, moving.coordinates, account.motions, lanes)
-            if samples > 0:
-                _keep(x, history, sample + 1)
-                kept = sample + 2
+            settle(steps, short.contacts, parts, x, lanes)
+            _end_failed(steps.extensions, parts.limit, time + dt, x.coordinates, x.motions, lanes)
+            if history.shape[1] > 0:
+                place[0], kept = sample + 1, sample + 2
+                copy(x.state, first, history, place, 1)
     for lane in range(lanes):
-        table, used = end_all(contacts, lane, moving, x.impacts, lane, table, used)
-    return table[:used], kept
+        end_all(short.contacts, lane, x, lane, table, used)
+    return kept
+
+
+def follow(row: BuildingRow, x: Moving, ground: GroundMotions, pace: StepCounts, history: Array) -> Any:
+    """Motions ``x`` (n lanes) from their state on, which is changed.
+
+    The states of the first motion are written to ``history`` (rows, samples), if it has columns, NaN
+    after the end of one that fails. Returns the table of `impacts`, as they begin.
+    """
+    lanes = ground.acceleration.shape[1]
+    x.motions[SLOW], x.motions[MEETS], begin = ground.slow, ground.meets, x.state.copy()
+    y, old, dt = row.at_rest(lanes), np.empty_like(begin), ground.dt / pace.cuts
+    steps = steps_of(row.elements, dt)
+    short = steps_of(row.elements, dt / pace.substeps, row.contacts)
+    table, used = np.empty((LINES * lanes, COLUMNS)), np.zeros(1, np.int64)
+    known = short, row.parts, 0.1, used, lanes, y, table, used
+    functions = (
+        by_pointer(take_step, row.law, short, y, lanes),
+        by_pointer(watch, short, row.parts, y, lanes),
+        by_pointer(watch_displacements, short, row.parts, y, lanes),
+        by_pointer(strike_all if row.contacts.jumps else watch_contacts, *known),
+        by_pointer(balance, short, row.contacts, row.parts, y, lanes),
+    )
+    numbers = ground.acceleration, ground.intervals, pace.cuts, pace.substeps
+    moves = *functions, row.law, steps, short, row.parts, x, y, old, *numbers
+    kept = _run(*moves, table, used, history)
+    if used[0] > len(table):  # the motions again, with lines for all impacts
+        table, x.state[:], used[:] = np.empty((used[0], COLUMNS)), begin, 0
+        kept = _run(*moves, table, used, history)
+    history[:, kept:] = np.nan
+    table = table[: used[0]]
+    return table[np.lexsort((table[:, CONTACT], table[:, BEGIN]))]
 
 
 def run(
     row: BuildingRow, ground: GroundMotions, pace: StepCounts, keep: bool = False
 ) -> list[RowResponse]:
-    """Responses of a row of buildings to motions from rest; states are kept of the first motion only.
-
-    They are those at the samples of the motion, NaN after the end of one that fails.
-    """
+    """Responses of a row of buildings to motions from rest; states are kept of the first motion only."""
     samples, lanes = ground.acceleration.shape
-    x, y, history = (row.at_rest(count) for count in (lanes, lanes, samples if keep else 0))
-    x.moving.motions[SLOW], x.moving.motions[MEETS] = ground.slow, ground.meets
-    dt = ground.dt / pace.cuts
-    steps = steps_of(row.elements, dt)
-    short = steps_of(row.elements, dt / pace.substeps, row.contacts)
-    old = Moving.at_rest([row.elements], lanes, row.contacts.gap.size)
-    table, kept = _run(
-        row.law, steps, short, row.parts, x, old, y, ground, pace.cuts, pace.substeps, history
-    )
-    table = table[np.lexsort((table[:, CONTACT], table[:, BEGIN]))]
-    for values in (*history.moving, *history.account):
-        values[..., kept:] = np.nan
+    x, history = row.at_rest(lanes), row.at_rest(samples if keep else 0)
+    table, floors = follow(row, x, ground, pace, history.state), len(row.parts.shear_of_q)
 
     def of(lane: int) -> RowResponse:
         """The response to the motion of a lane."""
         end = on_arrays(lambda values: values[..., lane], x)
-        return RowResponse(end.moving, end.account, table[table[:, LANE] == lane], history)
+        return RowResponse(end, table[table[:, LANE] == lane], history, floors)
 
     return [of(lane) for lane in range(lanes)]

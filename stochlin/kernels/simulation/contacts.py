@@ -16,8 +16,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from stochlin.kernels.basics.arrays import Array, Rows
+from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.compiled import called_often, compiled, entry
+from stochlin.kernels.simulation.moving import rows_of
 
 STILL = 1e-6  # change of a penetration, over its size, below which the mean is the value in the middle
 CLOSE_FORCE = 1e-11  # residual of a mean force, over its bound, at which its search ends
@@ -54,8 +55,8 @@ class Contacts(NamedTuple):
     """Contacts between floors, with the penetrations ``weights q - gap``."""
 
     weights: Array  # (c, n)
-    rows: Rows  # the same
-    right: Rows  # (c, n): that part of the weights which belongs to the structure on the right
+    rows: Array  # the same, by `rows_of`
+    right: Array  # that part of it which belongs to the structure on the right
     gap: Array  # (c,) [m]
     law: Array  # (c,): a `law_table`
     jumps: bool  # impacts are stereomechanical: velocities jump, and ``law`` has no use
@@ -81,7 +82,7 @@ class Contacts(NamedTuple):
         jumps = restitution is not None
         e = 1.0 if restitution is None else float(restitution)
         both = on_left + on_right
-        return cls(both, Rows.of(both), Rows.of(on_right), space, law_table(laws), jumps, e)
+        return cls(both, rows_of(both), rows_of(on_right), space, law_table(laws), jumps, e)
 
 
 @called_often

@@ -17,9 +17,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from stochlin.kernels.basics.arrays import Array, Rows, zeros_on_a_line
+from stochlin.kernels.basics.arrays import Array, zeros_on_a_line
 from stochlin.kernels.basics.parallel import Progress, in_order
 from stochlin.kernels.simulation.links import LinkPeaks, watch_links
+from stochlin.kernels.simulation.moving import Elements, Moving, Q, Z
 from stochlin.kernels.simulation.normal_numbers import fill_normal, generator_state
 from stochlin.kernels.simulation.stepping import (
     LANES,
@@ -31,11 +32,7 @@ from stochlin.kernels.simulation.stepping import (
     observe,
 )
 from stochlin.kernels.simulation.time_step import (
-    Elements,
-    Moving,
-    Q,
     Steps,
-    Z,
     sampled_block,
     sampled_steps,
     steps_of,
@@ -186,7 +183,7 @@ class Crowd(NamedTuple):
 class Links(NamedTuple):
     """Links between floors of a `Crowd`, which are watched."""
 
-    extensions: Rows  # (l, n) [m], of the displacements of the crowd
+    extensions: Array  # rows (l, n) [m] of the displacements of the crowd
     parameters: Array  # (l, 5): see `watch_links`
 
 
@@ -281,14 +278,14 @@ def strengths(plan: Plan, group: int) -> Array:
     return factors
 
 
-def functions_of(out: Array, rows: Rows) -> Array:
+def functions_of(out: Array, rows: Array) -> Array:
     """Linear functions (samples, m, LANES) of displacements ``out`` (samples, n, LANES)."""
-    values = zeros_on_a_line(len(out), len(rows.column), LANES)
-    observe(out, *rows, values)
+    values = zeros_on_a_line(len(out), len(rows), LANES)
+    observe(out, rows, values)
     return values
 
 
-def stationary_sums(crowd: Crowd, rows: Rows, progress: Progress | None) -> Sums:
+def stationary_sums(crowd: Crowd, rows: Array, progress: Progress | None) -> Sums:
     """Sums of the second moments of linear functions (m, n) of the stationary displacements."""
     plan = crowd.plan
 
@@ -334,7 +331,7 @@ def plastic_displacements(crowd: Crowd, stride: int) -> Array:
 
 def finite_extremes(
     crowd: Crowd,
-    rows: Rows,
+    rows: Array,
     envelope: Array,
     progress: Progress | None,
     links: Links,
@@ -348,10 +345,10 @@ def finite_extremes(
 
     def of_group(motion: MotionGroup) -> Extremes:
         """The extremes in one group of motions."""
-        begin, way, highest, lowest = np.zeros((4, len(rows.column), LANES))
+        begin, way, highest, lowest = np.zeros((4, len(rows), LANES))
         peaks = LinkPeaks(*np.zeros((6, len(links.parameters), LANES)))
         for out in motion.under(envelope):
-            keep_extremes(out, *rows, begin, way, highest, lowest)
+            keep_extremes(out, rows, begin, way, highest, lowest)
             if links.parameters.size:
                 extensions = functions_of(out, links.extensions)
                 watch_links(extensions, links.parameters, crowd.plan.dt, peaks)
@@ -378,9 +375,9 @@ def ground_motions(crowd: Crowd, steps: int, progress: Progress | None) -> Array
     return np.concatenate(list(crowd.over_groups(of_group, progress)))
 
 
-def _gram(motion: MotionGroup, rows: Rows, blocks: int) -> Array:
+def _gram(motion: MotionGroup, rows: Array, blocks: int) -> Array:
     """Sums (LANES, m, m) of ``x_i x_j`` over the samples of the next blocks."""
-    size = len(rows.column)
+    size = len(rows)
     sums = zeros_on_a_line(size, size, LANES)
     for _ in range(blocks):
         add_products(functions_of(motion.block(), rows), sums)

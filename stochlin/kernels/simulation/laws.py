@@ -14,10 +14,9 @@ from dataclasses import dataclass
 from functools import cache, partial
 from typing import Any
 
-import numba as nb
 import numpy as np
 
-from stochlin.kernels.basics.compiled import UNCOMPILED, called_often, compiled, compiled_law
+from stochlin.kernels.basics.compiled import by_pointer, called_often, compiled
 from stochlin.kernels.basics.powers import exponential, logarithm
 
 # Kinds of elements. Those from OTHER on have laws with rates or of straight branches.
@@ -27,8 +26,6 @@ SIXTH = 1.0 / 6.0
 MOST_SUBSTEPS = 1024  # of a step
 FEW = 8  # substeps of all lanes
 LOST = 1e3  # extension of a lane that has run away in a step, over the yield extension
-_LANES, _ROWS = (nb.types.Array(nb.float64, dimensions, "C") for dimensions in (1, 2))
-ADVANCE = nb.void(nb.int64, nb.int64, _LANES, _ROWS, _ROWS, nb.float64, _ROWS)
 
 
 def named(name: str, function: Any) -> Any:
@@ -217,7 +214,8 @@ def by_number(laws: tuple[RateLaw, ...]) -> Any:
     def of_kind(kind, lanes, v, w, own, dt, new):
         chosen(kind, lanes, v, w, own, dt, new)
 
-    return of_kind if UNCOMPILED else compiled_law(named(names, of_kind), ADVANCE)
+    lane, rows = np.empty(1), np.empty((1, 1))
+    return by_pointer(named(names, of_kind), 1, 1, lane, rows, rows, 0.1, rows)
 
 
 @compiled

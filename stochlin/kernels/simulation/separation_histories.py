@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from stochlin.kernels.basics.arrays import Array, Rows
+from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.simulation.ensemble import Crowd, MotionGroup, functions_of
 from stochlin.kernels.simulation.stepping import LANES, turning_points
@@ -22,7 +22,7 @@ FALLEN = 1e60  # deviation of displacements that is larger only if a structure h
 class Falls(NamedTuple):
     """Drifts beyond which structures fall: of the left ones of all pairs, then of the right ones."""
 
-    drifts: Rows  # (d,) [m]
+    drifts: Array  # rows (d, n) [m]
     limit: Array  # (d, 1) or (d, motions) [m]
     start: Array  # (2 p,): number of the first drift of each structure
 
@@ -37,8 +37,8 @@ class Falls(NamedTuple):
 class Watched(NamedTuple):
     """Pairs of structures, the heights at which they can meet, and the gaps to be checked."""
 
-    first: Rows  # (r,): displacements of the left structures [m], at all heights of all pairs
-    second: Rows  # (r,): the same of the right structures
+    first: Array  # rows (r, n): displacements of the left structures [m], at all heights of all pairs
+    second: Array  # rows (r, n): the same of the right structures
     start: Array  # (p,): number of the first height of each pair
     gap: Array  # (c,) [m]
     pair: Array  # (c,): number of the pair that each gap is between
@@ -74,7 +74,7 @@ def separation_histories(
     The instants are numbers of steps since the start, of which the first is 0. They need not be whole:
     displacements are interpolated linearly between steps.
     """
-    rows, cells = len(watched.first.column), watched.gap.size
+    rows, cells = len(watched.first), watched.gap.size
     at_once = max(1, AT_ONCE // (cells * LANES))
 
     def counts(apart: Array, holds: Any) -> Array:

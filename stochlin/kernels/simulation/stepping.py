@@ -224,24 +224,24 @@ def add_products(out, total):
 
 
 @called_often
-def _value(displacements, row, weight, value):
+def _value(displacements, row, value):
     """Write a weighted sum of the displacements (n, LANES) at one sample to ``value`` (LANES,)."""
-    first, share = displacements[row[0]], weight[0]
+    first, share = displacements[row[0].column], row[0].weight
     for lane in range(LANES):
         value[lane] = share * first[lane]
     for k in range(1, len(row)):
-        more, share = displacements[row[k]], weight[k]
+        more, share = displacements[row[k].column], row[k].weight
         if share != 0.0:
             for lane in range(LANES):
                 value[lane] += share * more[lane]
 
 
 @entry
-def observe(out, row, weight, seen):
-    """Write the sums of a `View` of the displacements ``out`` to ``seen`` (samples, m, LANES)."""
+def observe(out, rows, seen):
+    """Write functions by `rows_of` of the displacements ``out`` to ``seen`` (samples, m, LANES)."""
     for s in range(out.shape[0]):
-        for i in range(len(row)):
-            _value(out[s], row[i], weight[i], seen[s, i])
+        for i in range(len(rows)):
+            _value(out[s], rows[i], seen[s, i])
 
 
 @called_often
@@ -270,7 +270,7 @@ def turning_points(values, begin, way, turn):
 
 
 @entry
-def keep_extremes(out, row, weight, begin, way, highest, lowest):
+def keep_extremes(out, rows, begin, way, highest, lowest):
     """Update the extremes (m, LANES) of weighted sums of displacements by those in ``out``.
 
     ``begin`` and ``way`` are those of `turning_points`. Values that are NaN are left out. To the
@@ -278,9 +278,9 @@ def keep_extremes(out, row, weight, begin, way, highest, lowest):
     changes, and a write to some lanes takes much longer than one to all.
     """
     value = np.empty(LANES)
-    for i in range(len(row)):
+    for i in range(len(rows)):
         for s in range(out.shape[0]):
-            _value(out[s], row[i], weight[i], value)
+            _value(out[s], rows[i], value)
             for lane in range(LANES):
                 end = value[lane]
                 turn, way[i, lane] = turned(begin[i, lane], end, way[i, lane])

@@ -28,11 +28,39 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from stochlin.kernels.basics.arrays import Array, Rows, zeros_on_a_line
+from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.compiled import called_often, compiled, entry, of_lane, variant
-from stochlin.kernels.basics.systems import System
 from stochlin.kernels.simulation.contacts import Contacts, solve_force
 from stochlin.kernels.simulation.laws import BILINEAR, LINEAR, VISCOUS
+from stochlin.kernels.simulation.moving import (
+    CHANGE,
+    CLOSE,
+    DEPTH,
+    DQ,
+    EXTENSION,
+    FORCE,
+    HELD,
+    LEAST,
+    MORE,
+    MOVING,
+    RATE,
+    SLIP,
+    SLOW,
+    SPEED,
+    SPENT,
+    STILL,
+    WIDEST,
+    Elements,
+    F,
+    Q,
+    V,
+    Z,
+    any_of,
+    fill,
+    multiply,
+    rows_of,
+    times_row,
+)
 
 MOST_PASSES = 60  # largest number of passes of a step
 MOST_VISCOUS = 600  # the same with dashpots with an exponent, whose forces can tie many floors together
@@ -40,73 +68,7 @@ MOST_ROOTS = 60  # largest number of steps of Newton's method, which mostly need
 NEARLY = 1e-5  # relative change of a root after which the error of Newton's method is about its square
 SOFT = 0.1  # stiffness of a dashpot's spring over that with which the floors resist a step
 HARDLY = 1e-6  # increment of a dashpot's extension, over the largest of the step, that may be rounding
-CLOSE = 1e-8  # change of a slip, over the strength of the element, at which the passes end
-CLOSE_BY_LAW = 1e-5  # the same for laws with rates; extensions change by less than 1e-7 of theirs
 POST, COUPLE, STRENGTH, RELIEF = range(4)  # columns of `Steps.spring`
-# Columns of the arrays of `Moving`, see there.
-Q, V, DQ, GAIN, WAY = range(5)
-Z, SLIP, SPENT, EXTENSION, LEAST = range(5)
-FORCE, SPEED, HELD, DISSIPATED, DEPTH, RATE = range(6)
-F, SLOW, MEETS, CHANGE, MORE, WIDEST, MOVING, STILL = range(8)
-OF_COORDINATES, OF_ELEMENTS, OF_CONTACTS = 2, 3, 4  # how many of these columns are the state
-
-
-class Elements(NamedTuple):
-    """The masses and springs of a system, and the laws of the springs.
-
-    A dashpot with an exponent (VISCOUS) has zeros in ``post`` and ``couple``, and as parameters ``own``
-    its constant ``c`` [N (s/m)^a] and its exponent ``a``.
-    """
-
-    system: System  # its strength is infinite for a linear element
-    kind: Array  # (e,): one of `laws.KINDS`, or a larger number
-    states: Array  # (e,): number of states of the law, of which the first is z
-    own: Array  # (e, k): parameters of the law
-
-
-class Moving(NamedTuple):
-    """All that moves: coordinates, elements and contacts, in every motion (the last axis).
-
-    What is known of each has a column in the second axis:
-
-    ===========  ==============================================================================
-    coordinates  ``Q`` [m], its rate ``V`` [m/s], and its increment ``DQ`` in the step; of a
-                 stereomechanical blow, the acceleration without it ``GAIN`` and the way ``WAY``
-    elements     ``Z``, the elastic part of the extension [m]; the ``SLIP`` in the step [m]; the
-                 energy ``SPENT`` by slips so far [J]; the ``EXTENSION`` at the beginning of the
-                 step [m]; ``LEAST``, the change of a slip at which the passes end [m]
-    contacts     mean ``FORCE`` in the step [N]; rate of penetration ``SPEED`` at the beginning of
-                 the contact [m/s]; ``HELD``, 1 if both sides move together after a blow, else 0;
-                 energy ``DISSIPATED`` so far [J]; penetration ``DEPTH`` [m] and its ``RATE`` [m/s] at
-                 the beginning of the step
-    motions      (rows, lanes): mean forcing ``F`` of the step [m/s^2]; rate of approach ``SLOW``
-                 below which a contact is elastic [m/s]; ``MEETS``, 1 if contacts act, else 0; for
-                 one element at a time, the ``CHANGE`` of its extension and ``MORE`` slip [m]; the
-                 ``WIDEST`` change [m]; ``MOVING``, 1 if the passes go on, else 0, and ``STILL``, the
-                 same for the next pass
-    ===========  ==============================================================================
-    """
-
-    coordinates: Array  # (n, columns, lanes)
-    elements: Array  # (e, columns, lanes)
-    contacts: Array  # (c, columns, lanes)
-    memory: Array  # (e, k - 1, lanes): further states of the laws, with k states at most
-    remembered: Array  # the same at the end of the step
-    own: Array  # (e, parameters, lanes): parameters of the laws
-    known: Array  # (n + e, 1, lanes): velocities and element forces at the beginning
-    states: Array  # (3, k, lanes): the pace of an extension, and states before and after, of one law
-    motions: Array
-
-    @classmethod
-    def at_rest(cls, elements: Sequence[Elements], lanes: int, contacts: int = 0) -> Moving:
-        """Motions from rest; the ``elements`` are those of each lane, or one set of all lanes."""
-        like = elements[0]
-        n, e, k = like.system.mass.size, like.kind.size, int(like.states.max(initial=1))
-        of_laws: Any = (e, k - 1), (e, k - 1), like.own.shape, (n + e, 1), (3, k)
-        sizes = (n, WAY + 1), (e, LEAST + 1), (contacts, RATE + 1), *of_laws, (STILL + 1,)
-        moving = cls(*(zeros_on_a_line(*size, lanes) for size in sizes))
-        moving.own[:] = np.stack([each.own for each in elements], axis=-1)
-        return moving
 
 
 class Steps(NamedTuple):
@@ -125,8 +87,8 @@ class Steps(NamedTuple):
     spring: Array
     kind: Array  # (e,): kinds of the elements
     states: Array  # (e,): numbers of states of their laws
-    extensions: Rows
-    shapes: Rows
+    extensions: Array  # as by `rows_of`
+    shapes: Array  # the same
     passes: int  # largest number of passes
     contacts: Contacts
     apart: Array  # (n, c): the effect of the mean forces of contacts
@@ -156,8 +118,8 @@ def steps_of(elements: Elements, dt: float, contacts: Contacts | None = None) ->
         np.stack([system.post, couple, system.strength, relief], axis=1),
         kind,
         states,
-        Rows.of(b),
-        Rows.of(system.shapes),
+        rows_of(b),
+        rows_of(system.shapes),
         MOST_VISCOUS if viscous.any() else MOST_PASSES,
         contacts,
         apart,
@@ -173,75 +135,6 @@ def sampled_steps(elements: Sequence[Elements], dt: float) -> Steps:
         for name in ("move", "push", "ease", "spring")
     }
     return each[0]._replace(**columns)
-
-
-# The functions below take arrays one by one: of a tuple of arrays that is passed on, numba would count
-# the references in every call and loop, which takes most of the time of a step.
-
-
-@called_often
-def times_row(column, weight, i, values, of, out, to, lanes):
-    """Write row ``i`` of `Rows` times the column ``of`` of the values to the row ``to`` of ``out``."""
-    first, row = weight[i, 0], column[i, 0]
-    for lane in range(lanes):
-        out[to, lane] = first * values[row, of, lane]
-    for place in range(1, column.shape[1]):
-        more, row = weight[i, place], column[i, place]
-        for lane in range(lanes):
-            out[to, lane] += more * values[row, of, lane]
-
-
-@called_often
-def multiply(matrix, i, values, of, out, to, lanes):
-    """Add row ``i`` of a matrix times the column ``of`` of the values to a row of ``out``, by fours."""
-    m = matrix.shape[1]
-    j = 0
-    while j + 4 <= m:
-        a, b, c, d = matrix[i, j], matrix[i, j + 1], matrix[i, j + 2], matrix[i, j + 3]
-        for lane in range(lanes):
-            first = of_lane(a, lane) * values[j, of, lane] + of_lane(b, lane) * values[j + 1, of, lane]
-            out[to, lane] += first + (
-                of_lane(c, lane) * values[j + 2, of, lane] + of_lane(d, lane) * values[j + 3, of, lane]
-            )
-        j += 4
-    for k in range(j, m):
-        a = matrix[i, k]
-        for lane in range(lanes):
-            out[to, lane] += of_lane(a, lane) * values[k, of, lane]
-
-
-@called_often
-def fill(values, row, value, lanes):
-    """Set a row to a number in all lanes."""
-    for lane in range(lanes):
-        values[row, lane] = value
-
-
-@compiled
-def copy(source, of, target, to, count, columns):
-    """Copy the first columns of values (things, columns, lanes) from the lanes ``of`` to ``to``."""
-    for thing in range(source.shape[0]):
-        for column in range(columns):
-            for k in range(count):
-                target[thing, column, to[k]] = source[thing, column, of[k]]
-
-
-@compiled
-def copy_state(source, of, target, to, count):
-    """Copy the state of what moves, without what is of one step only."""
-    copy(source.coordinates, of, target.coordinates, to, count, OF_COORDINATES)
-    copy(source.elements, of, target.elements, to, count, OF_ELEMENTS)
-    copy(source.contacts, of, target.contacts, to, count, OF_CONTACTS)
-    copy(source.memory, of, target.memory, to, count, source.memory.shape[1])
-
-
-@called_often
-def any_of(values, row, lanes):
-    """Whether a number of the row is not zero."""
-    for lane in range(lanes):  # noqa: SIM110 - compiled
-        if values[row, lane] != 0.0:
-            return True
-    return False
 
 
 @called_often
@@ -339,14 +232,14 @@ def _dashpot(couple, relief, dt, i, elements, own, motions, lanes):
 @called_often
 def _pass_springs(law, steps, moving, lanes):
     """One pass over all elements that can slip."""
-    (column, weight), spring, ease, dt = steps.extensions, steps.spring, steps.ease, steps.dt
+    rows, spring, ease, dt = steps.extensions, steps.spring, steps.ease, steps.dt
     coordinates, elements, motions = moving.coordinates, moving.elements, moving.motions
     memory, remembered, own, states = moving.memory, moving.remembered, moving.own, moving.states
     for i in range(steps.kind.size):
         kind, strength, relief = steps.kind[i], spring[i, STRENGTH], spring[i, RELIEF]
         if kind == LINEAR:
             continue
-        times_row(column, weight, i, coordinates, DQ, motions, CHANGE, lanes)
+        times_row(rows, i, coordinates, DQ, motions, CHANGE, lanes)
         if kind == BILINEAR:
             _bilinear(strength, relief, i, elements, motions, lanes)
         elif kind == VISCOUS:
@@ -382,11 +275,11 @@ def _pass_springs(law, steps, moving, lanes):
 
 
 @compiled
-def _find_widest(column, weight, coordinates, motions, lanes):
+def _find_widest(rows, coordinates, motions, lanes):
     """Write the largest increment of all extensions, which dashpots with an exponent need."""
     fill(motions, WIDEST, 0.0, lanes)
-    for i in range(column.shape[0]):
-        times_row(column, weight, i, coordinates, DQ, motions, CHANGE, lanes)
+    for i in range(rows.shape[0]):
+        times_row(rows, i, coordinates, DQ, motions, CHANGE, lanes)
         for lane in range(lanes):
             motions[WIDEST, lane] = max(motions[WIDEST, lane], abs(motions[CHANGE, lane]))
 
@@ -394,11 +287,11 @@ def _find_widest(column, weight, coordinates, motions, lanes):
 @called_often
 def _pass_contacts(steps, moving, lanes):
     """One pass over all contacts, lane by lane: most have no force."""
-    (column, weight), jumps, apart, dt = steps.contacts.rows, steps.contacts.jumps, steps.apart, steps.dt
+    rows, jumps, apart, dt = steps.contacts.rows, steps.contacts.jumps, steps.apart, steps.dt
     coordinates, motions = moving.coordinates, moving.motions
     for j in range(steps.parting.size):
         contact, law, g = moving.contacts[j], steps.contacts.law[j], steps.parting[j]
-        times_row(column, weight, j, coordinates, DQ, motions, CHANGE, lanes)
+        times_row(rows, j, coordinates, DQ, motions, CHANGE, lanes)
         for lane in range(lanes):
             if motions[MOVING, lane] == 0.0:
                 continue
@@ -425,14 +318,14 @@ def _pass_contacts(steps, moving, lanes):
 
 
 @called_often
-def _begin_contacts(gap, column, weight, apart, coordinates, contacts, lanes):
+def _begin_contacts(gap, rows, apart, coordinates, contacts, lanes):
     """Penetrations and their rates at the beginning.
 
     Forces start from those of the last step.
     """
     for j in range(gap.size):
-        times_row(column, weight, j, coordinates, Q, contacts[j], DEPTH, lanes)
-        times_row(column, weight, j, coordinates, V, contacts[j], RATE, lanes)
+        times_row(rows, j, coordinates, Q, contacts[j], DEPTH, lanes)
+        times_row(rows, j, coordinates, V, contacts[j], RATE, lanes)
         for lane in range(lanes):
             contacts[j, DEPTH, lane] -= gap[j]
     for j in range(gap.size):
@@ -449,7 +342,7 @@ def _begin(steps, moving, lanes):
 
     These are the slips of dashpots and of laws with rates.
     """
-    (column, weight), spring, n = steps.extensions, steps.spring, steps.push.shape[0]
+    rows, spring, n = steps.extensions, steps.spring, steps.push.shape[0]
     coordinates, elements, known = moving.coordinates, moving.elements, moving.known
     for i in range(n):
         of_forcing = steps.push[i]
@@ -459,7 +352,7 @@ def _begin(steps, moving, lanes):
             coordinates[i, DQ, lane] = of_lane(of_forcing, lane) * moving.motions[F, lane]
     for i in range(steps.kind.size):
         post, couple = spring[i, POST], spring[i, COUPLE]
-        times_row(column, weight, i, coordinates, Q, elements[i], EXTENSION, lanes)
+        times_row(rows, i, coordinates, Q, elements[i], EXTENSION, lanes)
         for lane in range(lanes):
             elastic = of_lane(post, lane) * elements[i, EXTENSION, lane]
             known[n + i, 0, lane] = elastic + of_lane(couple, lane) * elements[i, Z, lane]
@@ -475,7 +368,7 @@ def _begin(steps, moving, lanes):
 @called_often
 def _end(steps, moving, lanes):
     """Change the state by the increments and slips, and add the energies that the slips dissipate."""
-    (column, weight), twice = steps.extensions, 2.0 / steps.dt
+    rows, twice = steps.extensions, 2.0 / steps.dt
     coordinates, elements, motions = moving.coordinates, moving.elements, moving.motions
     for i in range(coordinates.shape[0]):
         for lane in range(lanes):
@@ -486,7 +379,7 @@ def _end(steps, moving, lanes):
         kind, couple, element = steps.kind[i], steps.spring[i, COUPLE], elements[i]
         if kind == VISCOUS:  # the spring of a dashpot exists for one step only
             continue
-        times_row(column, weight, i, coordinates, DQ, motions, CHANGE, lanes)
+        times_row(rows, i, coordinates, DQ, motions, CHANGE, lanes)
         for lane in range(lanes):
             slip = element[SLIP, lane]
             middle = element[Z, lane] + 0.5 * (motions[CHANGE, lane] - slip)
@@ -504,14 +397,13 @@ def take_step(law, steps, moving, lanes):
     ``law`` is the result of `by_number`. The increments, slips and mean forces of contacts, and the
     extensions and penetrations at the beginning of the step, can be read afterwards.
     """
-    (column, weight), (facing, share), contacts = steps.extensions, steps.contacts.rows, moving.contacts
-    coordinates, motions = moving.coordinates, moving.motions
+    coordinates, contacts, motions = moving.coordinates, moving.contacts, moving.motions
     _begin(steps, moving, lanes)
     if steps.parting.size > 0:
-        gap, apart = steps.contacts.gap, steps.apart
-        _begin_contacts(gap, facing, share, apart, coordinates, contacts, lanes)
+        gap, rows, apart = steps.contacts.gap, steps.contacts.rows, steps.apart
+        _begin_contacts(gap, rows, apart, coordinates, contacts, lanes)
     if steps.passes == MOST_VISCOUS:
-        _find_widest(column, weight, coordinates, motions, lanes)
+        _find_widest(steps.extensions, coordinates, motions, lanes)
     fill(motions, MOVING, 1.0, lanes)
     for _ in range(steps.passes):
         fill(motions, STILL, 0.0, lanes)
@@ -525,24 +417,13 @@ def take_step(law, steps, moving, lanes):
     _end(steps, moving, lanes)
 
 
-@compiled
-def tolerances(spring, kind, elements, lanes):
-    """Write the changes of the slips at which the passes of a lane end."""
-    for i in range(kind.size):
-        strength = spring[i, STRENGTH]
-        close = CLOSE if kind[i] <= VISCOUS else CLOSE_BY_LAW
-        for lane in range(lanes):
-            elements[i, LEAST, lane] = close * of_lane(strength, lane)
-
-
 def _system_block(f, law, steps, moving, every, out, first):
     """Steps of a system under the forcing ``f`` (steps, lanes), which change its state.
 
     The displacements of the floors after every ``every``-th step [m] are written to the rows of ``out``
     (samples, rows, lanes) from ``first`` on.
     """
-    lanes, (column, weight) = f.shape[1], steps.shapes
-    tolerances(steps.spring, steps.kind, moving.elements, lanes)
+    lanes, rows = f.shape[1], steps.shapes
     for i in range(steps.kind.size):
         fill(moving.elements[i], SLIP, 0.0, lanes)
     sample = 0
@@ -551,8 +432,8 @@ def _system_block(f, law, steps, moving, every, out, first):
             moving.motions[F, lane] = f[s, lane]
         take_step(law, steps, moving, lanes)
         if (s + 1) % every == 0:
-            for i in range(column.shape[0]):
-                times_row(column, weight, i, moving.coordinates, Q, out[sample], first + i, lanes)
+            for i in range(rows.shape[0]):
+                times_row(rows, i, moving.coordinates, Q, out[sample], first + i, lanes)
             sample += 1
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import scipy.linalg
 import scipy.sparse.csgraph
 
-from stochlin.kernels.basics.arrays import Array, Rows
+from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.systems import System
 from stochlin.kernels.pounding.run import BuildingRow
 from stochlin.kernels.simulation.account import Parts
@@ -23,7 +23,7 @@ from stochlin.kernels.simulation.laws import (
     RateLaw,
     by_number,
 )
-from stochlin.kernels.simulation.time_step import Elements
+from stochlin.kernels.simulation.moving import Elements, rows_of
 from stochlin.models.systems import Arrangement, Stack
 
 # Least share of the mass in a mode that determines the time step. Higher modes are integrated stably.
@@ -226,25 +226,20 @@ def laws_of(steps: Sequence[int | RateLaw]) -> tuple[Array, Array, Any]:
 
 def row_of(system: Arrangement, contacts: Contacts) -> BuildingRow:
     """Structures with their links and these contacts, and what is watched in their motions."""
-    numbers = np.arange(len(system.stacks))
-    elements, law = elements_of(system, numbers)
-    storeys, ties = system.storeys, system.ties
-    structure = np.repeat(numbers, np.diff(system.first_coordinate))
-    n, others = structure.size, elements.kind.size - structure.size
+    elements, law = elements_of(system, np.arange(len(system.stacks)))
+    storeys, ties, n = system.storeys, system.ties, system.storeys.mass.size
+    others = elements.kind.size - n
     powers = np.array([tie.link.is_power_law for tie in ties], bool)
     dashpot = np.where(powers, n + len(ties) + np.cumsum(powers) - 1, -1)
     constant = [0.0 if tie.link.is_power_law else tie.link.number("damping_constant") for tie in ties]
     shares = np.nan_to_num(system.shear_shares)  # shears that are not known are left out later
     parts = Parts(
         mass=storeys.mass,
-        structure=structure,
         elements=n,
         damping=storeys.damping,
-        shear=(
-            Rows.of(shares @ (storeys.post[:, None] * storeys.extensions)),
-            Rows.of(shares * storeys.couple),
-        ),
-        watched=Rows.of(np.concatenate([elements.system.shapes, elements.system.extensions])),
+        shear_of_q=rows_of(shares @ (storeys.post[:, None] * storeys.extensions)),
+        shear_of_z=rows_of(shares * storeys.couple),
+        watched=rows_of(np.concatenate([elements.system.shapes, elements.system.extensions])),
         limit=np.concatenate([*(s.limits for s in system.stacks), np.full(others, np.inf)]),
         spring=n + np.arange(len(ties)),
         dashpot=dashpot.astype(np.int64),

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import scipy.linalg
 
-from stochlin.kernels.basics.arrays import Array, Rows
+from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import cores
 from stochlin.kernels.linearization.filters import Filter
 from stochlin.kernels.simulation.ensemble import (
@@ -22,6 +22,7 @@ from stochlin.kernels.simulation.ensemble import (
     UncertainGround,
 )
 from stochlin.kernels.simulation.laws import BILINEAR, OTHER, VISCOUS
+from stochlin.kernels.simulation.moving import rows_of
 from stochlin.kernels.simulation.stepping import LANES, FilterSteps, filter_steps
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import GAUSSIAN, Structure
@@ -58,12 +59,12 @@ class SimulationRun(NamedTuple):
         """The run with other entries of the plan."""
         return self._replace(crowd=self.crowd._replace(plan=self.plan._replace(**changes)))
 
-    def rows(self, functions: Array) -> Rows:
+    def rows(self, functions: Array) -> Array:
         """Linear functions (m, k) of the first displacements [m], as functions of those of the crowd."""
         count = functions.shape[1]
         matrix = np.zeros((len(functions), self.order.size))
         matrix[:, self.order[:count]] = functions * self.scale[:count]
-        return Rows.of(matrix)
+        return rows_of(matrix)
 
 
 def drift_time_of(structure: Structure, ground: Ground) -> float:
