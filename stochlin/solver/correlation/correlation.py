@@ -14,7 +14,6 @@ from stochlin.models.grounds import Ground
 from stochlin.models.parameters import Model
 from stochlin.models.rules.effective_properties import EffectiveRule, effective_rule
 from stochlin.models.structures import DRIFT, Structure
-from stochlin.models.systems import AnyStructure
 from stochlin.solver.correlation.equation_4 import EQ_4, by_eq_4, effective_pair
 from stochlin.solver.correlation.pairs import SHOWN, difference, linearized_pairs
 from stochlin.solver.linearization.equivalent_systems import Solved, check_closure, solved_together
@@ -27,8 +26,8 @@ from stochlin.solver.tables.work import check_table
 
 @checked
 def correlate(
-    first: AnyStructure,
-    second: AnyStructure,
+    first: Structure,
+    second: Structure,
     ground: Ground,
     method: Annotated[str, OneOf(METHODS)] = "linearization",
     *,
@@ -55,8 +54,9 @@ def correlate(
 
     Parameters
     ----------
-    first, second : Bilinear, BoucWen, Hysteretic or ShearBuilding
-        The two structures.
+    first, second : Bilinear, BoucWen or Hysteretic
+        The two structures. For buildings with storeys `linearize_system` and `simulate` have ``rho`` of
+        all floors.
     ground : WhiteNoise, KanaiTajimi or CloughPenzien
         The ground; all parameters broadcast by dimension name.
     method : {"linearization", "white_noise", "effective", "simulation"}
@@ -107,12 +107,7 @@ def correlate(
         ``drift_memory_1`` and ``_2`` [s], the relaxation times of the plastic drifts as `simulate` gives
         them, and ``drift_1`` and ``_2`` [-], the change of the variance during the run in standard
         errors. If it exceeds 5, the run was too short to be stationary, and the cell is
-        ``not_converged``. Floors have the statuses of `simulate`, the worst of them for all.
-
-        If one structure is a building with storeys (linearization and simulation only), ``rho`` and
-        ``relative_displacement_std`` are over ``floor``, the floors of the first structure, and
-        ``floor_2``, those of the second. Standard deviations and ductilities of a structure are over its
-        own floors; a ductility is that of the storey below the floor.
+        ``not_converged``.
 
     Raises
     ------
@@ -156,16 +151,10 @@ def correlate(
     settings = SimulationSettings(paths, seed, steps_per_period, relaxation_times, progress)
     tolerance = Tolerance(rtol, atol, max_iterations)
     query = Query(method, closure, tolerance, rule, bias, settings)
-    if isinstance(first, Structure) and isinstance(second, Structure):
-        check_closure(first, closure)
-        check_closure(second, closure)
-        pairs = partial(_of_pairs, query)
-        table = pairs(first, second, ground) if method == SIMULATION else in_blocks(pairs, models)
-    else:
-        from stochlin.solver.correlation.storeys import floor_pairs
-
-        table = floor_pairs((first, second), ground, query)
-        table = table.assign(difference(table))
+    check_closure(first, closure)
+    check_closure(second, closure)
+    pairs = partial(_of_pairs, query)
+    table = pairs(first, second, ground) if method == SIMULATION else in_blocks(pairs, models)
     details = table.attrs.pop("details")
     labels.raise_if_lone_failure(table, "correlate", first, second, ground)
     last = labels.NOT_RESOLVED if method == SIMULATION else labels.TOO_STRONG
