@@ -1,1 +1,1 @@
-"""The explorer's case: a form of its keys, and the files that it names."""
+"""The explorer's case: a form of its keys, the files that it names, and its correlations."""

@@ -15,7 +15,7 @@ from stochlin.applications.explorer.form import changed_text, form_of
 from stochlin.applications.explorer.uploads import Upload, uploaded
 from stochlin.messages import LONGEST_MESSAGE, sentence
 from stochlin.solver.tables.inputs import MOST_BYTES
-from stochlin.views.explorer.answers import page_of
+from stochlin.views.explorer.answers import correlation_of, gap_of
 from stochlin.views.explorer.rows import TYPING, EntryRow
 from stochlin.views.explorer.workers import Job, Stopped
 
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from stochlin.applications.explorer.form import Entry
     from stochlin.views.explorer.workers import Worker
 
+QUESTIONS = {"Gap": gap_of, "Correlation": correlation_of}  # of each tab
 PAUSE = 0.5  # s after the last change, before the answer is computed anew
 LOOK = 0.25  # s between two looks at how far the work is
 REFUSED = (ValueError, TypeError, ArithmeticError, MemoryError, OSError)
@@ -40,7 +41,7 @@ class Page:
         self._upload, self._shared = start, start
         self._text, self._worker = start.text, worker
         self._job = Job(wanted=False)  # the last one
-        self._answered: str | None = None  # the text whose answer is shown
+        self._answered: dict[str, tuple[str, str]] = {}  # of each tab, the text and its answer
         self._client = ui.context.client
         self._build()
         self._show_form()
@@ -48,7 +49,7 @@ class Page:
         self._client.on_connect(self._compute)
         self._client.on_delete(self._leave)
         ui.timer(LOOK, self._look)
-        self._compute()
+        self._tabs.value = "Gap"
 
     def _build(self) -> None:
         ui.colors(primary="#2166ac")
@@ -74,6 +75,10 @@ class Page:
                     self._source.props(f"debounce={TYPING} autogrow spellcheck=false")
                     self._source.props["aria-label"] = "Text of the case file"
             with ui.element("div").props("id=answer tabindex=-1"):
+                with ui.tabs(on_change=self._compute) as self._tabs:
+                    self._tabs.props("no-caps align=left dense")
+                    for name in QUESTIONS:
+                        ui.tab(name).props(f"data-tab={name}")
                 self._state = ui.label().classes("state").props("role=status data-state")
                 self._alert = ui.label().classes("wrong").props("role=alert data-alert")
                 self._answer = ui.html("", sanitize=False)  # what is the user's is escaped in it
@@ -105,21 +110,23 @@ class Page:
             self._compute(PAUSE)
 
     def _compute(self, pause: float = 0.0) -> None:
-        """Stop what is computed, and compute the answer anew after a pause, if a browser looks."""
+        """Stop what is computed, and compute the present tab anew after a pause, if a browser looks."""
         self._job.wanted = False
-        self._job = Job(self._answered != self._text and self._client.has_socket_connection)
+        tab = str(self._tabs.value)
+        text, self._answer.content = self._answered.get(tab, (None, ""))
+        self._job = Job(text != self._text and self._client.has_socket_connection)
         if self._job.wanted:
-            background_tasks.create(self._find(self._job, pause))
+            background_tasks.create(self._find(self._job, tab, pause))
         else:
             self._alert.text = ""
         self._look()
 
-    async def _find(self, job: Job, pause: float) -> None:
+    async def _find(self, job: Job, tab: str, pause: float) -> None:
         """Show an answer, or say why there is none, unless something else is wanted meanwhile."""
         await asyncio.sleep(pause)
         upload, text, why = self._upload, self._text, ""
         try:
-            answer = await self._worker.answer(job, page_of, upload.folder, upload.name, text)
+            answer = await self._worker.answer(job, QUESTIONS[tab], upload.folder, upload.name, text)
         except Stopped:  # for the sake of other values, or of none
             return
         except Exception as error:
@@ -128,12 +135,13 @@ class Page:
             return
         job.wanted, self._alert.text = False, why
         if not why:
-            self._answer.content, self._answered = answer, text
+            self._answer.content = answer
+            self._answered[tab] = text, answer
         self._look()
 
     def _look(self) -> None:
         """Say whether something is computed, and how far it is."""
-        job, old = self._job, self._answered != self._text
+        job, old = self._job, self._answered.get(str(self._tabs.value), ("",))[0] != self._text
         self._state.text = f"Computing ... {100 * job.share:.0f} %" if job.wanted else ""
         self._answer.classes(**{"add" if old else "remove": "stale"})
 
@@ -147,7 +155,8 @@ class Page:
             self._alert.text = f"The file was not opened: {_why(error)}"
             return
         self._remove_folder()
-        self._upload, self._text, self._answered = opened, opened.text, None
+        self._upload, self._text = opened, opened.text
+        self._answered.clear()
         self._show_form()
         self._compute()
 
