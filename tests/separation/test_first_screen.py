@@ -139,12 +139,11 @@ def test_every_kind_of_case_stands_to_scale(name: str, answer: Any) -> None:
         assert moved[0] == wanted[n][0]
 
 
-def test_floors_are_at_their_levels_and_slabs_on_columns_are_marked(answer: Any) -> None:
+def test_slabs_on_columns_are_marked_and_a_line_stands_where_one_building_ends(answer: Any) -> None:
     one = answer("storeys")
     *_, buildings = drawn(one)
     floors = [[segment[0][1] for segment in lines.get_segments()] for lines in buildings.collections]
     np.testing.assert_allclose(floors[0], [3.2, 6.4, 9.6])
-    np.testing.assert_allclose(floors[1], [3.5, 7.0])
     apart = CM * one.separation.gap[0].item()
     marks = {
         (float(line.get_xdata()[0]), float(line.get_ydata()[0]))
@@ -152,29 +151,14 @@ def test_floors_are_at_their_levels_and_slabs_on_columns_are_marked(answer: Any)
         if line.get_marker() == "x"
     }
     assert marks == {(0.0, 3.5), (0.0, 7.0), (apart, 3.2), (apart, 6.4)}
-
-
-def test_the_line_stands_where_one_building_ends(answer: Any) -> None:
     *_, buildings = drawn(answer("set-back of an oscillator"))
-    assert len(buildings.patches) == 1
     (line,) = (line for line in buildings.get_lines() if list(line.get_xdata()) == [2.0, 2.0])
     assert list(line.get_ydata()) == [0, 4.0]
-    assert "property\nline" in [text.get_text() for text in buildings.texts]
 
 
-def test_codes_of_the_file_are_dimension_lines_with_their_verdict(answer: Any) -> None:
-    one = answer("codes")
-    _, gaps, _ = drawn(one)
-    for row, rule in enumerate(("asce_41", "china_gb_50011"), start=1):
-        gap = CM * one.separation.gap.sel(rule=rule).item()
-        (length,) = (length for place, length in dimension_lines(gaps) if place == row)
-        far = [line for line in gaps.get_lines() if line.get_marker() == ">"]
-        assert length == gap or (length < gap and row in [line.get_ydata()[0] for line in far])
-    verdicts = {text.get_text() for text in gaps.texts}
-    assert {"at least the answer", "less than the answer"} <= verdicts
-
-
-def test_what_is_refused_has_words_and_no_line(answer: Any) -> None:
+def test_codes_of_the_file_have_a_line_or_words_why_not(answer: Any) -> None:
+    _, gaps, _ = drawn(answer("codes"))
+    assert {"at least the answer", "less than the answer"} <= {text.get_text() for text in gaps.texts}
     one = answer("codes without heights")
     _, gaps, _ = drawn(one)
     assert [row for row, _ in dimension_lines(gaps)] == [0, 2]  # that of China without heights
@@ -208,20 +192,6 @@ def test_the_screen_begins_with_the_required_gap_verdict_and_reason(name: str, a
         share = one.existing.no_pounding_probability.item()
         assert f"in {100 * share:.1f}" in first[1]
         assert first[2] == f"Verdict: {word}; 90\N{NO-BREAK SPACE}% are required."
-    if name == "oscillators":
-        assert all(len(line) <= 100 for line in first)
-
-
-def test_a_verdict_within_the_error_is_undecided(answer: Any) -> None:
-    one = answer("oscillators")
-    near = one.existing.assign(
-        no_pounding_probability=0.89,
-        no_pounding_probability_lower=0.85,
-        no_pounding_probability_upper=0.93,
-    )
-    undecided = first_lines(dataclasses.replace(one, existing=near))
-    assert undecided[2].startswith("Verdict: undecided within the error of the simulation; ")
-    assert "89.0\N{NO-BREAK SPACE}% of the motions (85.0" in undecided[1]
 
 
 def test_limits_of_the_existing_gap_are_factors_on_what_there_is(answer: Any) -> None:
