@@ -68,7 +68,7 @@ def gap(
       stochlin gap case.toml --picture gap.png
     """
     with bad_input():
-        if example:
+        if example or example_record:
             from stochlin.applications.cases import examples
 
             text = examples.short_example() if example else examples.example_record()
