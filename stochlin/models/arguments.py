@@ -233,29 +233,6 @@ def _doubts(name: str, values: dict[str, Any]) -> Iterator[str]:
         yield f"duration = {end:g}: {warning}"
 
 
-def fitting(check: Callable[..., None]) -> Callable[[Callable[P, R]], Callable[P, R]]:
-    """Check first which arguments go together, by a function of some of them as they are given.
-
-    It stands above `checked`: of an argument that has to be left out no other value is asked for.
-    """
-    wanted = inspect.signature(check).parameters
-
-    def decorated(function: Callable[P, R]) -> Callable[P, R]:
-        parameters = inspect.signature(function).parameters
-        usual = {name: each.default for name, each in parameters.items()}
-
-        @functools.wraps(function)
-        def call(*args: P.args, **kwargs: P.kwargs) -> R:
-            check_names(function.__name__, kwargs, parameters)
-            values = usual | dict(zip(parameters, args, strict=False)) | kwargs
-            check(**{name: values[name] for name in wanted})
-            return function(*args, **kwargs)
-
-        return call
-
-    return decorated
-
-
 def check_fields(described: Any, prefix: str = "") -> None:
     """Check the fields of a dataclass as `checked` checks arguments; messages begin with ``prefix``."""
     for name, check in checks_of(described.__class__):

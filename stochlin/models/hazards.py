@@ -11,12 +11,12 @@ import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief
+from stochlin.models.arguments import Number, OneOf
 from stochlin.models.parameters import POSITIVE, Model, Parameter, Range, as_array, check, parameter
 
 MEASURES = ("pga", "sa", "intensity")
 FEWEST = 2  # smallest number of points of a curve
 _ROUNDING = 1e-9  # relative rounding error allowed at the ends of a curve
-_LABELS = {"intensity": "intensity", "return_period": "return period"}
 
 
 @dataclass(frozen=True)
@@ -29,21 +29,14 @@ class Hazard(Model):
     def __post_init__(self) -> None:
         super().__post_init__()
         kind = type(self).__name__
-        if not isinstance(self.measure, str) or self.measure not in MEASURES:
-            raise ValueError(
-                f"{kind}: measure = {brief(self.measure)} is unknown; allowed: {', '.join(MEASURES)}"
-            )
+        OneOf(MEASURES)(f"{kind}: measure", self.measure)
         if (self.measure == "sa") != (self.period is not None):
             raise ValueError(
                 f"{kind}: period = {brief(self.period)} with measure = {self.measure!r}; allowed: a "
                 "period in seconds with sa, and none with pga and intensity"
             )
         if self.period is not None:
-            declared = {"allowed": POSITIVE, "units": "s", "long_name": "period"}
-            number = check(f"{kind}: ", "period", self.period, declared)
-            if isinstance(number, xr.DataArray):
-                raise ValueError(f"{kind}: period = {brief(self.period)}; allowed: one number")
-            object.__setattr__(self, "period", number)
+            Number(POSITIVE)(f"{kind}: period", self.period)
 
     def frequency(self, intensity: Parameter) -> Any:
         """Annual frequency at which an intensity is exceeded [1/yr]."""
@@ -55,8 +48,7 @@ class Hazard(Model):
 
 
 def _of(values: Any, name: str) -> float | xr.DataArray:
-    about = {"allowed": POSITIVE, "units": "1", "long_name": _LABELS[name]}
-    return check("", name, values, about)
+    return check("", name, values, {"allowed": POSITIVE, "units": "1", "long_name": name})
 
 
 @dataclass(frozen=True)
@@ -201,23 +193,18 @@ def check_curve(intensities: Array, frequencies: Array, places: Sequence[str]) -
             f"{places[0] if places else 'hazard curve'}: {intensities.size} points; allowed: {FEWEST} "
             "or more intensities with their frequencies"
         )
-    for place, im, frequency in zip(places, intensities, frequencies, strict=True):
-        for name, value in (("intensity", im), ("annual frequency", frequency)):
-            if not 0 < value < np.inf:
-                raise ValueError(
-                    f"{place}: the {name} is {value:g}; allowed: positive, finite, so leave it out"
-                )
-    for n, place in enumerate(places[1:], start=1):
-        if intensities[n] <= intensities[n - 1]:
-            raise ValueError(
-                f"{place}: the intensity {intensities[n]:g} follows {intensities[n - 1]:g}; allowed: "
-                "increasing intensities, so sort them"
-            )
-        if frequencies[n] >= frequencies[n - 1]:
-            raise ValueError(
-                f"{place}: the annual frequency {frequencies[n]:g} follows {frequencies[n - 1]:g}; "
-                "allowed: falling frequencies, since what is stronger is rarer, so correct it"
-            )
+    columns = (
+        ("intensity", intensities, 1, "increasing intensities, so sort them"),
+        ("annual frequency", frequencies, -1, "falling frequencies, since what is stronger is rarer"),
+    )
+    for n, place in enumerate(places):
+        for name, values, sign, allowed in columns:
+            if not 0 < values[n] < np.inf:
+                what = f"{place}: the {name} is {values[n]:g}"
+                raise ValueError(f"{what}; allowed: positive, finite, so leave it out")
+            if n and sign * values[n] <= sign * values[n - 1]:
+                what = f"{place}: the {name} {values[n]:g} follows {values[n - 1]:g}"
+                raise ValueError(f"{what}; allowed: {allowed}")
 
 
 def _numbers(name: str, values: object) -> Array:

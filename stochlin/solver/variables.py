@@ -67,7 +67,6 @@ VARIABLES = {
     "rho": ("1", "correlation coefficient of the displacements"),
     "rho_estimate": ("1", "correlation coefficient in eq. (3)"),
     "amplification": ("1", "displacement over that of the elastic structure, or of the structure alone"),
-    "drift_amplification": ("1", "ratio of inelastic to elastic mean peak drift"),
     "difference_std": ("m", "standard deviation of the relative displacement"),
     "relative_displacement_std": ("m", "standard deviation of the relative displacement"),
     "relative_displacement_bias": ("1", "bias of the relative displacement"),

@@ -79,10 +79,6 @@ def test_restitution_has_the_values_of_fig8(kind, values):
     np.testing.assert_allclose(kind.restitution([0.1, 0.3, 0.5, 0.9]), values, rtol=0, atol=5.1e-5)
 
 
-def test_hertz_damp_has_its_known_values():
-    np.testing.assert_allclose(sl.HertzDamp.damping_factor([0.5, 0.65]), [1.4328, 0.7931], atol=5.1e-5)
-
-
 # --- Figs. 6 and 7 --------------------------------------------------------------------------------
 
 

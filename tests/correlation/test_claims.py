@@ -184,25 +184,6 @@ def test_correlation_does_not_rise_with_strength_reduction_for_structures_stiffe
     assert (falls[0] < 0.55).all()
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("period", [1.0, 2.0])
-def test_correlation_rises_with_strength_reduction_from_the_period_of_a_lake_bed_on(period):
-    before, middle, after = (simulated(NARROW, period, factor).rho for factor in FACTORS)
-    assert (before < middle).all()
-    assert (middle < after).all()
-
-
-@pytest.mark.slow
-def test_on_broad_band_correlation_rises_with_strength_reduction_but_for_the_stiffest():
-    for period in PERIODS:
-        before, middle, after = (simulated(BROAD, period, factor) for factor in FACTORS)
-        assert (before.rho < middle.rho).all()
-        error = np.hypot(middle.error, after.error)
-        stiff = (RATIOS < 0.45) & (period == 0.5)
-        assert (after.rho - middle.rho < -2 * error)[stiff & (RATIOS < 0.35)].all()
-        assert (after.rho - middle.rho > -2 * error)[~stiff].all()
-
-
 # ---- "(4) can be used for linear structures on broad band", not on narrow band ----
 
 

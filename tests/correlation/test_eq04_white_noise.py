@@ -5,7 +5,6 @@ import numpy as np
 import pytest
 
 import stochlin as sl
-from stochlin.kernels.correlation.white_noise import white_noise_correlation
 
 pytestmark = pytest.mark.paper
 
@@ -42,12 +41,6 @@ def test_formula_is_the_exact_solution_of_the_lyapunov_equation():
     np.testing.assert_allclose(rho, exact, rtol=0, atol=1e-12)
 
 
-def test_correlation_under_white_noise_is_positive_and_at_most_one():
-    periods, dampings = random_pairs()
-    rho = sl.rho_white_noise(*periods, *dampings).rho
-    assert bool(((rho > 0) & (rho < 1)).all())
-
-
 def test_correlate_reaches_eq_4_by_method_and_by_ground():
     periods, dampings = random_pairs()
     pair = [sl.Bilinear(period=t, damping=xi) for t, xi in zip(periods, dampings, strict=True)]
@@ -57,22 +50,3 @@ def test_correlate_reaches_eq_4_by_method_and_by_ground():
     by_ground = sl.correlate(*pair, sl.WhiteNoise(0.3)).rho
     np.testing.assert_array_equal(by_method, formula)
     np.testing.assert_allclose(by_ground, formula, rtol=0, atol=1e-12)  # another road: elimination
-
-
-def test_a_loop_of_plain_numbers_finds_what_correlate_finds():
-    """Numbers in, numbers out; a lone pair is the cell of a table."""
-    periods, dampings = random_pairs()
-    pair = [sl.Bilinear(period=t, damping=xi) for t, xi in zip(periods, dampings, strict=True)]
-    table = sl.correlate(*pair, sl.WhiteNoise(0.3), method="white_noise")
-    ground = sl.KanaiTajimi(period=1.0, damping=0.1)
-    others = sl.correlate(*pair, ground)
-    for n in range(0, PAIRS, 50):
-        values = [float(value) for value in (*periods[:, n], *dampings[:, n])]
-        assert white_noise_correlation(*values) == pytest.approx(float(table.rho[n]), rel=1e-12)
-        structures = [sl.Bilinear(*own) for own in zip(values[:2], values[2:], strict=True)]
-        alone = sl.correlate(*structures, ground)
-        assert (alone.rho.ndim, alone.rho.dtype, alone.status.dtype) == (0, float, np.int8)
-        assert float(alone.rho) == pytest.approx(float(others.rho[n]), rel=1e-12)
-        assert {name: v.attrs.keys() for name, v in alone.items()} == {
-            name: v.attrs.keys() for name, v in others.items()
-        }

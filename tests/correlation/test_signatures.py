@@ -84,15 +84,6 @@ def test_correlation_is_a_projection_and_what_is_left_of_it(seed, references, ra
     assert -1 - 2 * LEFT - 1e-9 <= expected <= 1 + 1e-9
 
 
-def test_equal_structures_move_as_one_however_they_are_corrected():
-    rng = np.random.default_rng(2)
-    own, correction = rng.standard_normal((2, 6, 50)) * 0.5
-    own /= np.maximum(np.linalg.norm(own, axis=0), 1)
-    each = corrected(own, correction)
-    assert (np.linalg.norm(own + correction, axis=0) > 1).any()  # some are cut to unit length
-    np.testing.assert_allclose(by_signatures(np.ones(50), each, each), 1, atol=1e-12)
-
-
 def test_signatures_are_shortened_smoothly_to_length_one():
     """By less than a thousandth where they are shorter than 0.9, and without a kink beyond."""
     own = np.zeros((1, 2001))

@@ -65,13 +65,6 @@ def test_a_common_scale_of_time_changes_nothing(first, second, ground, scale):
     assert rho(*slower, (kind, values | periods)) == pytest.approx(expected, abs=1e-9)
 
 
-@given(structures(), structures(), grounds(), spread((1e-6, 1e6)))
-def test_intensity_at_the_same_reduction_factor_changes_nothing(first, second, ground, scale):
-    kind, values = ground
-    stronger = kind, values | {"intensity": values["intensity"] * scale}
-    assert rho(first, second, stronger) == pytest.approx(rho(first, second, ground), abs=1e-9)
-
-
 @pytest.mark.filterwarnings("ignore::stochlin.messages.DoubtfulInput")  # hardly yields
 @given(structures(), grounds(), spread((1e-6, 1e6)))
 def test_response_scales_with_the_strength_when_intensity_does(structure, ground, scale):
@@ -108,23 +101,6 @@ def test_full_hardening_is_elastic(first, second, ground):
     elastic = [sl.Bilinear(one["period"], one["damping"]) for one in pair]
     expected = float(sl.correlate(*elastic, kind(**values)).rho)
     assert rho(*pair, ground) == pytest.approx(expected, abs=1e-9)
-
-
-@given(structures(), grounds())
-def test_yielding_response_is_a_possible_one(structure, ground):
-    kind, values = ground
-    table = sl.linearize(sl.Bilinear(**structure), kind(**values))
-    assert -1 <= float(table.c_eq) < 0
-    assert float(table.k_eq) >= 0
-    assert 0 <= float(table.velocity_z_corr) < 1
-    assert float(table.velocity_std) > 0
-
-
-@given(structures(cases.PRACTICE), structures(cases.PRACTICE))
-def test_wide_and_stiff_kanai_tajimi_ground_is_white_noise(first, second):
-    """Below a hundredth of the ground frequency the spectrum is flat to 1e-4."""
-    ground = sl.KanaiTajimi, {"period": 1e-4, "damping": 0.7}
-    assert rho(first, second, ground) == pytest.approx(rho(first, second, (sl.WhiteNoise, {})), abs=1e-4)
 
 
 @given(structures(cases.PRACTICE), structures(cases.PRACTICE), spread((0.15, 4.0)), spread((0.03, 0.8)))

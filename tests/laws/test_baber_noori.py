@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from loops import by_dop853, by_steps, random_turns
+from loops import by_dop853, by_steps
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
@@ -62,14 +62,6 @@ def test_states_along_a_history():
     found = by_steps(worn().step(), turns[:, None], 4000, WORN.values())[0][:, :, 0]
     np.testing.assert_allclose(found[at], EXPECTED, rtol=0, atol=1e-7)
     np.testing.assert_allclose(found, exact, rtol=0, atol=1e-8)
-
-
-def test_states_along_random_histories():
-    turns = random_turns(0, 3, 12)
-    found, _ = by_steps(worn().step(), turns, 8000, WORN.values())
-    for lane in range(3):
-        exact = by_dop853(slopes, turns[:, lane], 2)
-        np.testing.assert_allclose(found[:, :, lane], exact, rtol=0, atol=1e-8)
 
 
 def test_an_oscillator_on_a_record_follows_an_ode_solver():

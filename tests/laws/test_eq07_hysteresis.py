@@ -91,31 +91,6 @@ def test_bouc_wen_coefficients_agree_with_quadrature(exponent):
         np.testing.assert_array_less(np.abs([1 + c_e, k_e] - expected), 1e-10 * scale)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("exponent", cases.with_slow([1, 1.5, 2, 3, 5], {1, 3, 5}))
-def test_bouc_wen_coefficients_are_those_of_the_published_formula(exponent):
-    """Wen's general coefficients at 30 digits."""
-    n, beta, gamma = mpmath.mpf(exponent), mpmath.mpf("0.6"), mpmath.mpf("-0.35")
-
-    def published(which, sv, sz, r):
-        q = mpmath.sqrt(1 - r * r)
-        start = mpmath.atan2(q, r)
-        integral = 2 * mpmath.quad(lambda t: mpmath.sin(t) ** n, [start, mpmath.pi / 2])
-        even = mpmath.gamma((n + 2) / 2) * 2 ** (n / 2) / mpmath.pi
-        odd = mpmath.gamma((n + 1) / 2) * 2 ** (n / 2) / mpmath.sqrt(mpmath.pi)
-        if which == 0:
-            return sz**n * (beta * even * integral + gamma * odd)
-        reach = n * sv * sz ** (n - 1)
-        return reach * (beta * even * (2 / n * q ** (n + 1) + r * integral) + gamma * odd * r)
-
-    with mpmath.workdps(30):
-        for latent in random_latent(12, seed=10):
-            c_e, k_e = coefficients(bouc_wen.gaussian, latent, beta, gamma, exponent)
-            point = tuple(mpmath.mpf(x) for x in latent)
-            values = [float(published(which, *point)) for which in range(2)]
-            np.testing.assert_allclose([1 + c_e, k_e], values, rtol=1e-12)
-
-
 def test_far_below_yield_the_tail_keeps_its_relative_accuracy():
     """Slip of 1e-30 is still right to a dozen digits, where ``1 + c_e`` by subtraction would be zero."""
     for sz, r in ((0.15, 0.2), (0.1, 0.6), (0.09, 0.05)):

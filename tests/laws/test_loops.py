@@ -20,15 +20,6 @@ def test_the_bilinear_loop_is_a_parallelogram():
     np.testing.assert_allclose(work[1:].sum(), 4 * 0.9 * SQUARE * 0.02 * 0.04, rtol=1e-3)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("n", [1.0, 2.0])
-def test_the_bouc_wen_loop_begins_as_its_closed_form(n):
-    loop = sl.hysteresis_loop(sl.BoucWen(**GIVEN, exponent=n), [0.05, 0.1])
-    mu = loop.displacement / GIVEN["yield_displacement"]
-    exact = -np.expm1(-mu) if n == 1 else np.tanh(mu)
-    np.testing.assert_allclose(loop.z, exact, atol=1e-6)
-
-
 def test_an_elastic_structure_has_a_line():
     loop = sl.hysteresis_loop(sl.Flag(0.5, 0.05), [0.1, -0.2])
     np.testing.assert_allclose(loop.force_per_mass, SQUARE * loop.displacement, rtol=1e-12)

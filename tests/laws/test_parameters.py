@@ -46,20 +46,6 @@ def test_a_table_has_the_law_of_each_cell_and_bad_cells_keep_to_themselves():
             assert float(table[name][n]) == pytest.approx(float(alone[name]), rel=1e-11)
 
 
-@pytest.mark.slow
-def test_laws_with_many_and_few_parameters_ride_on_the_same_motions():
-    strength = {"damping": 0.05, "hardening": 0.1, "reduction_factor": 4}
-    structures = [
-        sl.BoucWen(0.6, **strength, exponent=2),
-        Softening(0.8, **strength, limit=0.4),
-        sl.Bilinear(1.0, **strength),
-        the_same(0.8, 0.4, 0.5),
-    ]
-    table = sl.simulate(structures, GROUND, paths=32, duration=10.0)
-    np.testing.assert_allclose(table.peak[:, 1], table.peak[:, 3], rtol=1e-9)  # of secant steps
-    assert not np.allclose(table.peak[:, 0], table.peak[:, 1], rtol=0.01)
-
-
 class Unknown(Softening):
     """A law with a symbol that it does not declare."""
 
@@ -93,13 +79,6 @@ def test_bouc_wen_without_a_bound_is_refused(gamma):
     message = rf"BoucWen: gamma = {gamma:g} .*allowed: -beta < value, and beta is 0\.5"
     with pytest.raises(ValueError, match=message):
         sl.BoucWen(1.0, 0.05, 0.1, reduction_factor=4, beta=0.5, gamma=gamma)
-
-
-@pytest.mark.parametrize("beta", [0.0, -0.1])
-def test_bouc_wen_that_makes_energy_is_refused(beta):
-    """At each z unloading is stiffer than loading, and so gives back less, for ``beta > 0`` alone."""
-    with pytest.raises(ValueError, match=r"allowed: 0 < value, .*nothing at 0, and make energy below"):
-        sl.BoucWen(1.0, 0.05, 0.1, reduction_factor=4, beta=beta, gamma=0.5)
 
 
 def test_bouc_wen_without_a_bound_fails_alone_in_a_table():

@@ -27,36 +27,6 @@ def test_step_of_a_law_is_that_of_the_compiled_one():
     np.testing.assert_allclose(*after, rtol=0, atol=1e-14)
 
 
-@pytest.mark.slow
-def test_law_in_sympy_gives_the_table_of_the_compiled_law():
-    options = {"reduction_factor": 4.0}
-    pair = [
-        sl.Hysteretic(1.0, 0.05, 0.1, law=BOUC_WEN, **options),
-        sl.BoucWen(1.0, 0.05, 0.1, beta=0.7, gamma=-0.2, exponent=2.0, **options),
-        sl.Hysteretic(1.0, 0.05, 0.1, law=V - Z * sympy.Abs(V), **options),
-    ]
-    table = sl.simulate(pair, GROUND, paths=32, relaxation_times=5)
-    sigma = table.displacement_std.values
-    assert sigma[0] == pytest.approx(sigma[1], rel=1e-6)
-    assert float(table.rho[0, 1]) == pytest.approx(1, abs=1e-9)
-    assert abs(sigma[2] / sigma[0] - 1) > 1e-3  # laws are not mixed up
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("options", [{"duration": 5.0}, {"relaxation_times": 2.0}], ids=str)
-def test_fractional_power_moves_as_the_compiled_law(options):
-    """The same law twice on the same motions, which differ by the rounding of formulas."""
-    power = sympy.Abs(Z) ** 2.5
-    law = V - 0.5 * sympy.Abs(V) * sympy.sign(Z) * power - 0.5 * V * power
-    given = {"yield_displacement": 0.05, "mass": 1e5}
-    own = sl.Hysteretic(0.5, 0.05, 0.1, law=law, **given)
-    compiled = sl.BoucWen(0.5, 0.05, 0.1, exponent=2.5, **given)
-    table = sl.simulate([own, compiled], GROUND, paths=16, **options)
-    what = "peak_mean" if "duration" in options else "displacement_std"
-    one, other = table[what].values
-    assert one == pytest.approx(other, rel=1e-7)
-
-
 def corner(beyond):
     """A law with this part, which is to be 0 for |z| < 1 and |z| - 1 else."""
     loops = (sympy.Abs(V) * Z + V * sympy.Abs(Z)) / 2
@@ -120,17 +90,6 @@ def test_a_step_in_which_a_stage_overflows_is_divided():
     np.testing.assert_allclose(after[0], np.sign(rates) * 1e-4 ** (1 / 21), atol=5e-4)
 
 
-@pytest.mark.slow
-def test_peaks_of_a_steep_law_are_those_of_shorter_steps():
-    structure = sl.Hysteretic(**GIVEN, law=STEEP)
-    ground = sl.KanaiTajimi(0.4, 0.6, 0.02)
-    usual, shorter = (
-        sl.simulate([structure], ground, paths=32, duration=4.0, steps_per_period=steps).peak_mean[0]
-        for steps in (32, 128)
-    )
-    assert float(usual) == pytest.approx(float(shorter), rel=0.1)  # the motions differ, too
-
-
 RUNAWAY = V + abs(V) * Z
 FINITE_MOTION = sl.KanaiTajimi(0.4, 0.6, 0.02)
 
@@ -142,12 +101,10 @@ FINITE_MOTION = sl.KanaiTajimi(0.4, 0.6, 0.02)
     [
         lambda one, _: sl.simulate([sl.Bilinear(0.7, 0.05), one], FINITE_MOTION, paths=32, duration=8.0),
         lambda one, _: sl.simulate([sl.Bilinear(0.7, 0.05), one], FINITE_MOTION, paths=32),
-        lambda one, _: sl.separation(sl.Bilinear(0.7, 0.05), one, FINITE_MOTION, 8.0, paths=32),
         sl.respond,
-        lambda one, record: sl.recorded_gap(sl.Bilinear(0.7, 0.05), one, record),
         lambda one, record: sl.pound([one], motion=record),
     ],
-    ids=["simulate", "stationary", "separation", "respond", "recorded_gap", "pound"],
+    ids=["simulate", "stationary", "respond", "pound"],
 )
 def test_a_law_that_runs_away_has_no_peaks(verb):
     record = sl.simulated_motions(FINITE_MOTION, 8.0, paths=2, seed=3)[0]

@@ -109,21 +109,6 @@ def test_mistake_of_the_trade_is_explained(change, message):
         sl.Bilinear(**STRUCTURE | change)
 
 
-def test_undamped_ground_is_refused_with_the_reason():
-    with pytest.raises(ValueError, match=r"KanaiTajimi: damping = 0 .*no stationary motion"):
-        sl.KanaiTajimi(period=1.0, damping=0)
-
-
-def test_unknown_names_are_answered_with_the_known_ones():
-    structure = sl.Bilinear(**STRUCTURE)
-    with pytest.raises(ValueError, match=r"closure = 'linear' .*gaussian, clipped, drift"):
-        sl.linearize(structure, SOIL, "linear")
-    with pytest.raises(ValueError, match=r"closure = 'clipped' .*BoucWen; allowed: gaussian"):
-        sl.linearize(sl.BoucWen(**STRUCTURE), SOIL, "clipped")
-    with pytest.raises(ValueError, match=r"method = 'guess' .*linearization, .*white_noise"):
-        sl.correlate(structure, structure, SOIL, method="guess")
-
-
 @pytest.mark.parametrize(
     ("setting", "value"),
     [
@@ -172,12 +157,3 @@ def test_lone_case_that_does_not_converge_raises_with_the_cure(closure):
         sl.linearize(structure, SOIL, closure, max_iterations=1)
     with pytest.raises(ArithmeticError, match="not converged; raise max_iterations"):
         sl.correlate(structure, structure, SOIL, closure=closure, max_iterations=1)
-
-
-def test_cell_that_does_not_converge_is_nan_with_its_status():
-    structure = sl.Bilinear(**STRUCTURE | {"reduction_factor": [0.05, 3.0]})
-    table = sl.linearize(structure, SOIL, max_iterations=1)
-    meanings = table.status.attrs["flag_meanings"].split()
-    assert meanings[int(table.status[1])] == "not_converged"
-    assert np.isnan(table.displacement_std[1])
-    assert np.isnan(table.k_eq[1])

@@ -60,10 +60,3 @@ def test_no_valid_cell_is_said_before_the_table_is_asked_for():
     wrong = sl.Bilinear(axis("period", [-1.0, -2.0], 1), 0.05)
     with pytest.raises(ValueError, match="no cell has valid parameters"):
         VERBS["separation"](wrong)
-
-
-def test_risk_over_periods_is_that_of_each():
-    table = VERBS["pounding_risk"](sl.Bilinear(axis("period", [0.5, 0.7]), 0.05))
-    for period in (0.5, 0.7):
-        alone = VERBS["pounding_risk"](sl.Bilinear(period, 0.05))
-        xr.testing.assert_equal(table.annual_rate.sel(period=period, drop=True), alone.annual_rate)

@@ -40,12 +40,3 @@ def test_what_is_no_time_is_refused(verb: str, duration: Any) -> None:
         match=r"duration = .* is (no number|out of range); allowed: a positive, finite number of s",
     ):
         VERBS[verb](duration)
-
-
-def test_in_a_table_only_the_cells_with_long_periods_fail() -> None:
-    period = xr.DataArray([0.6, 30.0], dims="period")
-    table = sl.separation(sl.Bilinear(period, 0.05), TWO, GROUND, 12.0, paths=128)
-    alone = sl.separation(sl.Bilinear(0.6, 0.05), TWO, GROUND, 12.0, paths=128)
-    np.testing.assert_array_equal(table.gap.isel(period=0), alone.gap)
-    assert table.gap.isel(period=1).isnull().all()
-    assert (table.status.isel(period=1) == 3).all()

@@ -5,7 +5,6 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 import xarray as xr
-from cases import example_case
 from commands import refused
 
 import stochlin as sl
@@ -125,12 +124,3 @@ def test_memory_that_is_not_there_is_said_in_one_line(monkeypatch: pytest.Monkey
     assert "this machine has too little memory (Unable to allocate 74 GiB); take" in refused(
         "rho", "--period-1", "1s", "--period-2", "2s"
     )
-
-
-def test_nothing_is_drawn_of_what_is_refused(tmp_path) -> None:
-    """No label of a bar before the message."""
-    case = tmp_path / "case.toml"
-    case.write_text(example_case().replace("20 s", "0.01 s"), encoding="utf-8")
-    for command, label in (("gap", "simulating"), ("mitigate", "measures"), ("pound", "pounding")):
-        result = refused(command, case)
-        assert label not in result.splitlines()

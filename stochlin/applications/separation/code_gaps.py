@@ -12,7 +12,7 @@ import xarray as xr
 from stochlin.applications.separation.critical_gap import equation_3
 from stochlin.applications.separation.storeys import spectral_peaks
 from stochlin.messages import brief
-from stochlin.models.arguments import Truth, checked, fitting
+from stochlin.models.arguments import Truth, checked
 from stochlin.models.parameters import Model, Parameter
 from stochlin.models.rules import look_up
 from stochlin.models.rules.codes import (
@@ -81,7 +81,6 @@ def _check_source(
         raise ValueError("peak_1 is missing, or given beside modes_1; allowed: one of both")
 
 
-@fitting(_check_source)
 @checked
 def code_gaps(
     peak_1: Parameter | None = None,
@@ -236,6 +235,7 @@ def code_gaps(
     >>> by_modes.height.values.tolist(), by_modes.gap.round(4).values, by_modes.cqc.round(4).values
     ([3.0, 6.0], array([0.0218, 0.0384]), array([0.0215, 0.038 ]))
     """
+    _check_source(peak_1, peak_2, modes_1, modes_2, spectrum)
     facts = {name: value for name, value in locals().items() if name in Site.__dataclass_fields__}
     codes, elastic = rules_with(numbers), modes_1 is not None
     if elastic:  # until the displacements are known

@@ -161,19 +161,21 @@ class Damped(Element):
         inside = checked.where(allowed.contains(checked)).drop_attrs(deep=False)
         return inside.copy(data=form(inside.values)).rename(None).assign_attrs(units="1")
 
-    @classmethod
-    def _settle(cls, damping: Any, restitution: Any) -> Any:
-        """The damping from the one of damping and restitution that was given."""
-        name = cls.__name__
+    def _set(self, stiffness: Any, damping: Any, restitution: Any, **others: Any) -> None:
+        """Set the fields, with the damping from the one of damping and restitution that was given."""
+        name = type(self).__name__
         if (damping is None) == (restitution is None):
             text = "neither is given" if damping is None else "both are given"
             raise ValueError(
-                f"{name}: of {cls.damping_name} and restitution {text}; allowed: exactly one of them, "
+                f"{name}: of {self.damping_name} and restitution {text}; allowed: exactly one of them, "
                 "since each defines the dashpot"
             )
-        if damping is not None:
-            return checked_value(name, cls.damping_name, damping, "1", DAMPING)
-        return cls._damping_for(restitution)
+        if damping is None:
+            damping = self._damping_for(restitution)
+        damping = checked_value(name, self.damping_name, damping, "1", DAMPING)
+        for field, value in {"stiffness": stiffness, "damping": damping, **others}.items():
+            object.__setattr__(self, field, value)
+        self.__post_init__()
 
 
 @dataclass(frozen=True, init=False)
@@ -190,9 +192,7 @@ class WithRatio(Damped):
         damping_ratio: Parameter | None = None,
         restitution: Parameter | None = None,
     ) -> None:
-        object.__setattr__(self, "stiffness", stiffness)
-        object.__setattr__(self, "damping", self._settle(damping_ratio, restitution))
-        self.__post_init__()
+        self._set(stiffness, damping_ratio, restitution)
 
     @classmethod
     def damping_ratio(cls, restitution: Any) -> Any:
@@ -445,10 +445,7 @@ class HertzDamp(Damped):
         restitution: Parameter | None = None,
         exponent: Parameter = SPHERES,
     ) -> None:
-        object.__setattr__(self, "stiffness", stiffness)
-        object.__setattr__(self, "damping", self._settle(damping_factor, restitution))
-        object.__setattr__(self, "exponent", exponent)
-        self.__post_init__()
+        self._set(stiffness, damping_factor, restitution, exponent=exponent)
 
     @classmethod
     def damping_factor(cls, restitution: Any) -> Any:

@@ -7,11 +7,6 @@ from dataclasses import fields
 from stochlin.models.structures import LAWS, Structure
 
 
-def closure_names() -> tuple[str, ...]:
-    """Names of the closures of all registered laws, without repetition."""
-    return tuple(dict.fromkeys(name for law in LAWS.values() for name in law.closure_names()))
-
-
 def laws_in_numbers() -> dict[str, type[Structure]]:
     """Laws whose parameters are all numbers, so that a file or a command can describe them, by name."""
     return {name: law for name, law in LAWS.items() if len(fields(law)) == len(law.parameter_names())}

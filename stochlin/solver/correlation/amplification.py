@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.models.arguments import Duration, OneOf, Paths, Seed, checked, fitting
+from stochlin.models.arguments import Duration, OneOf, Paths, Seed, checked
 from stochlin.models.buildings import MultistoreyBuilding
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
@@ -28,16 +28,6 @@ from stochlin.solver.tables.floors import ELEMENT, FLOOR
 STD, PEAK = "std", "peak"
 
 
-def _check_fitting(of: object, duration: object, envelope: object) -> None:
-    """Raise a ValueError for what describes a motion where no motion is simulated."""
-    if isinstance(of, str) and of == STD and not (duration is None and envelope is None):
-        raise ValueError(
-            "duration and envelope belong to finite motions, and standard deviations are those of the "
-            "stationary response; leave them out, or ask for of='peak'"
-        )
-
-
-@fitting(_check_fitting)
 @checked
 def amplification(
     structure: AnyStructure,
@@ -86,9 +76,7 @@ def amplification(
         elastic counterpart, with its standard error; ``peak_mean`` and ``elastic_peak_mean`` [m] with
         standard errors; ``ductility`` [-], ``peak_mean`` over the yield displacement; and ``status``,
         which is ``elastic_limit`` where the structure yields in none of the motions. For a building with
-        storeys these variables are over ``floor``, except ``ductility``, which is over ``element``, and
-        ``drift_amplification`` [-], the ratio of the mean peak storey drifts over ``element``, is added
-        with its standard error.
+        storeys these variables are over ``floor``, except ``ductility``, which is over ``element``.
 
     Raises
     ------
@@ -130,6 +118,11 @@ def amplification(
     if of == PEAK:
         motion = {"duration": duration, "envelope": envelope, "paths": paths, "seed": seed}
         return _of_peaks(models, motion)
+    if not (duration is None and envelope is None):
+        raise ValueError(
+            "duration and envelope belong to finite motions, and standard deviations are those of the "
+            "stationary response; leave them out, or ask for of='peak'"
+        )
     expect(structure, Structure, "structure")
     assert isinstance(structure, Structure)
     inelastic = linearize(structure, ground, closure)
@@ -171,7 +164,9 @@ def _of_cell(motion: dict[str, Any], structure: AnyStructure, ground: Ground) ->
     ratios = _ratios(peaks[:, :n], peaks[:, n:])
     attrs = {key: value for key, value in motions.attrs.items() if not key.startswith("structure")}
     if isinstance(structure, MultistoreyBuilding):
-        table = _of_storeys(motions, n, ratios)
+        own = motions.isel({FLOOR: slice(None, n), ELEMENT: slice(None, n)})[["peak_mean", "ductility"]]
+        columns = {name: (FLOOR, values) for name, values in ratios.items()}
+        table = xr.Dataset(columns, own.coords).assign(ductility=own.ductility)
         # The yield drift is the mean peak drift over the ductility; compared without a division.
         most = motions.peak_drift.max("path") * motions.ductility
         stayed = not bool((most > motions.peak_drift_mean).any())
@@ -189,18 +184,6 @@ def _elastic(structure: AnyStructure) -> AnyStructure:
     if isinstance(structure, MultistoreyBuilding):
         return replace(structure, **{structure.strength_name: None})
     return replace(structure, yield_displacement=None, reduction_factor=None)
-
-
-def _of_storeys(motions: xr.Dataset, n: int, ratios: dict[str, Array]) -> xr.Dataset:
-    """Amplification of peak displacements over the floors, and of peak drifts over the storeys."""
-    own = motions.isel({FLOOR: slice(None, n), ELEMENT: slice(None, n)})
-    drifts = motions.peak_drift.values
-    of_drifts = _ratios(drifts[:, :n], drifts[:, n : 2 * n])
-    columns: dict[str, Any] = {name: (FLOOR, values) for name, values in ratios.items()}
-    for end in ("", "_standard_error"):
-        columns[f"drift_amplification{end}"] = (ELEMENT, of_drifts[f"amplification{end}"])
-    table = xr.Dataset(columns, coords=own[["peak_mean", "ductility"]].coords)
-    return table.assign(ductility=own.ductility)
 
 
 @np.errstate(invalid="ignore")  # infinite if the structure falls in a motion

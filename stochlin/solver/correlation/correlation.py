@@ -148,38 +148,23 @@ def correlate(
     [-0.033778, 1.0]
     """
     models: dict[str, Model] = {"first": first, "second": second, "ground": ground}
-    settings = SimulationSettings(paths, seed, steps_per_period, relaxation_times, progress)
+    simulation: dict[str, Any] = {"paths": paths, "seed": seed, "steps_per_period": steps_per_period}
+    simulation |= {"relaxation_times": relaxation_times, "progress": progress}
     tolerance = Tolerance(rtol, atol, max_iterations)
-    query = Query(method, closure, tolerance, rule, bias, settings)
+    query = Query(method, closure, tolerance, rule, bias, simulation)
     check_closure(first, closure)
     check_closure(second, closure)
     pairs = partial(_of_pairs, query)
     table = pairs(first, second, ground) if method == SIMULATION else in_blocks(pairs, models)
-    details = table.attrs.pop("details")
     labels.raise_if_lone_failure(table, "correlate", first, second, ground)
     last = labels.NOT_RESOLVED if method == SIMULATION else labels.TOO_STRONG
     table = labels.label(table, last=last)
     return labels.with_run_information(
         table,
         f"Stationary correlation of two structures by {method.replace('_', ' ')}, {ground.name} ground",
-        f"correlate(method={method!r}, {details})",
+        f"correlate(method={method!r}, {query.history()})",
         models,
     )
-
-
-class SimulationSettings(NamedTuple):
-    """Options of a stationary simulation; `simulate` describes them."""
-
-    paths: int
-    seed: int
-    steps_per_period: int
-    relaxation_times: float
-    progress: Progress | None
-
-    @property
-    def history(self) -> str:
-        """The options that the history of a dataset states."""
-        return f"paths={self.paths}, seed={self.seed}"
 
 
 class Query(NamedTuple):
@@ -190,32 +175,40 @@ class Query(NamedTuple):
     tolerance: Tolerance
     rule: str | EffectiveRule
     bias: bool
-    settings: SimulationSettings
+    simulation: dict[str, Any]  # options of `simulate`
+
+    def history(self) -> str:
+        """The arguments that the history of the dataset states."""
+        if self.method == SIMULATION:
+            return f"paths={self.simulation['paths']}, seed={self.simulation['seed']}"
+        if self.method == "white_noise":
+            return "eq. (4)"
+        rule = f", rule={effective_rule(self.rule).name!r}" if self.method == "effective" else ""
+        return f"closure={self.closure!r}{rule}"
 
 
 def _of_pairs(query: Query, first: Structure, second: Structure, ground: Ground) -> xr.Dataset:
-    """Variables of `correlate`, with the arguments for its history as an attribute."""
+    """Variables of `correlate`."""
     check_table(12, first, second, ground)
-    variables, details, attrs = METHODS[query.method](query, (first, second), ground)
+    variables, attrs = METHODS[query.method](query, (first, second), ground)
     if not (first.yields or second.yields):
         attrs.pop("comment", None)
-    return xr.Dataset(variables | difference(variables), attrs=attrs | {"details": details})
+    return xr.Dataset(variables | difference(variables), attrs=attrs)
 
 
 Pair = tuple[Structure, Structure]
-# Variables of the dataset, arguments for its history, and further attributes.
-Answer = tuple[dict[str, Cells], str, dict[str, Any]]
+Answer = tuple[dict[str, Cells], dict[str, Any]]  # variables and attributes of the dataset
 
 
 def _by_linearization(query: Query, pair: Pair, ground: Ground) -> Answer:
     comment = labels.CAUTION_DRIFT if query.closure == DRIFT else labels.CAUTION_PAIR
     table = linearized_pairs(pair, ground, query.closure, query.tolerance, query.bias)
-    return table, f"closure={query.closure!r}", {"comment": comment}
+    return table, {"comment": comment}
 
 
 def _by_white_noise(query: Query, pair: Pair, ground: Ground) -> Answer:
     inputs = [s.cells()[name] for name in ("period", "damping") for s in pair]
-    return _shown(inputs, solved_together(pair, ground)), "eq. (4)", {}
+    return _shown(inputs, solved_together(pair, ground)), {}
 
 
 def _by_effective_properties(query: Query, pair: Pair, ground: Ground) -> Answer:
@@ -224,16 +217,14 @@ def _by_effective_properties(query: Query, pair: Pair, ground: Ground) -> Answer
     effective = effective_pair(solved, rule)
     comment = f"Peak ductilities are linearized. {labels.CAUTION_SIGMA}"
     variables = _shown([effective[name] for name in EQ_4], solved) | effective
-    how = f"closure={query.closure!r}, rule={rule.name!r}"
-    return variables, how, {"comment": comment, "rule": rule.describe()}
+    return variables, {"comment": comment, "rule": rule.describe()}
 
 
 def _by_simulation(query: Query, pair: Pair, ground: Ground) -> Answer:
     from stochlin.solver.correlation.simulated import simulate_pairs
 
-    table = simulate_pairs(*pair, ground, query.settings)
-    variables: dict[str, Cells] = {str(name): array for name, array in table.data_vars.items()}
-    return variables, query.settings.history, table.attrs
+    table = simulate_pairs(*pair, ground, query.simulation)
+    return {str(name): array for name, array in table.data_vars.items()}, table.attrs
 
 
 SIMULATION = "simulation"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -20,26 +20,22 @@ from stochlin.solver.tables.cells import CELL, NONE_VALID, Flat, flat, over_all,
 from stochlin.solver.tables.lazy import computed
 from stochlin.solver.tables.work import check_work, count_cells
 
-if TYPE_CHECKING:
-    from stochlin.solver.correlation.correlation import SimulationSettings
-
-
 SHOWN = "displacement_std", "displacement_std_standard_error", "drift", "drift_memory"
 
 
 def simulate_pairs(
-    first: Structure, second: Structure, ground: Ground, settings: SimulationSettings
+    first: Structure, second: Structure, ground: Ground, options: dict[str, Any]
 ) -> xr.Dataset:
     """Table of ``rho``, standard deviations and their standard errors; one ensemble for each ground."""
     first.check_stationary("first")
     second.check_stationary("second")
     sides, ground = {"first": computed(first), "second": computed(second)}, computed(ground)
-    on_one_ground = partial(_on_one_ground, settings, count_cells(ground))
+    on_one_ground = partial(_on_one_ground, options, count_cells(ground))
     return over_cells(on_one_ground, {"ground": ground}, beside=sides)
 
 
 def _on_one_ground(
-    settings: SimulationSettings, grounds: int, ground: Ground, first: Structure, second: Structure
+    options: dict[str, Any], grounds: int, ground: Ground, first: Structure, second: Structure
 ) -> xr.Dataset:
     """The table on one of some ``grounds``, of all structures under the same motions."""
     sides = [flat({"structure": structure}) for structure in (first, second)]
@@ -47,8 +43,8 @@ def _on_one_ground(
         raise ValueError(NONE_VALID)
     structures = [each for side in sides for each in _each(side)]
     if grounds > 1:
-        _check_grounds(structures, ground, settings, grounds)
-    motions = simulate(structures, ground, **settings._asdict())
+        _check_grounds(structures, ground, options, grounds)
+    motions = simulate(structures, ground, **options)
     begin = sides[0].where.size
     parts, table, statuses = (slice(begin), slice(begin, None)), xr.Dataset(), []
     for n, (side, part, structure) in enumerate(
@@ -63,11 +59,12 @@ def _on_one_ground(
     status = xr.apply_ufunc(np.maximum, *statuses, join="exact").astype(np.int8)
     shape = over_all(*(side.shape for side in sides))
     row, column = (side.places(shape) for side in sides)
+    pairs = {}
     for name in ("rho", "rho_standard_error"):
-        pairs = np.asarray(motions[name].values[parts][row, column])
-        table[name] = shape.copy(data=pairs).where(status < labels.NOT_CONVERGED)
+        values = np.asarray(motions[name].values[parts][row, column])
+        pairs[name] = shape.copy(data=values).where(status < labels.NOT_CONVERGED)
     attrs = {key: value for key, value in motions.attrs.items() if not key.startswith("structure")}
-    return table.assign(status=status).assign_attrs(attrs)
+    return xr.Dataset({**pairs, **table, "status": status}, attrs=attrs)
 
 
 def _each(side: Flat) -> list[Structure]:
@@ -76,16 +73,16 @@ def _each(side: Flat) -> list[Structure]:
 
 
 def _check_grounds(
-    structures: list[Structure], ground: Ground, settings: SimulationSettings, grounds: int
+    structures: list[Structure], ground: Ground, options: dict[str, Any], grounds: int
 ) -> None:
     """Raise a ValueError if the simulations on all grounds, if each is as long, would take too long."""
     moving = structures_in_motion(structures, ground, None, True)
-    options: dict[str, Any] = {"paths": settings.paths, "seed": settings.seed}
-    run = moving.run(ground, steps_per_period=settings.steps_per_period, **options)
+    drawn = {name: options[name] for name in ("paths", "seed", "steps_per_period")}
+    run = moving.run(ground, **drawn)
     check_work(
         f"the simulations on {grounds} grounds would take",
         "take fewer grounds at a time, lower paths or relaxation_times, or leave out structures that "
         "yield rarely",
-        seconds=grounds * expected_seconds(run, settings.relaxation_times),
+        seconds=grounds * expected_seconds(run, options["relaxation_times"]),
         cores=cores(),
     )

@@ -34,12 +34,7 @@ CAUTION_SIGMA = (
     "narrow-band ground; see 'stochlin charts'."
 )
 
-CAUTION_PAIR = (
-    "Caution: compared with nonlinear simulation, linearized ρ is off by 0.05 to 0.2 for moderate "
-    "yielding, and linearized displacements are 15 to 51 % too small at α ≤ 0.05 on white noise. For "
-    "structures much stiffer than a narrow-band ground ρ is off by up to 1.3, and displacements are up "
-    "to 30 times too small; see 'stochlin charts'."
-)
+CAUTION_PAIR = f"{CAUTION_RHO} {CAUTION_SIGMA}"
 
 CONVERGED, ELASTIC_LIMIT, NOT_CONVERGED, INVALID_INPUT, NOT_PHYSICAL, TOO_STRONG, NOT_RESOLVED = range(7)
 STATUS_MEANINGS = (
