@@ -4,7 +4,6 @@
 """
 
 from stochlin.applications.cases.pounding import pound_case as pound_case
-from stochlin.applications.cases.pounding import pound_motions as pound_motions
 from stochlin.applications.records.spectra import fit_spectra as fit_spectra
 from stochlin.applications.sites.simulated_spectra import simulated_spectrum as simulated_spectrum
 from stochlin.removed import missing
@@ -25,7 +24,6 @@ from stochlin.views.figures.fig5 import amplification_chart as amplification_cha
 from stochlin.views.figures.fig5 import period_plane_chart as period_plane_chart
 from stochlin.views.figures.pictures import PICTURES as PICTURES
 from stochlin.views.figures.pictures import draw as draw
-from stochlin.views.pounding.pictures import draw_ensemble as draw_ensemble
 from stochlin.views.pounding.pictures import draw_pound as draw_pound
 from stochlin.views.sensitivity.pictures import draw_sensitivity as draw_sensitivity
 from stochlin.views.separation.pictures import draw_heights as draw_heights

@@ -15,6 +15,8 @@ REMOVED: dict[str, str] = {
     "lookup": "xarray.open_zarr() opens a stored table, and .interp() interpolates in it",
     "atlas": "parameters that are dask arrays give lazy tables, which .to_zarr() stores",
     "pounding_estimate_row": "pounding_estimate for each two neighbours, or pound for the row",
+    "pound_motions": "charts.pound_case(case, motions) simulates them",
+    "draw_ensemble": "charts.draw_pound draws the results of many motions, too",
     "pounding_estimate_error": "pounding_estimate beside the amplification that pound gives in a motion",
     "ground_names": "the documentation of named_ground lists the names",
     "strong_part": "fit_ground(record, part=(0.05, 0.95)) takes this part of a record",

@@ -124,7 +124,6 @@ VARIABLES = {
     "pseudo_energy_radius": ("m", "pseudo energy radius"),
     "radius_amplification": ("1", "energy radius after the impact over that before"),
     "largest_radius_amplification": ("1", "largest amplification of the energy radius by an impact"),
-    "energy_share": ("1", "share of the input energy at the end"),
     "input_energy_per_mass": ("m^2/s^2", "relative input energy per mass so far"),
     "viscous_energy_per_mass": ("m^2/s^2", "energy per mass dissipated by viscous damping so far"),
     "hysteretic_energy_per_mass": ("m^2/s^2", "energy per mass put into hysteretic springs so far"),

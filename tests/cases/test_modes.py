@@ -10,7 +10,7 @@ from cases import FIRM_SITE, SMALL_GAP
 from uploads import open_case
 
 import stochlin as sl
-from stochlin.applications.cases.pounding import pound_motions
+from stochlin.applications.cases.pounding import pound_case
 from stochlin.applications.cases.reading.case import Case
 from stochlin.applications.cases.separation import answer_case
 
@@ -79,7 +79,7 @@ def test_storeys_by_all_their_modes_need_the_same_gap_and_pound_alike(tmp_path: 
     assert of_modes.buildings[0].height == pytest.approx(10.5)
     gaps = [answer_case(case).separation.gap_at_height[0] for case in (of_modes, of_storeys)]
     np.testing.assert_allclose(*gaps, rtol=2e-3)
-    hits = [pound_motions(case, 16) for case in (of_modes, of_storeys)]
+    hits = [pound_case(case, 16) for case in (of_modes, of_storeys)]
     assert float(hits[0].impacts.sum()) > 0
     np.testing.assert_allclose(*(hit.peak_alone for hit in hits), rtol=2e-3)
     np.testing.assert_allclose(*(hit.impacts.sum() for hit in hits), rtol=0.05)

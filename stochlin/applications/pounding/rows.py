@@ -25,11 +25,10 @@ from stochlin.models.systems import (
     Arrangement,
     arrangement_of,
     check_links,
-    first_period,
     shares_at,
     slabs_on_columns,
 )
-from stochlin.solver.simulation.connected_structures import row_of
+from stochlin.solver.simulation.connected_structures import modes_of, row_of
 from stochlin.solver.tables.checks import check_scalars
 
 NUMBERS = "numbers, since a history is of one row"
@@ -73,7 +72,6 @@ class Meeting(NamedTuple):
 class Standing(NamedTuple):
     """Buildings in a row, and each of them alone, as kernels take them."""
 
-    structures: Sequence[AnyStructure]
     row: BuildingRow
     alone: BuildingRow  # the same without links between buildings; the row itself, if there are none
     arrangement: Arrangement
@@ -94,12 +92,12 @@ class Standing(NamedTuple):
     @property
     def with_floors(self) -> bool:
         """Whether there is a building with storeys."""
-        return any(isinstance(structure, MultistoreyBuilding) for structure in self.structures)
+        return not all(stack.is_oscillator for stack in self.arrangement.stacks)
 
     @property
     def shortest(self) -> float:
         """Shortest of the first-mode periods of the structures [s]."""
-        return min(float(first_period(structure)) for structure in self.structures)
+        return min(float(modes_of(stack.system)[0].max()) for stack in self.arrangement.stacks)
 
 
 def checked_buildings(structures: Sequence[AnyStructure]) -> list[AnyStructure]:
@@ -210,7 +208,7 @@ def build_row(
     row = alone = row_of(system, contacts)
     if own != system.ties:
         alone = row_of(system._replace(ties=own), Contacts.of([], mass.size))
-    return Standing(structures, row, alone, system, places, space, reduced)
+    return Standing(row, alone, system, places, space, reduced)
 
 
 def _facing(b: int, left: Array, right: Array) -> list[Meeting]:

@@ -14,7 +14,7 @@ from stochlin.kernels.pounding.run import RowResponse
 from stochlin.kernels.records.runs import SampledMotion
 from stochlin.kernels.simulation.moving import FAILED, Q
 from stochlin.models.contacts import Contact, Element
-from stochlin.solver.simulation.connected_structures import modes_of, shortest_mode
+from stochlin.solver.simulation.connected_structures import shortest_mode
 from stochlin.solver.tables.work import check_work
 
 STEPS_PER_CONTACT = 16  # default number of steps in half a period of a contact
@@ -41,9 +41,8 @@ def paces_of(
     Raises a ValueError if the motions would take too much time or memory.
     """
     systems = [stack.system for stack in standing.arrangement.stacks]
-    first = min(float(modes_of(system)[0].max()) for system in systems)
     shortest = min(map(shortest_mode, [standing.row.elements.system, *systems]))
-    longest = min(first / OF_FIRST, shortest / OF_SHORTEST) / steps_per_contact
+    longest = min(standing.shortest / OF_FIRST, shortest / OF_SHORTEST) / steps_per_contact
     half = np.inf
     if isinstance(contact, Element):
         half = min(_half_period(contact, float(mass)) for mass in standing.reduced)
@@ -154,20 +153,15 @@ def failure(standing: Standing, response: RowResponse) -> str:
     failed = float(response.moving.motions[FAILED])
     if failed == np.inf:
         return ""
-    firsts = standing.arrangement.first_coordinate
-    for number, stack in enumerate(standing.arrangement.stacks, start=1):
-        u, limits = response.moving.coordinates[:, Q][firsts[number - 1] : firsts[number]], stack.limits
-        drifts = np.nan_to_num(np.abs(stack.system.extensions @ u), nan=np.inf)
-        beyond = np.flatnonzero((drifts > limits) & np.isfinite(limits))
-        if beyond.size:
-            part = "mode" if stack.by_modes else "storey"
-            where = "it" if stack.is_oscillator else f"its {part} {beyond[0] + 1}"
-            return (
-                f"pound: structure {number} falls over: by {failed:.4g} s after the beginning {where} "
-                f"has drifted by more than {limits[beyond[0]]:.3g} m, where no force is left to hold "
-                "it, since its stiffness after yielding is negative; give it more hardening or "
-                "strength, or a weaker motion"
-            )
+    system = standing.arrangement
+    drifts = system.drifts @ system.displacements @ response.moving.coordinates[:, Q]
+    fallen = np.flatnonzero(system.fallen(drifts, system.limits))
+    if fallen.size:
+        return (
+            f"pound: structure {fallen[0] + 1} falls over {failed:.4g} s after the beginning: it has "
+            "drifted so far that no force is left to hold it, since its stiffness after yielding is "
+            "negative; give it more hardening or strength, or a weaker motion"
+        )
     return (
         f"pound: the response is no longer finite {failed:.4g} s after the beginning; the rates of a "
         "law grow without end, or a structure, link or contact is too stiff for the time steps: give a "

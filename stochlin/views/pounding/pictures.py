@@ -13,10 +13,9 @@ from scipy import constants
 
 from stochlin.applications.cases.pounding import (
     ENERGIES,
+    closest_contacts,
     displacement_beside,
     energy_of,
-    hardest_contacts,
-    hardness,
 )
 from stochlin.applications.pounding.rows import COLUMN
 from stochlin.views.pounding.words import roof
@@ -44,22 +43,33 @@ def draw_pound(dataset: xr.Dataset) -> Figure:
     Parameters
     ----------
     dataset : xarray.Dataset
-        As `stochlin.charts.pound_case` makes them, from memory or from file.
+        As `stochlin.charts.pound_case` makes it, from memory or from file.
 
     Returns
     -------
     matplotlib.figure.Figure
-        Over time: for each gap the displacements of both sides, of buildings with storeys at the contact
-        that is hit hardest; forces of all impacts; energies. Impacts are marked. Of one building alone:
-        its displacement, of the roof if it has storeys, and energies.
+        Of one record over time: for each gap the displacements of both sides, of buildings with storeys
+        at the contact with the least clearance; forces of all impacts; energies. Impacts are marked. Of
+        one building alone: its displacement, of the roof if it has storeys, and energies.
+
+        Of many motions: the share of the motions with more impacts, and with a larger force, across each
+        gap, if there is one; and the accelerations and displacements with pounding and without, of
+        buildings with storeys the largest acceleration of all floors and the displacement of the roof.
 
     Raises
     ------
     ValueError
         If the dataset is another one.
     """
-    _check("energy_share" in dataset, dataset, "")
-    shown = hardest_contacts(dataset) if "contact" in dataset.dims else []
+    if "building" not in dataset.coords or "peak" not in dataset:
+        raise ValueError(
+            f"dataset has the dimensions {tuple(dataset.dims)}; allowed: one that 'stochlin pound' saves"
+        )
+    return _histories(dataset) if "time" in dataset.dims else _frequencies(dataset)
+
+
+def _histories(dataset: xr.Dataset) -> Figure:
+    shown = closest_contacts(dataset) if "contact" in dataset.dims else []
     figure, panels = _panels(dataset, len(shown) + 2, 1, HISTORY)
     for axes, number in zip(panels, shown, strict=False):
         _sides(axes, dataset, number)
@@ -76,15 +86,6 @@ def draw_pound(dataset: xr.Dataset) -> Figure:
     panels[-1].set_xlabel("time [s]")
     figure.suptitle(dataset.attrs["title"], x=0.01, ha="left", size=10)
     return figure
-
-
-def _check(fits: bool, dataset: xr.Dataset, what: str) -> None:
-    """Raise a ValueError for a dataset that a picture does not fit."""
-    if not fits:
-        raise ValueError(
-            f"dataset has the dimensions {tuple(dataset.dims)}; allowed: one that 'stochlin pound' "
-            f"saves{what}"
-        )
 
 
 def _panels(dataset: xr.Dataset, rows: int, columns: int, height: float) -> tuple[Figure, list[Axes]]:
@@ -144,8 +145,9 @@ def _alone(axes: Axes, dataset: xr.Dataset) -> None:
 
 def _forces(axes: Axes, dataset: xr.Dataset) -> None:
     """The largest force of every impact; of impacts without a force the velocity of approach."""
-    name = hardness(dataset)
-    scale, label = (MEGA, "force [MN]") if name == "largest_force" else (1.0, "approach [m/s]")
+    name, scale, label = "largest_force", MEGA, "force [MN]"
+    if bool(dataset.largest_force.isnull().any()):
+        name, scale, label = "approach_velocity", 1.0, "approach [m/s]"
     axes.vlines(dataset.impact_time, 0, scale * dataset[name], color=CURVES[0][0], lw=1.2)
     if not dataset.sizes["impact"]:
         axes.text(0.5, 0.5, "no impact", transform=axes.transAxes, ha="center", va="center")
@@ -162,29 +164,7 @@ def _energies(axes: Axes, dataset: xr.Dataset) -> None:
     axes.set(ylim=(0, None), ylabel=f"energy [{unit}]")
 
 
-@styled(AS_GIVEN)
-def draw_ensemble(dataset: xr.Dataset) -> Figure:
-    """Draw pounding in many motions, as ``stochlin pound --motions`` computes it.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        As `stochlin.charts.pound_motions` makes it, from memory or from file.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The share of the motions with more impacts, and with a larger force, across each gap, if there is
-        one; and the accelerations and displacements with pounding and without, of buildings with storeys
-        the largest acceleration of all floors and the displacement of the roof.
-
-    Raises
-    ------
-    ValueError
-        If the dataset is another one.
-    """
-    fits = "peak_quantile" in dataset and "building" in dataset.coords
-    _check(fits, dataset, " of many motions")
+def _frequencies(dataset: xr.Dataset) -> Figure:
     meets = "neighbours" in dataset.dims
     figure, panels = _panels(dataset, 1 + meets, 2, FREQUENCY)
     if meets:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy import constants
 
-from stochlin.applications.cases.pounding import energy_of
+from stochlin.applications.cases.pounding import ENERGIES, energy_of
 from stochlin.applications.cases.shaking import doubts
 from stochlin.solver.tables.labels import VALUE_AND_ENDS
 from stochlin.views.shared.blocks import Table, Text, ViewSection, texts
@@ -38,9 +38,9 @@ if TYPE_CHECKING:
 
     from stochlin.applications.cases.reading.case import Case
 
-LONGEST_NAME, LONGEST_RECORD = 24, 13
+LONGEST_NAME = 24
 LARGE_ERROR = 0.01  # by time steps, above which a caution is given
-SINKS = {"viscous": "damping dissipated", "hysteretic": "yielding", "contacts": "contacts"}
+SINKS = "damping dissipated", "yielding", "contacts"  # of ENERGIES
 ALONE = "one building alone, without a neighbour."
 # Rows of a table: the variable, and what its values are multiplied by.
 OF_GAPS = {
@@ -80,24 +80,22 @@ STRENGTH = (
 )
 
 
-def answer_sections(case: Case, tables: Mapping[str, xr.Dataset]) -> list[ViewSection]:
-    """What happens in each record, a column of values for each, and what they mean."""
-    doubtful = [f"in {record} {text}" for record, table in tables.items() for text in doubts(table)]
-    notes = []
-    if any(building.strength in ("reduction_factor", "ductility") for building in case.buildings):
-        notes.append(STRENGTH.format(site_in_words(case)))
-    heads = [cut(record, LONGEST_RECORD) for record in tables]
+def answer_sections(case: Case, table: xr.Dataset) -> list[ViewSection]:
+    """What happens in a record, or how often it happens in many motions, and a table of values."""
+    facts = _of_record(case, table) if "time" in table.dims else _of_motions(case, table)
+    strongest = table[["peak_ground_acceleration"]].max()
     return [
-        opening(case, doubtful),
+        opening(case, doubts(strongest)),
         ViewSection("", texts([floors(case), *left_out(case), at_medians(case)])),
-        *(ViewSection("", _in_record(case, record, table)) for record, table in tables.items()),
-        _values(list(tables.values()), heads, notes),
+        *(ViewSection("", texts(several)) for several in facts),
+        _values(case, table),
     ]
 
 
-def _in_record(case: Case, record: str, table: xr.Dataset) -> list[Text]:
+def _of_record(case: Case, table: xr.Dataset) -> list[list[str]]:
+    (record,) = case.site.records
     about = [f"{record}: {headline(table)}", recorded_shaking(table, case), columns_faced(table)]
-    return texts([*about, energies(table), step_error(table)])
+    return [[*about, energies(table), step_error(table)]]
 
 
 def headline(table: xr.Dataset) -> str:
@@ -144,14 +142,15 @@ def columns_faced(table: xr.Dataset, end: str = "", when: str = "") -> str:
 
 def energies(table: xr.Dataset) -> str:
     """The energy balance, and its error."""
-    energy = number(float(energy_of(table.isel(time=-1), "input")), "kJ")
-    share = {str(name): float(table.energy_share.sel(sink=name)) for name in table.sink.values}
+    last = table.isel(time=-1)
+    energy, *parts = (float(energy_of(last, where)) for where in ENERGIES)
     meets = "contact" in table.dims
-    sinks = {name: word for name, word in SINKS.items() if meets or name != "contacts"}
-    parts = [f"{word} {per_cent(share[name], 1)}" for name, word in sinks.items()]
+    *shares, left = [per_cent(part / energy, 1) if energy > 0 else MISSING for part in parts]
+    sinks = zip(SINKS, shares, strict=True)
+    spent = ", ".join(f"{word} {share}" for word, share in sinks if meets or word != "contacts")
     return (
-        f"Of the {energy} kJ from the ground, {', '.join(parts)}; {per_cent(share['remaining'], 1)} are "
-        f"left at the end. The balance is off by {float(table.energy_balance_error.max()):.0e} at most."
+        f"Of the {number(energy, 'kJ')} kJ from the ground, {spent}; {left} are left at the end. The "
+        f"balance is off by {float(table.energy_balance_error.max()):.0e} at most."
     )
 
 
@@ -169,21 +168,17 @@ def roof(building: xr.Dataset) -> xr.Dataset:
     return building.sel(floor=int(building.storeys)) if "floor" in building.dims else building
 
 
-def _values(
-    tables: Sequence[xr.Dataset], heads: Sequence[str], notes: Sequence[str], end: str = ""
-) -> ViewSection:
-    """Rows of each gap and each building, with a value of each table, and notes.
-
-    With ``end`` they are the mean and the quantiles of the one table.
-    """
-    table = tables[0]
-    meets, blank = "neighbours" in table.dims, [""] * len(heads)
+def _values(case: Case, table: xr.Dataset) -> ViewSection:
+    """Rows of each gap and each building: values in one record, or means and quantiles, and notes."""
+    single, meets = "time" in table.dims, "neighbours" in table.dims
+    end = "" if single else "_mean"
+    heads = [""] if single else ["mean", *(per_cent(level) for level in table["quantile"].values)]
+    blank = [""] * len(heads)
 
     def row(name: str, at: Mapping[str, int], stem: str, scale: float) -> list[str]:
-        parts = [_part(each.isel(at), f"{stem}{end}") for each in tables]
-        if end:
-            return [name, *_statistics(parts[0], stem, scale)]
-        return [name, *(short(scale * float(part[stem])) for part in parts)]
+        part = _part(table.isel(at), f"{stem}{end}")
+        cells = [short(scale * float(part[stem]))] if single else _statistics(part, stem, scale)
+        return [name, *cells]
 
     rows: list[list[str]] = []
     for n, pair in enumerate(table.neighbours.values if meets else ()):
@@ -197,7 +192,9 @@ def _values(
                 rows.append(row(f"  {name}", {"structure": n}, stem, scale))
             if meets and f"{stem}_alone{end}" in table:
                 rows.append(row("    alone", {"structure": n}, f"{stem}_alone", scale))
-    notes = [*notes, *[MEANINGS] * meets, *[OF_FLOORS] * ("floor" in table.dims)]
+    by_ground = any(each.strength in ("reduction_factor", "ductility") for each in case.buildings)
+    notes = [STRENGTH.format(site_in_words(case))] * (single and by_ground) + [ERRORS] * (not single)
+    notes += [MEANINGS] * meets + [OF_FLOORS] * ("floor" in table.dims)
     jumps = meets and bool(table[f"hardest_force_between{end}"].isnull().any())
     text = " ".join([*notes, *[JUMPS] * jumps])
     return ViewSection("", [Table.of(["", *heads], rows), Text(text)])
@@ -212,32 +209,20 @@ def _part(table: xr.Dataset, name: str) -> xr.Dataset:
     return table.isel(floor=int(table[name].argmax("floor")))
 
 
-def ensemble_sections(case: Case, table: xr.Dataset) -> list[ViewSection]:
-    """How often buildings meet, and means and quantiles of what that does."""
+def _of_motions(case: Case, table: xr.Dataset) -> list[list[str]]:
     over = str(table.status.dims[0])
     simulated, meets = over == "path", "neighbours" in table.dims
     count, good = table.sizes[over], int((table.status == 0).sum())
-    strongest = table[["peak_ground_acceleration"]].max()
-    motions = f"{count} records"
+    motions, strength = f"{count} records", [_strengths(table)]
     if simulated:
         duration = f"{case.site.course.duration:.4g} s"
         motions = f"{count} simulated motions of {duration}, {site_in_words(case)}"
-    about = [
-        f"{motions}: {_shares(table) if meets else ALONE}",
-        *((shaking(table, case), scatter(case)) if simulated else (_strengths(table),)),
-        at_medians(case),
-    ]
+        strength = [shaking(table, case), scatter(case)]
     why = next((str(text) for text in table.missing.values if text), "")
     failed = FAILED.format(count - good, count, why) if good < count else ""
     level = f" at most in {per_cent(float(table['quantile'][-1]))} of the motions"
     columns = columns_faced(table.isel(quantile=-1), "_quantile", level)
-    heads = ["mean", *(per_cent(level) for level in table["quantile"].values)]
-    return [
-        opening(case, doubts(strongest)),
-        ViewSection("", texts([floors(case), *left_out(case)])),
-        *(ViewSection("", texts(several)) for several in (about, [failed], [columns])),
-        _values([table], heads, [ERRORS], "_mean"),
-    ]
+    return [[f"{motions}: {_shares(table) if meets else ALONE}", *strength], [failed], [columns]]
 
 
 def _strengths(table: xr.Dataset) -> str:
