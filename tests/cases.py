@@ -119,14 +119,6 @@ def uncommented(block: str) -> str:
     return text.replace(block, block.replace("#   ", ""))
 
 
-def storeyed_building(number: int, start: str) -> str:
-    """A building of a case file from the lines of the example on storeys, with all that it may have."""
-    (block,) = blocks_to_uncomment(start)
-    (more,) = blocks_to_uncomment("dampers")
-    head = f'[building_{number}]\nname = "Block {number}"\ndamping = "5 %"\nhardening = "5 %"\n'
-    return head + (block + more).replace("#   ", "") + "\n"
-
-
 # Tables of buildings for case files; ``{n}`` is the number of the building.
 BLOCK = """[building_{n}]
 name = "Block {n}"

@@ -16,9 +16,7 @@ import stochlin as sl
 from stochlin.applications.cases.examples import example_record
 from stochlin.applications.cases.reading.kinds import Quantity
 from stochlin.applications.cases.reading.tables import key_lines
-from stochlin.applications.cases.rows import gap_of
 from stochlin.applications.cases.separation import answer_case
-from stochlin.models.grounds import rms_acceleration
 from stochlin.models.parameters import Range
 from stochlin.models.units import UNITS, size_of
 
@@ -50,17 +48,6 @@ OTHER_ENERGY = pytest.mark.filterwarnings("ignore:.*times the energy of the reco
 def with_site(lines: str) -> str:
     start, end = EXAMPLE.index("[site]"), EXAMPLE.index("[motion]")
     return f"{EXAMPLE[:start]}[site]\n{lines}\n{EXAMPLE[end:]}"
-
-
-def test_example_is_what_its_comments_say(tmp_path: Path) -> None:
-    case = read(tmp_path, EXAMPLE)
-    firm = sl.named_ground("firm", intensity=0.01)
-    assert case.site.ground == firm
-    assert case.site.course.envelope == sl.AminAng(4.0, 15.0, 0.35)
-    assert case.buildings[0].structure == sl.Bilinear(1.0, 0.05, 0.05, reduction_factor=4, mass=3.2e6)
-    assert (case.site.course.duration, gap_of(case), case.wanted.confidence) == (20.0, 0.05, 0.9)
-    # The comment on the intensity: an rms acceleration of 0.1 g.
-    assert rms_acceleration(case.site.ground) == pytest.approx(0.1 * 9.80665, rel=0.02)
 
 
 def test_the_example_of_a_record_is_what_its_description_says(tmp_path: Path) -> None:

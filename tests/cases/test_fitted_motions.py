@@ -6,15 +6,12 @@ import math
 import warnings
 from pathlib import Path
 
-import numpy as np
 import pytest
 from cases import example_case
 from motions import write_at2
 
 import stochlin as sl
 from stochlin.applications.cases.reading.case import Case
-from stochlin.applications.cases.separation import answer_case
-from stochlin.views.separation.words import details
 from stochlin.views.shared.words import scatter
 
 pytestmark = pytest.mark.invariant
@@ -48,16 +45,6 @@ def test_a_fitted_envelope_brings_ground_and_duration_with_it(fitted: Case) -> N
     course = fitted.site.course
     assert (fitted.site.ground, course.envelope) == (expected.ground, expected.envelope)
     assert course.duration == expected.duration == pytest.approx(25.0, rel=0.01)
-
-
-@pytest.mark.slow
-def test_the_answer_says_how_the_motions_compare_with_the_record(fitted: Case) -> None:
-    answer = answer_case(fitted)
-    (record,) = fitted.site.records.values()
-    of_record = sl.response_spectrum(record, answer.spectrum.period.values, 0.05).pseudo_acceleration
-    np.testing.assert_allclose(answer.spectrum.target, of_record.squeeze(), rtol=1e-9)
-    told = " ".join(details(answer))
-    assert "mean of the motions relative to the target from 0.12 to 1.5 s, 0.2 to 1.5 times the" in told
 
 
 def read_both(folder: Path, second: str, lines: str = "components = 2\n") -> Case:

@@ -11,9 +11,6 @@ from cases import FIRM_SITE
 import stochlin as sl
 from stochlin.applications.cases.reading.case import Case
 from stochlin.applications.cases.separation import answer_case
-from stochlin.messages import DoubtfulInput
-from stochlin.views.separation.risk import risk_blocks
-from stochlin.views.shared.blocks import Table
 
 pytestmark = pytest.mark.invariant
 
@@ -97,13 +94,6 @@ def test_a_hazard_too_steep_for_its_motions_is_named(tmp_path):
         answer_case(case)
 
 
-def test_a_risk_of_a_year_is_said_to_be_one(tmp_path):
-    with pytest.warns(DoubtfulInput, match=r"separation.risk = 0.02 is doubtful: usual are .* per year"):
-        case = read(tmp_path, HAZARD + POINTS, "risk = 0.02\n")
-    table = next(block for block in risk_blocks(answer_case(case)) if isinstance(block, Table))
-    assert table.rows[-1].cells[0] == "for 0.02 per year"
-
-
 @pytest.fixture(scope="module")
 def answered(tmp_path_factory):
     wanted = 'existing = "4 cm"\nrisk = "5 % in 30 years"\n'
@@ -122,16 +112,6 @@ def test_risk_of_a_case_is_that_from_python(answered):
         assert float(table[f"risk_{name}"][0]) == pytest.approx(float(one[name]), rel=1e-12)
     by_intensity = table.risk_annual_rate_by_intensity.isel(risk_gap=0)
     np.testing.assert_allclose(by_intensity, one.annual_rate_by_intensity, rtol=1e-12)
-    asked = sl.required_gap(
-        *pair,
-        case.site.ground,
-        case.site.hazard,
-        case.site.course.duration,
-        risk="5 % in 30 years",
-        **common,
-    )
-    assert float(table.risk_required_gap) == pytest.approx(float(asked.required_gap), rel=1e-12)
-    assert float(table.risk_probability_in_years[2]) == pytest.approx(0.05, rel=1e-4)
     whole = answered.table()
     assert whole.attrs["paths"] == 512
     assert whole.attrs["risk_paths"] == 128

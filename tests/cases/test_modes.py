@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from cases import FIRM_SITE, SMALL_GAP
-from uploads import open_case
 
 import stochlin as sl
 from stochlin.applications.cases.pounding import pound_case
@@ -102,11 +101,3 @@ def test_damping_and_strength_may_be_uncertain_and_damping_of_each_mode(tmp_path
     assert {*first.sampled.uncertain} == {"damping", "yield_displacements"}
     each = case_of(tmp_path, OF_FILE.replace("0.05", '["5 %", "4 %", "3 %"]')).buildings[0].structure
     assert each.arrays()["damping"].values.tolist() == [0.05, 0.04, 0.03]
-
-
-def test_a_file_of_modes_outside_of_the_folder_is_not_read_for_the_explorer(tmp_path: Path) -> None:
-    case_of(tmp_path, OF_FILE)
-    text = (tmp_path / "case.toml").read_text(encoding="utf-8")
-    for outside in ("../tower.csv", "..", str(tmp_path)):
-        with pytest.raises(ValueError, match=r"is outside of the folder of the case file|no such file"):
-            open_case({"case.toml": text.replace("tower.csv", outside).encode()})

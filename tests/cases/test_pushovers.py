@@ -81,12 +81,6 @@ def test_buildings_are_those_of_python(push: Path, tmp_path: Path) -> None:
         same(case.buildings[1].structure, ELASTIC.with_pushover(ideal))
 
 
-def test_hardening_is_that_of_the_curve_unless_it_is_given(push: Path, tmp_path: Path) -> None:
-    ideal = sl.bilinear_of(sl.read_pushover(push))
-    (_, building) = read(tmp_path, FIRST, STOREYS).buildings
-    assert building.structure.hardening == pytest.approx(float(ideal.hardening), rel=1e-12)
-
-
 def test_uncertain_parameters_keep_the_curve(tmp_path: Path) -> None:
     (_, uncertain) = read(tmp_path, FIRST, STOREYS.replace("0.8 s", "0.8 s +- 20 %")).buildings
     (_, certain) = read(tmp_path, FIRST, STOREYS).buildings

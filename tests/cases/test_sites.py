@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import warnings
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +16,6 @@ import stochlin as sl
 from stochlin.applications.cases.reading.case import Case
 from stochlin.applications.cases.separation import answer_case
 from stochlin.applications.cases.shaking import recorded_shaking
-from stochlin.views.separation.words import many_records
 
 pytestmark = pytest.mark.invariant
 
@@ -72,14 +70,9 @@ def suite(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.oracle
 @pytest.mark.parametrize("key", ["pga", "sa"])
-@pytest.mark.parametrize(
-    "ground",
-    [FIRM, 'ground = "kanai_tajimi"\nperiod = "2 s"\ndamping = 0.1\n'],
-    ids=["named", "parametric"],
-)
-def test_motions_are_as_strong_as_the_file_asks(tmp_path, ground, key):
+def test_motions_are_as_strong_as_the_file_asks(tmp_path, key):
     asked = {"pga": 'pga = "0.3 g"', "sa": 'sa = "0.3 g"\nsa_period = "0.6 s"'}[key]
-    case = read(tmp_path, ground + asked)
+    case = read(tmp_path, f'ground = "kanai_tajimi"\nperiod = "2 s"\ndamping = 0.1\n{asked}')
     table = sl.charts.simulated_spectrum(case.site.ground, [0.6], **QUAKE, paths=512, seed=5)
     name = {"pga": "peak_ground_acceleration", "sa": "pseudo_acceleration"}[key]
     found, error = (float(table[f"{name}{end}"].item()) for end in ("", "_standard_error"))
@@ -165,25 +158,6 @@ def test_a_suite_is_scaled_as_in_python_and_stands_after_the_records(suite):
     np.testing.assert_allclose(found / G, 0.5, rtol=1e-9)
 
 
-def test_files_are_read_as_in_python(tmp_path):
-    rows = "\n".join("a: b" if n < 3 else f"{n % 7 - 3} {n % 5 - 2} {n % 11 - 5}" for n in range(20))
-    (tmp_path / "a.txt").write_text(f"{rows}\n", encoding="utf-8")
-    points = "\n".join(f"{T},{sa}" for T, sa in ((0.2, 0.5), (0.5, 0.4), (1, 0.2), (2, 0.1), (4, 0.05)))
-    (tmp_path / "site.csv").write_text(f"T [s],Sa [g]\n{points}\n", encoding="utf-8")
-    reading = {"units": "gal", "wrapped": True, "skip": 3}
-    keys = 'units = "gal"\ndt = "0.02 s"\nwrapped = true\nskip = 3\n'
-    site = 'spectrum = "site.csv"\nbetween = "linear"\n[[site.records]]\npath = "a.txt"\n'
-    case = read(tmp_path, f"{site}{keys}")
-    expected = sl.read_record(tmp_path / "a.txt", dt=0.02, **reading)
-    np.testing.assert_array_equal(case.site.records["a.txt"], expected)
-    linear = sl.read_spectrum(tmp_path / "site.csv", between="linear")
-    np.testing.assert_array_equal(case.site.spectrum, linear)
-    (tmp_path / "folder").mkdir()
-    (tmp_path / "a.txt").rename(tmp_path / "folder" / "a-90.txt")
-    suite = read(tmp_path, f"{SUITE.format('folder')}{keys}")
-    np.testing.assert_array_equal(suite.site.records["a-90.txt"], expected)
-
-
 @pytest.mark.slow
 @pytest.mark.oracle
 def test_many_records_have_quantiles_and_a_share(suite):
@@ -207,16 +181,9 @@ def test_many_records_have_quantiles_and_a_share(suite):
     within = [(of(axis=1) <= answer).sum() for of in (of_events.max, of_events.min)]
     exact = [scipy.stats.binomtest(int(n), 6).proportion_ci(0.95) for n in within]
     assert ends == pytest.approx([exact[0].low, exact[1].high])
-    words = many_records(found).replace("\N{NO-BREAK SPACE}", " ")
-    assert ", with 6 of them independent)" in words
-    assert f"would have needed {100 * np.median(gaps):.1f} cm in 50 % of them" in words
-    assert f"is enough in {round(12 * held)} of 12" in words
 
 
 @pytest.mark.filterwarnings("ignore::stochlin.messages.DoubtfulInput")
 def test_shaking_that_no_record_has_is_doubted(tmp_path):
     (doubt,) = answer_case(read(tmp_path, f'{FIRM}intensity = "1.5 m^2/s^3"\n', ALONE)).doubts()
     assert re.match(r"peak ground acceleration: [34]\S* g, and usual are 0.05 to 1 g", doubt)
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        assert not answer_case(read(tmp_path, f'{FIRM}pga = "0.3 g"\n', ALONE)).doubts()

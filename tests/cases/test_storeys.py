@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import cases
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 import stochlin as sl
 from stochlin.applications.cases.reading.case import Case
 from stochlin.applications.cases.rows import of_codes
 from stochlin.messages import DoubtfulInput
-from stochlin.models.systems import slabs_on_columns
 
 pytestmark = pytest.mark.invariant
 
@@ -97,17 +92,6 @@ def test_laws_dampers_and_the_weight_are_read_by_storey(tmp_path: Path) -> None:
     same(found, expected)
 
 
-def test_the_buildings_of_the_page_are_the_same_in_python(tmp_path: Path) -> None:
-    page = (Path(__file__).parents[2] / "docs" / "buildings.md").read_text(encoding="utf-8")
-    lines, made = (re.findall(rf"```{kind}\n(.*?)```", page, re.DOTALL) for kind in ("toml", "python"))
-    case = read(tmp_path, *lines)
-    names: dict[str, Any] = {}
-    exec("".join(made[:2]), names)
-    same(case.buildings[0].structure, names["office"])
-    same(case.buildings[1].structure, names["annex"])
-    assert sum(slab.column_of == 1 for slab in case.slabs) == 5
-
-
 def of_levels(number: int, heights: Sequence[float]) -> str:
     each = [f'"{h} m"' for h in heights]
     kept = {"masses": ['"300 t"'] * len(each), "stiffnesses": ['"500 MN/m"'] * len(each)}
@@ -124,22 +108,6 @@ def test_slabs_on_columns_are_found_from_the_ground_up(tmp_path: Path) -> None:
     three = of_levels(1, [4, 3]), of_levels(2, [4.04, 3]), of_levels(3, [4, 4])
     row = read(tmp_path, *three, gaps='["5 cm", "5 cm"]')
     assert [slab.column_of for slab in row.slabs] == [3]
-
-
-@given(
-    st.lists(st.integers(1, 12), min_size=1, max_size=8),
-    st.lists(st.integers(1, 12), min_size=1, max_size=8),
-)
-def test_floors_below_the_lower_roof_meet_floors_or_columns(one: list[int], two: list[int]) -> None:
-    """In half metres, so that no level is doubtful; the building on either side is the same."""
-    heights = [np.array(each) / 2 for each in (one, two)]
-    both = [np.cumsum(each) for each in heights]
-    found = {(side, floor) for side, floor in slabs_on_columns(*both)}
-    for side, (own, other) in enumerate((both, both[::-1])):
-        for floor, level in enumerate(own, start=1):
-            alone = level < other[-1] and not (other == level).any()
-            assert ((side, floor) in found) == alone
-    assert {(1 - side, floor) for side, floor in slabs_on_columns(*both[::-1])} == found
 
 
 def test_floors_that_are_said_to_align_and_do_not(tmp_path: Path) -> None:

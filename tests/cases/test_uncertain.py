@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pytest
 from cases import FIRM_SITE
 from cases import read_text as read
@@ -88,9 +87,6 @@ def test_a_ratio_that_is_not_known_exactly_is_read(text, tmp_path):
 def test_every_parameter_of_a_building_may_be_uncertain(building, key, text, name, tmp_path):
     case = read(tmp_path, case_text(changed(building, key, text)))
     assert case.buildings[0].sampled.uncertain.keys() == {name}
-    table = sl.simulate([case.buildings[0].sampled], case.site.sampled_ground, duration=5.0, paths=32)
-    assert table.input.values.tolist() == [f"structure_1.{name}"]
-    assert np.isfinite(table.peak).all()
 
 
 @pytest.mark.parametrize(

@@ -4,18 +4,13 @@ from __future__ import annotations
 
 import http.client
 import json
-import os
-import re
-import signal
 import socket
 import sys
-import time
-from pathlib import Path
 from typing import Any
 
 import pytest
-from browser import PATIENCE, served, wait
-from cases import BLOCK, example_of_short_motion, with_buildings
+from browser import PATIENCE, wait
+from cases import example_of_short_motion
 from click.testing import CliRunner
 
 from stochlin.applications.cases.examples import example_record, short_example
@@ -73,18 +68,6 @@ def test_only_the_page_is_served_and_never_within_another(address, path):
         assert answer.status == (403 if headers else 404 if path in PATHS else 200)
         assert answer.getheader("X-Frame-Options") == "DENY"
         assert answer.getheader("Content-Security-Policy") == "frame-ancestors 'none'"
-
-
-def test_websockets_of_other_pages_are_refused(address):
-    upgrade = {
-        "Connection": "Upgrade",
-        "Upgrade": "websocket",
-        "Sec-WebSocket-Version": "13",
-        "Sec-WebSocket-Key": "AAAAAAAAAAAAAAAAAAAAAA==",
-    }
-    channel = "/_nicegui_ws/socket.io/?EIO=4&transport=websocket"
-    assert response(address, channel, **upgrade, Origin=f"http://{address}").status == 101
-    assert response(address, channel, **upgrade, Origin="http://evil.example").status == 403
 
 
 def test_the_page_comes_from_this_machine_alone_and_has_an_answer(page, address):
@@ -159,60 +142,3 @@ def test_what_is_saved_is_the_opened_file_with_another_line(page, tmp_path):
     page.send(tmp_path / "a.at2")
     wait(lambda: "0 case files are chosen; allowed: one" in page.text("alert"))
     assert page.value('entry="building_2.period"') == "0.75 s"
-
-
-def test_a_building_is_described_in_another_way_in_the_text(page):
-    page.choose("site.ground", "soft")
-    before = page.gap()
-    page.script("document.querySelectorAll('details').forEach(d => d.open = true)")
-    text = page.value("text")
-    assert 'ground = "soft"' in text
-    storeys = 'storeys = 4\nstorey_height = "3 m"\nfloor_mass = "400 t"\nbase_shear_coefficient = 0.15\n'
-    start, end = text.index("[building_1]"), text.index("[building_2]")
-    common = 'period = "1 s"\ndamping = "5 %"\nhardening = "5 %"\n'
-    page.fill(f"{text[:start]}[building_1]\n{common}{storeys}{text[end:]}")
-    wait(lambda: page.value('entry="building_1.floor_mass"') == "400 t")
-    page.idle()
-    assert page.text("alert") == ""
-    assert page.gap() != before
-
-
-@pytest.mark.parametrize("page", [1280, 400], indirect=True)
-def test_nothing_is_wider_than_the_screen_and_all_has_a_name(page):
-    """Also with all groups of the form open."""
-    page.script("document.querySelectorAll('details').forEach(d => d.open = true)")
-    assert page.script("return document.documentElement.scrollWidth") <= page.width
-    unnamed = """return [...document.querySelectorAll('input, textarea, button, [role=switch]')]
-        .filter(e => e.offsetParent && !e.closest('[aria-hidden=true]') && !e.innerText
-          && !e.getAttribute('aria-label') && !(e.labels && e.labels[0]?.innerText))
-        .map(e => e.outerHTML)"""
-    assert page.script(unnamed) == []
-
-
-@pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="work is seen by /proc of Linux")
-def test_a_page_that_is_left_computes_nothing_and_the_server_ends_at_once(chromium, tmp_path):
-    """Also while it is in the middle of an answer."""
-    building = [BLOCK.format(n=n, period=n, storeys=20, height=3.2) for n in (1, 2)]
-    case = with_buildings(*building).replace('duration = "20 s"', 'duration = "200 s"')
-    with served(tmp_path, case) as (address, server):
-        chromium.driver.switch_to.new_window("tab")
-        chromium.driver.get(f"http://{address}/")
-        state = "return document.querySelector('[data-state]')?.textContent || ''"
-        wait(lambda: re.search("[1-9]0? %", chromium.script(state)), 5 * PATIENCE)
-        chromium.driver.close()
-        chromium.driver.switch_to.window(chromium.driver.window_handles[0])
-        time.sleep(2)
-        before = work(server)
-        time.sleep(REST)
-        assert work(server) - before < 0.1 * REST
-        start = time.monotonic()
-        server.send_signal(signal.SIGINT)
-        server.wait(10)
-        assert time.monotonic() - start < 3
-
-
-def work(server):
-    """Processor time of the worker so far [s]."""
-    children = Path(f"/proc/{server.pid}/task/{server.pid}/children").read_text().split()
-    stats = [Path(f"/proc/{child}/stat").read_text().rsplit(")", 1)[1].split() for child in children]
-    return sum(int(stat[11]) + int(stat[12]) for stat in stats) / os.sysconf("SC_CLK_TCK")

@@ -12,20 +12,19 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import cases
 import numpy as np
 import pytest
 import samples
-from cases import example_case
-from commands import invoke
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import stochlin as sl
+from stochlin.applications.cases.examples import short_example
 from stochlin.messages import LONGEST_MESSAGE
 
 pytestmark = [pytest.mark.invariant, pytest.mark.slow]
 
+ANSWERS = Path(__file__).parents[1] / "answers"
 LONGEST = 10.0  # s of computing for one file
 TIMES = int(os.environ.get("FUZZ_TIMES", "1"))  # as many examples as usual
 INNER = re.compile(
@@ -53,91 +52,22 @@ FORMATS = [
     "t [s];acc [g]\n"
     + "\n".join(f"{0.02 * n:.2f};{x:.5f}" for n, x in enumerate(WAVE)).replace(".", ","),
 ]
-POINTS = ([0.1, 0.2, 0.4], [1e-2, 1e-3, 1e-4])
-HAZARDS = [
-    samples.openquake(POINTS[0], {(-99.17, 19.33): POINTS[1], (-99.05, 19.40): POINTS[1]}),
-    samples.usgs({"PGA": POINTS, "SA0P5": POINTS, "SA1P0": POINTS}).replace(", ", ",\n"),
-    "lon,lat,imt,iml,poe\n0,0,PGA,0.1,0.01\n0,0,PGA,0.2,1e-3\n",
-    "pga [g],probability\n0.1,0.01\n0.4,1e-4\n",
-]
-OF_HAZARDS = (
-    {},
-    {"site": 1},
-    {"site": (-99.05, 19.4), "units": "g"},
-    {"measure": "sa", "period": 0.7},
-    {"investigation_time": 50.0},
-)
 OPTIONS = (
     {},
     {"dt": 0.02, "units": "g"},
     {"units": "g", "column": 1, "time_column": 0},
     {"component": 1},
 )
-LINK = """
-[measures.Link]
-link_stiffness = "5 MN/m"
-link_hardening = 0.1
-link_yield_displacement = "1 cm"
-link_floors = [3, 1]
-"""
 
 
-SITES = (
-    'sa = "0.8 g"\nsa_period = "1 s"\n[site.suite]\npath = "suite.csv"\nskip_unreadable = true\n'
-    'pga = "0.3 g"',
-    'return_period = "475 yr"\n[site.hazard]\nmeasure = "pga"\nfile = "hazard.csv"',
-    'return_period = "475 yr"\n[site.hazard]\nmeasure = "sa"\nsa_period = "1 s"\nk0 = 1e-4\nk = 2.5\n'
-    'units = "g"',
-)
-
-
-def forms_of_the_case() -> list[str]:
-    """The example as it is, and with each of its blocks of a record and of a ground taken in."""
-    text = example_case()
-    forms = [text, *(cases.uncommented(one) for one in cases.blocks_to_uncomment("[[site.records]]"))]
-    own = cases.blocks_to_uncomment('ground = "')
-    bare = text.replace('\nground = "firm"', "").replace('\nintensity = "0.01 m^2/s^3"', "")
-    forms += [bare.replace(block, block.replace("#   ", "")) for block in own]
-    forms += storeyed_forms()
-    forms += [text.replace('intensity = "0.01 m^2/s^3"', site, 1) for site in SITES]
-    strengths = ('yield_displacement = "3 cm"', "ductility = 4", "elastic = true")
-    forms += [text.replace("\nreduction_factor = 4", f"\n{one}") for one in strengths]
-    return [bare_of_comments(form) for form in forms]
-
-
-def bare_of_comments(text: str) -> str:
-    """Without what a reader of the file leaves out."""
-    return re.sub(r"(?m)^\s*#.*\n|\s+#[^\n\"]*$", "", text) + "\n"
-
-
-def storeyed_forms() -> list[str]:
-    """The example with a record, and buildings by their storeys or one beside an oscillator."""
-    (record, *_), text = cases.blocks_to_uncomment("[[site.records]]"), example_case()
-    oscillator = text[text.index("[building_2]") : text.index("[separation]")]
-    few, one_by_one = (cases.storeyed_building(1, start) for start in ("period", "masses"))
-    seconds = (few.replace("_1]", "_2]"), cases.storeyed_building(2, "masses"), oscillator)
-    rows = [(first, second) for first in (few, one_by_one) for second in seconds]
-    texts = [cases.with_buildings(*row) for row in rows]
-    return [bare_of_comments(one.replace(record, record.replace("#   ", "")) + LINK) for one in texts]
-
+CASES = [path.read_text(encoding="utf-8") for path in sorted(ANSWERS.glob("*/*.toml"))]
+CASES = [short_example(), *(text for text in CASES if "[separation]" in text)]
 
 # What is put in the place of a value, of a word, or between two; and lines.
 VALUES = """nan|inf|0|-1|1e999|-1e-320|0x10|true|""|"1"|"5 cm"|"1e999 s"|"nan s"|"5 furlong"|"fitted"|[]
 [1, 2]|["5 cm", "3 cm"]|{}|{ model = "hertz" }|[[1], [1, 2]]|1979-05-27|"none"|"clough_penzien"|"kelvin"
 "bouc_wen"|"hertz_damp"|"../../etc/passwd"|"a\\u001b[2J"|=|#|[|]]|.|,|;|NPTS|DT|E|D"""
-SIGNS = [
-    "'''",
-    '"' * 3,
-    "\n",
-    "\r\n",
-    "\x00",
-    "\x1b[2J",
-    "\ufeff",
-    "\u2028",
-    "\u202e",
-    "é",
-    "\U0001f3e2",
-]
+SIGNS = ["'''", '"' * 3, "\r\n", "\x1b[2J", *"\n\x00\ufeff\u2028\u202eé\U0001f3e2"]
 PIECES = [*re.split(r"[|\n]", VALUES), *SIGNS, " ", "\t", "1" + "0" * 400, "9" * 5000, f'"{"A" * 5000}"']
 LINES = """elastic = true|law = "bouc_wen"|beta = 1e-9|exponent = 200|ductility = 1e9|seed = -1
 paths = 1|existing = 5|storys = 8|[building_3]|[[site.records]]|[site]|storey_height = "3 m"|zone = "II"
@@ -207,17 +137,12 @@ def examples(count: int) -> settings:
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Where the records of the cases lie."""
     place = tmp_path_factory.mktemp("fuzz")
-    for name, text in RECORDS.items():
-        written(place / name, text)
-    for name, own in (("taft.txt", "one.txt"), ("sct.txt", "tab.txt"), ("record.at2", "peer.at2")):
-        written(place / name, RECORDS[own])
-    written(place / "suite.csv", "file\nrecord.at2\nnone.txt\n")
-    written(place / "hazard.csv", "pga [g],annual frequency\n0.1,0.01\n1,1e-4\n")
+    written(place / "wave.txt", RECORDS["one.txt"])
     return place
 
 
 @examples(1500)
-@given(text=mutated(forms_of_the_case()))
+@given(text=mutated(CASES))
 def test_mutated_case_files_are_read_or_refused_in_words(folder: Path, text: str) -> None:
     check(lambda: sl.read_case(written(folder / "case.toml", text)))
 
@@ -236,26 +161,3 @@ def test_mutated_records_are_read_or_refused_in_words(
         packed = gzip.compress(path.read_bytes())
         (folder / "record.gz").write_bytes(packed[: len(packed) - cut])
         check(lambda: sl.read_record(folder / "record.gz", **options))
-
-
-@examples(1500)
-@given(text=mutated(HAZARDS), options=st.sampled_from(OF_HAZARDS))
-def test_mutated_hazards_are_read_or_refused_in_words(
-    folder: Path, text: str, options: dict[str, Any]
-) -> None:
-    check(lambda: sl.read_hazard(written(folder / "site.csv", text), **options))
-
-
-@examples(400)
-@given(text=mutated(forms_of_the_case()[1:4] + storeyed_forms()))
-def test_commands_answer_or_say_what_is_wrong(folder: Path, text: str) -> None:
-    path = written(folder / "case.toml", text)
-    done = invoke("pound", path)
-    assert done.exit_code in (0, 1, 2), done.output
-    assert done.exception is None or isinstance(done.exception, SystemExit), repr(done.exception)
-    said = done.output.splitlines()
-    assert all(line.isprintable() for line in said), done.output
-    if done.exit_code:
-        assert not INNER.search(done.output), done.output
-        (error,) = [line for line in said if line.startswith("Error: ")]
-        assert len(error) < LONGEST_MESSAGE

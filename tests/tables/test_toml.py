@@ -13,7 +13,7 @@ pytestmark = pytest.mark.invariant
 ENDLESS = {
     '["' + 'a" . "' * 30_000 + 'a"]': "line 1: a key is nested too deeply; allowed: tables",
     f"a = {'[' * 100_000}": "a value is nested too deeply; allowed: tables",
-    "".join(f"[a_{n}]\n" for n in range(60_000)) + "[a_1]": "each key stands once",
+    "".join(f"[a_{n}]\n" for n in range(60_000)) + "[a_1]": "each key once",
     f"a = 1{'0' * 5000}  # {'x'.join(['9' * 999] * 900)}": "line 1: 'a = 1000",
 }
 

@@ -48,20 +48,15 @@ def over_records(case: Case, separations: xr.DataArray, gap: float) -> xr.Datase
     levels = np.unique([*LEVELS, case.wanted.confidence])
     table = xr.Dataset(coords={"quantile": labels.axis("quantile", "quantile", levels)})
     events = events_of(case.site.records.values())
-    samples = separations, *ends_of_events(separations, events)
-    for n, end in enumerate(labels.VALUE_AND_ENDS):
-        values = quantile_intervals(samples[n].to_numpy(), levels)[n]
-        table[f"record_gap_quantile{end}"] = "quantile", values
-    table = table.assign(share_apart(case, separations, gap)).assign_attrs(independent=len({*events}))
-    return labels.label(table)
-
-
-def share_apart(case: Case, values: xr.DataArray, most: float) -> dict[str, xr.DataArray]:
-    """Share of the records with values up to ``most``, and its 95 % interval, that of events."""
-    smallest, largest = ends_of_events(values, events_of(case.site.records.values()))
-    samples = values, largest, smallest  # most events are within by the smallest values
-    shares = [keeping_apart(each.rename(record="path"), most) for each in samples]
-    return {f"record_{name}": share[name] for name, share in zip(shares[0], shares, strict=True)}
+    smallest, largest = ends_of_events(separations, events)
+    for n, each in enumerate((separations, smallest, largest)):
+        values = quantile_intervals(each.to_numpy(), levels)[n]
+        table[f"record_gap_quantile{labels.VALUE_AND_ENDS[n]}"] = "quantile", values
+    # Most events are within the gap by the smallest values.
+    samples = (each.rename(record="path") for each in (separations, largest, smallest))
+    shares = [keeping_apart(each, gap) for each in samples]
+    kept = {f"record_{name}": each[name] for name, each in zip(shares[0], shares, strict=True)}
+    return labels.label(table.assign(kept).assign_attrs(independent=len({*events})))
 
 
 def doubts(shaken: xr.Dataset) -> list[str]:

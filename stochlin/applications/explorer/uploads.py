@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path, PurePath
 from tempfile import TemporaryDirectory
@@ -16,16 +16,8 @@ from stochlin.messages import DoubtfulInput
 from stochlin.solver.tables.inputs import only_within
 from stochlin.solver.tables.toml import read_toml
 
-
-class _Last:
-    """The last site with its ground, what it was read from, and warnings on the ground."""
-
-    shaking: Any = None
-    site: Any = None
-    warned: Sequence[warnings.WarningMessage] = ()
-
-
-_LAST = _Last()
+# What the last site was read from, the site with its ground, and warnings on the ground.
+_LAST: list[Any] = [None, None, ()]
 
 
 class Upload(NamedTuple):
@@ -84,14 +76,15 @@ def read_upload(folder: str, name: str, text: str) -> tuple[Case, list[str]]:
         try:
             case = case_of(read_table(path, text))
             shaking = path, case.whole.site.values, case.whole.motion.values
-            if shaking != _LAST.shaking:
+            if shaking != _LAST[0]:
                 before = len(caught)
                 _ = case.site.ground
-                _LAST.shaking, _LAST.site, _LAST.warned = shaking, case.site, caught[before:]
+                _LAST[:] = shaking, case.site, caught[before:]
         except (OSError, ValueError) as error:
             raise ValueError(_without(folder, error)) from error
-    doubts = {str(warning.message): None for warning in [*caught, *_LAST.warned]}
-    return replace(case, site=_LAST.site), [*doubts]
+    _, site, warned = _LAST
+    doubts = dict.fromkeys(str(warning.message) for warning in [*caught, *warned])
+    return replace(case, site=site), [*doubts]
 
 
 def _without(folder: str, error: Exception) -> str:

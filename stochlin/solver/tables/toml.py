@@ -13,12 +13,7 @@ from stochlin.solver.tables.inputs import read_input
 BACKSLASH = (
     "a backslash begins a special sign in \"double quotes\": write a path in 'single quotes', or with /"
 )
-_CURES = {  # of lines that are no TOML, by how they are written: what to do
-    r'"[^"]*\\': BACKSLASH,
-    r"=\s*[-+]?\d+,\d": 'write a decimal point, and a unit within quotation marks: "1.0 s"',
-    r"=\s*[-+]?\.\d": "write a digit before the decimal point, such as 0.5",
-    "": 'a value with a unit and any other text stand in quotation marks, such as period = "0.6 s"',
-}
+VALUES = 'texts, also with a unit, in quotation marks, as period = "0.6 s", and numbers such as 0.5'
 MOST_BYTES = 2**20  # of a case file, which a person writes
 MOST_DOTS = 16  # in a key; the parser's time and memory grow with their square
 _PART = r"""(?:[\w-]++|"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')"""
@@ -49,12 +44,9 @@ def read_toml(path: Path, other: str | None = None) -> tuple[str, dict[str, Any]
         excerpt = lines[line - 1].strip() if 0 < line <= len(lines) else ""
         if len(excerpt) > LONGEST:  # the mistake is often at its end
             excerpt = f"{excerpt[: LONGEST // 2 - 3]}...{excerpt[-LONGEST // 2 :]}"
-        cure = next(advice for pattern, advice in _CURES.items() if re.search(pattern, excerpt))
-        if re.search("twice|overwrite|mutate|redefine|Duplicate", str(error)):
-            cure = "each table and each key stands once"
-        raise ValueError(
-            f"{name}, line {line}: '{plain(excerpt)}' is no TOML file's text ({plain(error)}); {cure}"
-        ) from error
+        allowed = BACKSLASH if "\\" in excerpt else f"each table and each key once; {VALUES}"
+        what = f"'{plain(excerpt)}' is no TOML file's text ({plain(error)}); allowed: {allowed}"
+        raise ValueError(f"{name}, line {line}: {what}") from error
 
 
 def toml_tables(text: str) -> dict[str, Any]:

@@ -315,18 +315,16 @@ def read_building(table: Table, number: int) -> Building:
     """A building by the form that has most of its keys."""
     form: Any = table.read(*((ByModes,) if "modes" in table else FORMS))
     building = Building(form.name or f"Building {number}", form.model(), form)
-    counts = {"displacements": len(form.displacements)}
+    floors = building.floors
+    for name, count in {"displacements": len(form.displacements), "storeys": form.storeys}.items():
+        known = building.has_storeys or name == "displacements"
+        if known and count not in (None, 0, floors):
+            raise table.error(name, f"does not fit {floors} floors; allowed: {floors}")
     if building.has_storeys:
-        counts["storeys"] = form.storeys
-        shortest, longest = (building.floors * each for each in PER_STOREY)
-        if not shortest <= building.period <= longest:
-            period = f"a first period of {building.period:.3g} s with {building.floors} storeys"
+        if not PER_STOREY[0] <= building.period / floors <= PER_STOREY[1]:
+            period = f"a first period of {building.period:.3g} s with {floors} storeys"
             table.warn("", f"is doubtful: it has {period}; are masses and stiffnesses in their units?")
-    for name, count in counts.items():
-        if count not in (None, 0, building.floors):
-            raise table.error(name, f"does not fit {building.floors} floors; allowed: {building.floors}")
-    if building.has_storeys and not form.elastic:
-        for warning in building.structure.doubts():
+        for warning in () if form.elastic else building.structure.doubts():
             table.warn(building.strength, f"is doubtful: {warning}")
     return building
 

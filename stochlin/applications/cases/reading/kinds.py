@@ -160,7 +160,7 @@ class Word:
 
     @property
     def words(self) -> str:
-        """What is accepted, in words."""
+        """What is accepted."""
         return ", ".join(self.known)
 
     def read(self, written: Any, warn: Warn) -> str:
