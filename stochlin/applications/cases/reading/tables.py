@@ -152,7 +152,7 @@ class Table:
             raise self.error(next(named, ""), f"does not fit: {text}") from error
 
     def _unknown(self, name: str, form: type[Form], keys: Mapping[str, Key]) -> ValueError:
-        near = nearest(name, keys)
+        near = nearest(name, [key for key in keys if key not in self])
         said = instead_of(name) or (f"did you mean {near}? " if near else "")
         what = "is not a key that is known here" + f", of {form.described_as}" * bool(form.described_as)
         return self.error(name, f"{what}; {said}allowed: {listed(keys, MOST_LISTED)}")
