@@ -143,9 +143,9 @@ class PowerLawHazard(Hazard):
     ----------
     k0 : float or array
         Annual frequency [1/yr] at which an intensity ``im`` of 1 m/s^2, or of 1 m^2/s^3 for
-        ``"intensity"``, is exceeded; positive.
+        ``"intensity"``, is exceeded; between 1e-30 and 1e10.
     k : float or array
-        Exponent [-], positive; usually 2 to 4.
+        Exponent [-], between 0.5 and 10; usually 2 to 4.
     measure : {"pga", "sa", "intensity"}
         As in `HazardCurve`.
     period : float, optional
@@ -154,11 +154,7 @@ class PowerLawHazard(Hazard):
     Raises
     ------
     ValueError, TypeError
-        If a number is not positive, the measure is unknown, or a period is missing or not allowed.
-
-    Notes
-    -----
-    An intensity or frequency beyond the range of numbers is infinite, or 0; `pounding_risk` refuses it.
+        If a number is out of range, the measure is unknown, or a period is missing or not allowed.
 
     References
     ----------
@@ -172,8 +168,8 @@ class PowerLawHazard(Hazard):
     (0.0025, 2.0)
     """
 
-    k0: Parameter = parameter("1/yr", "annual frequency at an intensity of 1", Range())
-    k: Parameter = parameter("1", "exponent of the hazard", Range())
+    k0: Parameter = parameter("1/yr", "annual frequency at an intensity of 1", Range(1e-30, 1e10))
+    k: Parameter = parameter("1", "exponent of the hazard", Range(0.5, 10))
 
     def frequency(self, intensity: Parameter) -> Any:
         """Annual frequency at which an intensity is exceeded [1/yr]."""

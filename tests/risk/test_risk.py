@@ -118,20 +118,6 @@ def test_risks_that_are_none_or_outside_of_the_hazard_are_named():
             sl.required_gap(*ELASTIC, GROUND, hazard, 15.0, risk=risk)
 
 
-def test_frequencies_beyond_the_range_of_numbers_are_refused():
-    hazard = sl.PowerLawHazard(k0=1e-3, k=1000.0)
-    with pytest.raises(ValueError, match="gives annual frequencies beyond the range of numbers"):
-        sl.pounding_risk(*ELASTIC, GROUND, 0.02, hazard, 15.0, paths=32)
-    with pytest.raises(ValueError, match="allowed: two that differ, from 1e-100 to 1e"):
-        sl.pounding_risk(*ELASTIC, GROUND, 0.1, sl.PowerLawHazard(1e300, 1e-300), 15.0, paths=32)
-
-
-def test_a_hazard_that_begins_too_high_is_doubted():
-    hazard = sl.HazardCurve([4.0, 8.0], [0.01, 1e-3])
-    with pytest.warns(UserWarning, match="weaker shaking, which is not in the hazard"):
-        sl.pounding_risk(*ELASTIC, GROUND, 0.01, hazard, 15.0, paths=32)
-
-
 @pytest.mark.slow
 def test_risk_of_what_is_not_known_exactly():
     """Without spread as known; with it, the mean of the rates of drawn pairs."""

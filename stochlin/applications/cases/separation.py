@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,7 +19,7 @@ from stochlin.applications.cases.rows import (
     simulated_as,
 )
 from stochlin.applications.cases.shaking import MOST_RECORDS, doubts, over_records, shaking_of
-from stochlin.applications.risk.risk import SimulatedRisk, allowed_rate
+from stochlin.applications.risk.risk import SimulatedRisk, allowed_rate, simulated_risk
 from stochlin.applications.sensitivity.sensitivity import sensitivity
 from stochlin.applications.separation.existing_gap import existing_gap
 from stochlin.applications.separation.separation import separation
@@ -28,7 +27,6 @@ from stochlin.applications.sites.motion_fit import checked_components, periods_o
 from stochlin.applications.sites.simulated_spectra import Motions, compared_spectrum, simulated_spectrum
 from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.kernels.simulation.stepping import whole_groups
-from stochlin.messages import DoubtfulInput
 from stochlin.solver.tables import labels
 
 HAZARD = ": site.hazard cannot be used"
@@ -137,13 +135,11 @@ def _simulated_risk(case: Case, progress: Progress | None) -> SimulatedRisk | No
         return None
     sampled = (building.sampled for building in one_or_two(case))
     structures = dict(zip(("first", "second"), sampled, strict=False))
-    motion = *case.site.course[:2], case.site.scatter
+    duration, envelope = case.site.course[:2]
     paths = whole_groups(max(FEWEST_PATHS, case.simulated.motions // SHARE))
-    ground, seed = case.site.sampled_ground, case.simulated.seed
-    risk = SimulatedRisk(structures, ground, hazard, *motion, paths, seed, progress)
+    motion = duration, envelope, case.site.scatter, paths, case.simulated.seed
     with named_errors(case, HAZARD):
-        _ = risk.motions  # simulates
-    return risk
+        return simulated_risk(structures, case.site.sampled_ground, hazard, motion, progress)
 
 
 def _risk_table(simulated: SimulatedRisk, case: Case, answer: float) -> xr.Dataset | None:
@@ -162,14 +158,12 @@ def _risk_table(simulated: SimulatedRisk, case: Case, answer: float) -> xr.Datas
     gaps = {what: gap for what, gap in gaps.items() if gap > 0}
     if not gaps:
         return None
-    with warnings.catch_warnings(), named_errors(case, HAZARD):
-        warnings.simplefilter("ignore", DoubtfulInput)  # on weak shaking; the report states it instead
-        each = [simulated.of_gap(gap, years) for gap in gaps.values()]
+    each = [simulated.of_gap(gap, years) for gap in gaps.values()]
     along = labels.axis(GAP, "gap of which the risk is", np.array(list(gaps.values())), "m")
     table = xr.concat(each, along, data_vars="all", coords="minimal", compat="override", join="exact")
     which = {OF: (GAP, list(gaps), {"long_name": "which gap this is"})}
     table = labels.label(table.assign_coords(which).assign(target.data_vars))
     names = {name: f"{PREFIX}{name}" for name in table.variables if name not in (GAP, OF)}
-    hazard, paths = simulated.hazard.describe(), simulated.paths
+    hazard, paths = simulated.hazard.describe(), len(simulated.motions.separation)
     about = {"risk_hazard": hazard, "risk_years": years, "risk_paths": paths}
     return table.rename(names).drop_attrs(deep=False).assign_attrs(about)

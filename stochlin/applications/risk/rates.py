@@ -136,38 +136,26 @@ def lognormal_fragility(motions: SeparationsByIntensity, gap: float) -> Fragilit
         z, most = (known - mean) / np.exp(log_b), (mean - top) / np.exp(log_b)
         return float(0.5 * z @ z + known.size * log_b - never * log_ndtr(most))
 
-    start = np.array([known.mean(), np.log(known.std())])
-    if not never:  # closed form of the maximum
-        mean, log_b = start
-        b = float(np.exp(log_b))
-        errors = b / np.sqrt(known.size), b / np.sqrt(2 * known.size)
-    else:
-        fit = scipy.optimize.minimize(surprise, start, method="BFGS", options={"gtol": 1e-6})
-        mean, log_b = fit.x
-        b = float(np.exp(log_b))
-        z, most = (known - mean) / b, (mean - top) / b
-        tail = never * np.exp(-0.5 * most**2 - log_ndtr(most)) / np.sqrt(2 * np.pi)
-        bend = tail * (most + tail / never)
-        mixed = (2 * z.sum() + tail - most * bend) / b
-        curvature = [
-            [(known.size + bend) / b**2, mixed],
-            [mixed, 2 * z @ z + most * (most * bend - tail)],
-        ]
-        spread = np.sqrt(np.diag(np.linalg.inv(curvature)))  # of the mean and the logarithm of b
-        errors = float(spread[0]), float(b * spread[1])
-    median = float(np.exp(mean))
-    return Fragility(median, b, median * float(errors[0]), float(errors[1]))
-
-
-def shares_of_rate(risk: xr.Dataset) -> tuple[Array, Array]:
-    """Edges of the intervals of intensities, from 0 to infinity, and their parts of the rate."""
-    parts = risk.risk_annual_rate_by_intensity.values
-    return np.append(risk.risk_from_intensity.values, np.inf), parts / (parts.sum() or 1.0)
+    mean, log_b = known.mean(), np.log(known.std())
+    if never:  # else these are the maximum
+        options = {"gtol": 1e-6}
+        mean, log_b = scipy.optimize.minimize(surprise, [mean, log_b], method="BFGS", options=options).x
+    median, b = float(np.exp(mean)), float(np.exp(log_b))
+    z, most = (known - mean) / b, (mean - top) / b
+    hazard = np.exp(-0.5 * most**2 - log_ndtr(most)) / np.sqrt(2 * np.pi)
+    tail, bend = never * hazard, never * hazard * (most + hazard)
+    mixed = (2 * z.sum() + tail - most * bend) / b
+    curvature = [
+        [(known.size + bend) / b**2, mixed],
+        [mixed, 2 * z @ z + most * (most * bend - tail)],
+    ]
+    of_mean, of_log_b = np.sqrt(np.diag(np.linalg.inv(curvature)))
+    return Fragility(median, b, float(median * of_mean), float(b * of_log_b))
 
 
 def range_of_rate(risk: xr.Dataset, left_out: float) -> tuple[float, float]:
     """The intensities between which the rate arises, but for such a part of it at either end."""
-    edges, shares = shares_of_rate(risk)
-    above = 1 - np.append(0.0, np.cumsum(shares))
+    edges = np.append(risk.risk_from_intensity.values, np.inf)
+    above = 1 - np.append(0.0, np.cumsum(risk.risk_annual_rate_by_intensity / risk.risk_annual_rate))
     low = edges[np.flatnonzero(above >= 1 - left_out)[-1]]
     return float(low), float(edges[np.flatnonzero(above <= left_out)[0]])

@@ -6,12 +6,10 @@ For one building it is the frequency of crossing its property line.
 from __future__ import annotations
 
 import re
-import warnings
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from functools import cached_property, reduce
+from functools import reduce
 from operator import and_
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.optimize
@@ -22,7 +20,7 @@ from stochlin.applications.sites.intensity import scale_ground
 from stochlin.applications.sites.simulated_spectra import PGA_STEP
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.messages import DoubtfulInput, brief
+from stochlin.messages import brief
 from stochlin.models.arguments import (
     Duration,
     Metres,
@@ -51,8 +49,6 @@ from stochlin.solver.tables.checks import check_duration, standing
 POINTS = 13  # number of simulated intensities
 RETURN_PERIODS = (5.0, 2e5)  # [yr] of the lowest and highest intensity of a hazard without a table
 CERTAIN = 1.96  # standard errors to each side of a 95 % interval
-WEAKEST = 0.1  # largest pounding probability at the lowest intensity of a hazard without a warning
-OF_HAZARD, NARROWEST = (1e-100, 1e100), 1e-9  # intensities of a hazard, and least share between two
 CLOSE = 1e-6  # relative tolerance of a required gap
 ROUNDING = 1e-12  # relative rounding error allowed at the end of a hazard curve
 UNITS = {"pga": "m/s^2", "sa": "m/s^2", "intensity": "m^2/s^3"}
@@ -127,8 +123,9 @@ def pounding_risk(
     Notes
     -----
     A motion with pounding at an intensity and without pounding at a higher one counts for the former
-    only. Motions of the same intensity differ as samples of a random process; the larger difference
-    between earthquakes is included by ``scatter``.
+    only. Shaking weaker than the lowest intensity of a `HazardCurve` is left out: the
+    ``pounding_probability`` there should be small. Motions of the same intensity differ as samples of a
+    random process; the larger difference between earthquakes is included by ``scatter``.
 
     References
     ----------
@@ -144,12 +141,12 @@ def pounding_risk(
     >>> bool(table.annual_rate_standard_error < 0.2 * table.annual_rate)
     True
     """
-
-    def of_cell(ground: Ground, **structures: AnyStructure) -> xr.Dataset:
-        motion = duration, envelope, scatter, paths, seed, progress
-        return SimulatedRisk(structures, ground, hazard, *motion).of_gap(gap, years)
-
-    return _over_cells(of_cell, standing(first, second), ground, duration)
+    motion = duration, envelope, scatter, paths, seed
+    table = _over_cells(
+        lambda simulated: simulated.of_gap(gap, years),
+        *(standing(first, second), ground, hazard, motion, progress, "pounding_risk"),
+    )
+    return table.assign_attrs(years=float(years), gap_m=float(gap))
 
 
 @checked
@@ -204,22 +201,56 @@ def required_gap(
     >>> bool(abs(table.annual_rate / table.target_rate - 1) < 1e-3)
     True
     """
+    motion = duration, envelope, scatter, paths, seed
+    table = _over_cells(
+        lambda simulated: simulated.gap_of(risk),
+        *(standing(first, second), ground, hazard, motion, progress, "required_gap"),
+    )
+    return table.assign_attrs(risk=brief(risk))
 
-    def of_cell(ground: Ground, **structures: AnyStructure) -> xr.Dataset:
-        motion = duration, envelope, scatter, paths, seed, progress
-        return SimulatedRisk(structures, ground, hazard, *motion).gap_of(risk)
 
-    return _over_cells(of_cell, standing(first, second), ground, duration)
+Motion = tuple[float, Envelope | None, float, int, int]  # duration, envelope, scatter, paths, seed
 
 
 def _over_cells(
-    of_cell: Callable[..., xr.Dataset], structures: dict[str, Any], ground: Ground, duration: float
+    result: Callable[[SimulatedRisk], xr.Dataset],
+    structures: dict[str, Any],
+    ground: Ground,
+    hazard: Hazard,
+    motion: Motion,
+    progress: Progress | None,
+    call: str,
 ) -> xr.Dataset:
-    """``of_cell`` for every cell of structures and ground; NaN if a period exceeds the duration."""
+    """Results for every cell of structures and ground; NaN if a period exceeds the duration."""
+    duration, envelope, scatter, paths, seed = motion
     both = {role: median_of(structure) for role, structure in structures.items()}
     check_duration(duration, both)
     long_enough = reduce(and_, (first_period(structure) <= duration for structure in both.values()))
-    return over_cells(of_cell, {**structures, "ground": ground}, long_enough)
+
+    def of_cell(ground: Ground, **structures: AnyStructure) -> xr.Dataset:
+        return result(simulated_risk(structures, ground, hazard, motion, progress))
+
+    models = {**structures, "ground": ground}
+    what = (
+        "pounding of two structures"
+        if len(structures) > 1
+        else "one structure crossing its property line"
+    )
+    return labels.with_run_information(
+        labels.label(over_cells(of_cell, models, long_enough)).assign_attrs(
+            paths=paths,
+            seed=seed,
+            duration_s=float(duration),
+            envelope="none" if envelope is None else envelope.describe(),
+            measure=hazard.measure,
+            **({"pga_step_s": PGA_STEP} if hazard.measure == "pga" else {}),
+            **labels.of_scatter(scatter),
+        ),
+        f"Risk of {what}, {median_of(ground).name} ground",
+        f"{call}(duration={duration:g}, paths={paths}, seed={seed})",
+        {**models, "hazard": hazard},
+        REFERENCES,
+    )
 
 
 def allowed_rate(risk: str | float) -> tuple[float, float | None]:
@@ -260,58 +291,14 @@ def simulated_at(hazard: Hazard) -> Array:
         ends = hazard.intensities
     else:
         ends = tuple(float(hazard.intensity(years)) for years in RETURN_PERIODS)
-        (least, most), (low, high), (short, long) = OF_HAZARD, ends, RETURN_PERIODS
-        if not least < low * (1 + NARROWEST) < high < most:
-            raise ValueError(
-                f"hazard: {hazard.describe()} has intensities of {low:.4g} and {high:.4g} "
-                f"{UNITS[hazard.measure]} at return periods of {short:g} and {long:g} years; allowed: "
-                f"two that differ, from {least:g} to {most:g}; k is usually 2 to 4, so correct k0 or k"
-            )
     return np.geomspace(ends[0], ends[-1], POINTS)
 
 
-@dataclass(frozen=True)
-class SimulatedRisk:
-    """Simulated motions of structures at a site, from which the risk of any gap follows."""
+class SimulatedRisk(NamedTuple):
+    """Separations in simulated motions of a site, from which the risk of any gap follows."""
 
-    structures: Mapping[str, AnyStructure]  # by the names of their arguments
-    ground: Ground
+    motions: SeparationsByIntensity
     hazard: Hazard
-    duration: float
-    envelope: Envelope | None
-    scatter: float
-    paths: int
-    seed: int
-    progress: Progress | None
-
-    @cached_property
-    def motions(self) -> SeparationsByIntensity:
-        """Separations in the same motions at all intensities.
-
-        Raises an error for a duration shorter than a period, or too much work.
-        """
-        both = {role: median_of(structure) for role, structure in self.structures.items()}
-        ground, levels = median_of(self.ground), simulated_at(self.hazard)
-        check_duration(self.duration, both)
-        check_repeated(list(both.values()), ground, self.duration, self.paths, POINTS)
-        pair = [
-            applied(lambda s: strength_in_metres(s, ground), each) for each in self.structures.values()
-        ]
-        power = 0.5 if self.hazard.measure == "intensity" else 1.0
-        factors = (
-            self._ground_of_one(ground) / float(ground.arrays()["intensity"]) * levels ** (2 * power)
-        )
-        motion: dict[str, Any] = {"duration": self.duration, "envelope": self.envelope}
-        motion |= {"paths": self.paths, "seed": self.seed, "scatter": self.scatter}
-        return simulated_separations(pair, self.ground, levels, factors, power, self.progress, **motion)
-
-    def _ground_of_one(self, ground: Ground) -> float:
-        """``S0`` [m^2/s^3] of motions with the intensity 1 in the measure of the hazard."""
-        if self.hazard.measure == "intensity":
-            return 1.0
-        goal: dict[str, Any] = {self.hazard.measure: 1.0, "period": self.hazard.period}
-        scaled = scale_ground(ground, self.duration, self.envelope, seed=self.seed, **goal)
-        return float(scaled.arrays()["intensity"])
 
     def _frequency(self, intensity: Array) -> Array:
         """Annual frequency of exceedance [1/yr]; constant below a table of the hazard, zero beyond."""
@@ -320,59 +307,61 @@ class SimulatedRisk:
             least, top = self.hazard.intensities[0], self.hazard.intensities[-1]
             known = np.clip(intensity, least, top)
         frequencies = np.asarray(self.hazard.frequency(xr.DataArray(known)))
-        if (lost := np.isinf(frequencies)).any():
-            raise ValueError(
-                f"hazard: {self.hazard.describe()} gives annual frequencies beyond the range of numbers "
-                f"for {known[lost].min():.3g} {UNITS[self.hazard.measure]}, at which motions still "
-                "count; allowed: a smaller k; usual are 2 to 4"
-            )
         return np.where(intensity > top * (1 + ROUNDING), 0.0, frequencies)
+
+    def rate(self, gap: float) -> tuple[float, float]:
+        """Mean annual frequency of pounding [1/yr], and its standard error."""
+        return mean_with_error(rates(self.motions, gap, self._frequency).sum(axis=1))
 
     def of_gap(self, gap: float, years: float) -> xr.Dataset:
         """The result of `pounding_risk`."""
-        motions = self.motions
-        by_path = rates(motions, gap, self._frequency)
-        rate, error = mean_with_error(by_path.sum(axis=1))
-        self._warn_of_weak(gap)
+        motions, hazard = self.motions, self.hazard
+        rate, error = self.rate(gap)
         spared = float((motions.separation[:, -1] <= gap).mean())
-        table = xr.Dataset(
+        attrs = {"units": UNITS[hazard.measure], "long_name": f"intensity, {hazard.measure}"}
+        axis = {"intensity": ("intensity", motions.intensity, attrs)}
+        samples = xr.DataArray(motions.separation, dims=("path", "intensity"), coords=axis)
+        begin = {"from_intensity": ("from_intensity", np.append(0.0, motions.intensity), attrs)}
+        by_interval = rates(motions, gap, self._frequency).mean(axis=0)
+        ends = {"": 0.0, "_lower": -CERTAIN, "_upper": CERTAIN}
+        return xr.Dataset(
             {
                 "annual_rate": rate,
                 "annual_rate_standard_error": error,
                 "annual_rate_unseen": spared * float(self._frequency(motions.intensity[-1:])[0]),
-                **_in_years(rate, error, years),
-                **_by_intensity(motions, by_path, gap, self.hazard.measure),
-            }
+                "annual_rate_by_intensity": ("from_intensity", by_interval),
+                **{
+                    f"probability_in_years{end}": -np.expm1(-max(rate + times * error, 0.0) * years)
+                    for end, times in ends.items()
+                },
+                **{f"pounding_{name}": each for name, each in exceedance(samples, gap).items()},
+            },
+            begin,
         )
-        return self._labelled(table.assign_attrs(years=float(years), gap_m=float(gap)), "pounding_risk")
 
     def gap_of(self, risk: str | float) -> xr.Dataset:
         """The result of `required_gap`."""
-        target = check_target(self.hazard, risk)
-        separation = self.motions.separation
+        target, separation = check_target(self.hazard, risk), self.motions.separation
         least = 1e-3 * float(separation.min() or 1e-6)
         most = 2 * float(separation.max(where=separation < np.inf, initial=least))
-
-        def rate(gap: float) -> tuple[float, float]:
-            return mean_with_error(rates(self.motions, gap, self._frequency).sum(axis=1))
 
         def gap_at(errors: float) -> float:
             """Gap [m] for which the rate, and so many standard errors, equal the target."""
 
-            def excess(gap: float) -> float:
-                mean, error = rate(gap)
+            def excess(log_gap: float) -> float:
+                mean, error = self.rate(float(np.exp(log_gap)))
                 return mean + errors * error - target
 
-            if excess(most) > 0:  # of motions in which a structure falls
+            low, high = np.log(least), np.log(most)
+            if excess(high) > 0:  # of motions in which a structure falls
                 return np.inf
-            if excess(least) <= 0:
+            if excess(low) <= 0:
                 return 0.0
-            ends = np.log(least), np.log(most)
-            return float(np.exp(scipy.optimize.brentq(lambda x: excess(np.exp(x)), *ends, xtol=CLOSE)))
+            return float(np.exp(scipy.optimize.brentq(excess, low, high, xtol=CLOSE)))
 
         gap = gap_at(0.0)
-        mean, error = rate(gap) if gap else (np.nan, np.nan)
-        table = xr.Dataset(
+        mean, error = self.rate(gap) if gap else (np.nan, np.nan)
+        return xr.Dataset(
             {
                 "required_gap": gap,
                 "required_gap_lower": gap_at(-CERTAIN),
@@ -382,60 +371,33 @@ class SimulatedRisk:
                 "annual_rate_standard_error": error,
             }
         )
-        return self._labelled(table.assign_attrs(risk=brief(risk)), "required_gap")
-
-    def _labelled(self, table: xr.Dataset, call: str) -> xr.Dataset:
-        """The table with units and run information."""
-        models: dict[str, Any] = {**self.structures, "ground": self.ground, "hazard": self.hazard}
-        alone = len(self.structures) == 1
-        what = "one structure crossing its property line" if alone else "pounding of two structures"
-        return labels.with_run_information(
-            labels.label(table).assign_attrs(
-                paths=self.paths,
-                seed=self.seed,
-                duration_s=float(self.duration),
-                envelope="none" if self.envelope is None else self.envelope.describe(),
-                measure=self.hazard.measure,
-                **({"pga_step_s": PGA_STEP} if self.hazard.measure == "pga" else {}),
-                **labels.of_scatter(self.scatter),
-            ),
-            f"Risk of {what}, {median_of(self.ground).name} ground",
-            f"{call}(duration={self.duration:g}, paths={self.paths}, seed={self.seed})",
-            models,
-            REFERENCES,
-        )
-
-    def _warn_of_weak(self, gap: float) -> None:
-        """Warn if pounding is likely also below the lowest intensity of the hazard."""
-        motions, hazard = self.motions, self.hazard
-        share = float((motions.separation[:, 0] > gap).mean())
-        if isinstance(hazard, HazardCurve) and share > WEAKEST:
-            met = "it crosses" if len(self.structures) == 1 else "they pound"
-            warnings.warn(
-                f"hazard: it begins at {motions.intensity[0]:.3g} {UNITS[hazard.measure]}, where {met} "
-                f"in {100 * share:.0f} % of the motions; weaker shaking, which is not in the hazard, "
-                "is left out: start the hazard at lower intensities",
-                DoubtfulInput,
-                stacklevel=5,
-            )
 
 
-def _by_intensity(
-    motions: SeparationsByIntensity, by_path: Array, gap: float, measure: str
-) -> dict[str, xr.DataArray]:
-    """Pounding probability at each intensity, and the part of the rate of each interval."""
-    attrs = {"units": UNITS[measure], "long_name": f"intensity, {measure}"}
-    axis = {"intensity": ("intensity", motions.intensity, attrs)}
-    samples = xr.DataArray(motions.separation, dims=("path", "intensity"), coords=axis)
-    columns = {f"pounding_{name}": array for name, array in exceedance(samples, gap).items()}
-    begin = {"from_intensity": ("from_intensity", np.append(0.0, motions.intensity), attrs)}
-    by_interval = xr.DataArray(by_path.mean(axis=0), dims="from_intensity", coords=begin)
-    return columns | {"annual_rate_by_intensity": by_interval}
+def simulated_risk(
+    structures: Mapping[str, AnyStructure],
+    ground: Ground,
+    hazard: Hazard,
+    motion: Motion,
+    progress: Progress | None = None,
+) -> SimulatedRisk:
+    """Simulated motions at all intensities of a hazard.
 
-
-def _in_years(rate: float, error: float, years: float) -> dict[str, float]:
-    ends = {"": 0.0, "_lower": -CERTAIN, "_upper": CERTAIN}
-    return {
-        f"probability_in_years{end}": float(-np.expm1(-max(rate + times * error, 0.0) * years))
-        for end, times in ends.items()
-    }
+    ``structures`` are those of `pounding_risk`, by the names of their arguments. Raises an error for a
+    duration shorter than a period, or too much work.
+    """
+    duration, envelope, scatter, paths, seed = motion
+    both = {role: median_of(structure) for role, structure in structures.items()}
+    usual, levels = median_of(ground), simulated_at(hazard)
+    check_duration(duration, both)
+    check_repeated([*both.values()], usual, duration, paths, POINTS)
+    pair = [applied(lambda s: strength_in_metres(s, usual), each) for each in structures.values()]
+    power, of_one = 0.5, 1.0  # S0 of motions with the intensity 1 in the measure of the hazard
+    if hazard.measure != "intensity":
+        goal: dict[str, Any] = {hazard.measure: 1.0, "period": hazard.period}
+        scaled = scale_ground(usual, duration, envelope, seed=seed, **goal)
+        power, of_one = 1.0, float(scaled.arrays()["intensity"])
+    factors = of_one / float(usual.arrays()["intensity"]) * levels ** (2 * power)
+    options: dict[str, Any] = {"duration": duration, "envelope": envelope, "scatter": scatter}
+    options |= {"paths": paths, "seed": seed}
+    separations = simulated_separations(pair, ground, levels, factors, power, progress, **options)
+    return SimulatedRisk(separations, hazard)

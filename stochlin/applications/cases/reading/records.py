@@ -24,7 +24,6 @@ from stochlin.applications.cases.reading.kinds import (
 )
 from stochlin.applications.cases.reading.tables import Form, Table
 from stochlin.applications.records.records import read_record
-from stochlin.applications.risk.risk import simulated_at
 from stochlin.applications.sites.hazard_files import read_hazard
 from stochlin.applications.sites.suites import (
     doubtful_factor,
@@ -204,9 +203,7 @@ class OfPowerLaw(OfHazard):
         intensity = INTENSITIES[self.measure]
         unit = intensity.size(self.table.value("units", Word(intensity.spellings))) or 1.0
         with self.table.naming("k"), np.errstate(over="ignore"):
-            law = PowerLawHazard(float(self.k0 * np.float64(unit) ** self.k), self.k, **self.of)
-            simulated_at(law)
-            return law
+            return PowerLawHazard(float(self.k0 * np.float64(unit) ** self.k), self.k, **self.of)
 
 
 HAZARDS = (OfFile, OfPoints, OfPowerLaw)
