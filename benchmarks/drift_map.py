@@ -73,7 +73,7 @@ NEAR = {
 LEAST = 1e-3  # smallest eigenvalue of the correlations in eq. (12), to which smaller ones are raised
 NEAR_LEFT_OUT = (0.5, 0.02)  # remembers longest
 STEPS = np.array([0.02, 0.125, 0.175, 0.175])
-SCALES = {"signature_correction": 1e-4, "displacement_refinement": 1e-4, "nearness": 3e-4}
+SCALES = {"signature_correction": 1e-4, "nearness": 3e-4}
 GRID = ("elastic_ductility_std", "hardening", "damping", "ground_damping", "period")
 # Period over that of the ground, elastic ductility, hardening, damping. The first ones tell most.
 REFERENCES = (
@@ -337,6 +337,21 @@ def refinement(ductility, coarse):
     return added.fillna(0)
 
 
+def refined(coarse, added):
+    """The corrections at the points of both grids together, between which each is interpolated."""
+    points = {
+        own: np.union1d(coarse[name].values.round(12), added[own].values.round(12))
+        for name, own in zip(coarse.dims, FINE, strict=True)
+    }
+    place = np.array(np.meshgrid(*map(np.log, points.values()), indexing="ij")).reshape(len(points), -1)
+    whole = np.zeros([axis.size for axis in points.values()])
+    for grid in (coarse, added):
+        axes = [np.log(grid[name].values.round(12)) for name in grid.dims]
+        (values,) = Grid.of(axes, grid.values).at(place)  # nothing is added outside the finer grid
+        whole += np.nan_to_num(values).reshape(whole.shape)
+    return xr.DataArray(whole, coords=points, dims=list(points))
+
+
 def form_of(share, steps):
     """The matrices G of eq. (12) (ENTRIES, n) from simulated groups of five nearly equal structures.
 
@@ -375,9 +390,8 @@ def nearness(shares):
     return found.fillna(found.shift(near_hardening=-1))
 
 
-def labelled(signatures, displacement, white, added, near):
+def labelled(signatures, displacement, white, near):
     table = xr.Dataset(reference_arrays()).assign(
-        displacement_refinement=added,
         nearness=near.assign_coords(nearness_entry=np.arange(ENTRIES)),
         signature_correction=signatures.rename(
             elastic_ductility_std="signature_strength", period="signature_period"
@@ -393,7 +407,6 @@ def labelled(signatures, displacement, white, added, near):
         "damping": "damping ratio of the structure",
         "damping_white_noise": "damping ratio of the structure, of the corrections on white noise",
         "ground_damping": "damping ratio of the Kanai-Tajimi ground",
-        "period": "period of the structure over the period of the ground",
         "signature_strength": "R/p of the structure, of the signatures",
         "signature_period": "period of the structure over the period of the ground, of the signatures",
         "reference_period": "period of a reference structure over the period of the ground",
@@ -403,12 +416,11 @@ def labelled(signatures, displacement, white, added, near):
         "signature_correction": "simulated minus derived signature of the structure",
         "displacement_correction": "logarithm of the correction factor, Kanai-Tajimi ground",
         "displacement_correction_white_noise": "logarithm of the correction factor, white noise",
-        "displacement_refinement": "what a finer grid adds to the interpolated displacement_correction",
-        "refined_strength": "R/p of the structure, of the finer grid",
-        "refined_hardening": "hardening ratio of the structure, of the finer grid",
-        "refined_damping": "damping ratio of the structure, of the finer grid",
-        "refined_ground_damping": "damping ratio of the Kanai-Tajimi ground, of the finer grid",
-        "refined_period": "period of the structure over the period of the ground, of the finer grid",
+        "refined_strength": "R/p of the structure, of the displacements",
+        "refined_hardening": "hardening ratio of the structure, of the displacements",
+        "refined_damping": "damping ratio of the structure, of the displacements",
+        "refined_ground_damping": "damping ratio of the Kanai-Tajimi ground, of the displacements",
+        "refined_period": "period of the structure over the period of the ground, of the displacements",
         "nearness": "slopes of sqrt(1 - rho) of nearly equal structures, and correlations of the slopes",
         "nearness_entry": "logarithms of slopes by period, R/p, hardening, damping; correlations",
         "near_strength": "R/p of nearly equal structures",
@@ -449,7 +461,8 @@ def main():
         if p[:2] != NEAR_LEFT_OUT
     }
     signatures = signature_correction(simulated)
-    table = labelled(signatures, displacement, white, refinement(fine, displacement), nearness(near))
+    whole = refined(displacement, refinement(fine, displacement))
+    table = labelled(signatures, whole, white, nearness(near))
     save(table, options.file)
 
 

@@ -31,7 +31,7 @@ WITHOUT_FORMULA = {
     *("read_record", "read_records", "scale_records", "read_spectrum", "simulated_motions"),
 }
 DOCUMENTED = {name: getattr(sl, name) for name in sorted({*sl.__all__} - {"charts", "rules"})}
-PURE_NUMBERS = {"rtol", "atol", "relaxation_times"}
+PURE_NUMBERS = {"rtol", "relaxation_times"}
 FIT_ANYTHING = {"one", "found", "told", "given", "asked", "meant", "doubt"}
 
 

@@ -147,7 +147,7 @@ def solve_from(start, structure, ground, uy):
     latent = start * np.stack([w, np.ones_like(w), np.ones_like(w)])
     ground, level = Filter.kanai_tajimi(*soil), np.zeros_like(w)
     none = np.empty((0, w.size))
-    problem = SingleStructures(oscillator, bilinear.gaussian, none, ground, level, 1e-10, 1e-12)
+    problem = SingleStructures(oscillator, bilinear.gaussian, none, ground, level, 1e-10)
     found = solve_structures(problem, latent, w > 0, 200)
     return found, bilinear.gaussian(moments_of(found.unknowns), none).coefficients
 

@@ -12,13 +12,8 @@ import stochlin as sl
 from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing, linear_system
 from stochlin.kernels.linearization.filters import Filter
 from stochlin.kernels.linearization.spectral_moments import difference_moments, displacement_moments
-from stochlin.solver.linearization.equivalent_systems import (
-    INTERNAL,
-    solve_structure,
-    system_and_forcing,
-)
+from stochlin.solver.linearization.equivalent_systems import solved_together
 from stochlin.solver.linearization.peaks import response_moments
-from stochlin.solver.linearization.tolerance import Tolerance
 
 pytestmark = [pytest.mark.oracle, pytest.mark.extreme]
 
@@ -156,22 +151,19 @@ structures = st.fixed_dictionaries(
 grounds = st.builds(sl.KanaiTajimi, st.floats(0.2, 4), st.floats(0.03, 0.9))
 
 
-def solve(structure, ground):
-    return solve_structure(structure, ground, "gaussian", Tolerance(1e-10, 1e-12, 200))
-
-
 @given(structures, structures, grounds)
 def test_moments_are_those_of_a_spectrum(first, second, ground):
     """Positive, ``l1^2 <= l0 l2``, and the variances that the covariances give."""
-    solved = [solve(sl.Bilinear(**one), ground) for one in (first, second)]
+    solved = [solved_together((sl.Bilinear(**one),), ground, "gaussian") for one in (first, second)]
     for one in solved:
-        l0, l1, l2 = (float(x) for x in response_moments(one, ground))
+        l0, l1, l2 = (float(x) for x in response_moments(one))
         assert 0 < l1 <= np.sqrt(l0 * l2)
-        assert np.sqrt(l0) == pytest.approx(float(one.displacement_std), rel=1e-12)
-        assert np.sqrt(l2) == pytest.approx(float(one.velocity_std), rel=1e-12)
+        assert np.sqrt(l0) == pytest.approx(one.values["displacement_std"].item(), rel=1e-12)
+        assert np.sqrt(l2) == pytest.approx(one.values["velocity_std"].item(), rel=1e-12)
     rho = float(sl.correlate(sl.Bilinear(**first), sl.Bilinear(**second), ground).rho)
-    gap = float(sl.critical_gap(*(one.displacement_std for one in solved), rho).gap)
-    parts = (system_and_forcing([one[name].values[None] for name in INTERNAL]) for one in solved)
+    values = [one.values for one in solved]
+    gap = float(sl.critical_gap(*(own["displacement_std"].item() for own in values), rho).gap)
+    parts = ((EquivalentSystem(*own["system"]), Forcing(*own["forcing"])) for own in values)
     l0, l1, l2 = (float(x[0]) for x in difference_moments(*chain(*parts), ground.lone_filter()))
     if 1 - rho > 1e-6:  # the difference keeps 1 - rho of the digits
         assert np.sqrt(l0) == pytest.approx(gap, rel=1e-8)

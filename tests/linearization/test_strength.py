@@ -102,12 +102,9 @@ def test_simulated_the_strength_has_the_ductility_that_was_asked_for(ground, uns
 
 def test_caution_of_structures_and_grounds_beside_the_map():
     two = sl.ParallelGround([sl.KanaiTajimi(T, 0.3) for T in (0.5, 1.0)])
-    for structure, ground, known in (
-        (sl.BoucWen(1.0, 0.05, 0.1), GROUND, True),  # by the nearest bilinear structure
-        (sl.Bilinear(1.0, 0.05, 0.1), two, False),
-    ):
+    for structure, ground in ((sl.BoucWen(1.0, 0.05, 0.1), GROUND), (sl.Bilinear(1.0, 0.05, 0.1), two)):
         table = sl.strength_for_ductility(structure, ground, 3.0)
-        assert (int(table.caution) < 2, bool(table.bias.notnull())) == (known, known)
+        assert (int(table.caution), bool(table.bias.isnull())) == (2, True)
 
 
 @pytest.mark.parametrize(

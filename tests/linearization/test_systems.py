@@ -12,14 +12,10 @@ import sympy
 from sixty_digits import DIGITS, exact_lyapunov
 
 import stochlin as sl
+from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing
 from stochlin.kernels.linearization.spectral_moments import difference_moments, displacement_moments
-from stochlin.solver.linearization.equivalent_systems import (
-    INTERNAL,
-    solve_structure,
-    system_and_forcing,
-)
+from stochlin.solver.linearization.equivalent_systems import solved_together
 from stochlin.solver.linearization.systems.systems import linearized_motion
-from stochlin.solver.linearization.tolerance import USUAL
 
 pytestmark = [pytest.mark.oracle, pytest.mark.extreme]
 
@@ -221,8 +217,8 @@ def test_covariance_goes_over_into_the_elastic_one():
 
 
 def of_one(structure, ground):
-    solved = solve_structure(structure, ground, "gaussian", USUAL)
-    return system_and_forcing([np.atleast_1d(solved[name].values) for name in INTERNAL])
+    values = solved_together((structure,), ground, "gaussian").values
+    return EquivalentSystem(*values["system"]), Forcing(*values["forcing"])
 
 
 @pytest.mark.parametrize(

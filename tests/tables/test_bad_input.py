@@ -115,7 +115,6 @@ def test_mistake_of_the_trade_is_explained(change, message):
         ("rtol", -1.0),
         ("rtol", np.nan),
         ("rtol", "fine"),
-        ("atol", -1.0),
         ("max_iterations", 0),
         ("max_iterations", -3),
         ("max_iterations", 2.5),

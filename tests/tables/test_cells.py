@@ -83,7 +83,6 @@ OF_MODELS = {
 }
 WITH_A_BAD_CELL = {
     "peak_response": lambda: sl.peak_response(WEAK, GROUND, axis("duration", [10.0, 30.0])),
-    "one-sided": lambda: sl.peak_response(WEAK, GROUND, 20.0, sides=1, model="derkiureghian"),
     "rho_effective": lambda: sl.rules.rho_effective(
         *(WEAK.period, 1.0, 0.05, 0.03, 0.05, 0.1), ductility_1=4.0, ductility_2=2.0
     ),

@@ -32,7 +32,7 @@ from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.systems import AnyStructure, first_mode, weaker
 from stochlin.models.uncertain import applied, median_of
-from stochlin.solver.linearization.equivalent_systems import solve_elastic
+from stochlin.solver.linearization.equivalent_systems import solved_together
 from stochlin.solver.linearization.strength import solved_reduction_factor, strength_in_metres
 from stochlin.solver.simulation.finite_motions import (
     enough_motions,
@@ -290,7 +290,7 @@ def existing_gap(
     amplitude = by_shaking.end(AMPLITUDES, by_shaking.first_enough(AMPLITUDES, [0]), 1, NO_LIMIT)
     added = required(lambda more: (changed(damped, more), ground), 0.0).least(DAMPINGS)
     modes = map(first_mode, both.values())
-    factors = [solved_reduction_factor(mode, solve_elastic(mode, usual)) for mode in modes]
+    factors = [solved_reduction_factor(mode, solved_together((mode,), usual)) for mode in modes]
     limits: dict[str, Sequence[float]] = {}
     for end, edge in (("largest", largest_factor), ("least", least_factor)):
         for n, factor in enumerate(factors, start=1):

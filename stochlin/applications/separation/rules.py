@@ -35,7 +35,7 @@ from stochlin.models.structures import DRIFT, Structure
 from stochlin.models.systems import Arrangement, arrangement_of, first_mode
 from stochlin.solver.correlation.correlation import correlate
 from stochlin.solver.correlation.equation_4 import rho_effective
-from stochlin.solver.linearization.equivalent_systems import solve_elastic
+from stochlin.solver.linearization.equivalent_systems import Solved, solved_together
 from stochlin.solver.linearization.peaks import peak_table, response_moments
 from stochlin.solver.linearization.strength import solved_reduction_factor
 from stochlin.solver.linearization.systems.systems import linearized_motion
@@ -107,9 +107,9 @@ class PairInMotion:
         return [first_mode(structure) for structure in self.structures]
 
     @cached_property
-    def elastic(self) -> list[xr.Dataset]:
+    def elastic(self) -> list[Solved]:
         """The response of each first mode as elastic."""
-        return [solve_elastic(mode, self.ground) for mode in self.modes]
+        return [solved_together((mode,), self.ground) for mode in self.modes]
 
     @cached_property
     def linearized(self) -> StationaryResponse:
@@ -119,7 +119,7 @@ class PairInMotion:
     @property
     def yield_displacements(self) -> list[float]:
         """Yield displacement of each first mode [m], known even if linearization fails."""
-        return [float(side.yield_displacement) for side in self.elastic]
+        return [side.values["yield_displacement"].item() for side in self.elastic]
 
     @cached_property
     def ductilities(self) -> Array:
@@ -167,10 +167,10 @@ class PairInMotion:
             raise ValueError("the linearized amplification of Fig. 5b is only available for oscillators")
         peaks = np.empty((len(self.structures), 1))
         for n, (elastic, weights) in enumerate(zip(self.elastic, self.of_coordinates, strict=True)):
-            moments = response_moments(elastic, self.ground)
+            moments = response_moments(elastic)
             peak = peak_quantile(moments, self.strong_seconds, self.confidence, sides=2)
-            amplification = self.linearized.std(weights).item() / elastic.displacement_std.item()
-            peaks[n] = amplification * peak.item()
+            amplification = self.linearized.std(weights) / elastic.values["displacement_std"]
+            peaks[n] = amplification.item() * peak.item()
         return _finite(peaks)
 
     def combined_modes(self) -> tuple[Array, Array]:
@@ -180,7 +180,7 @@ class PairInMotion:
         if there is none.
         """
         modes = modes_of(self.system)
-        moments = response_moments(solve_elastic(oscillators_of(modes), self.ground), self.ground)
+        moments = response_moments(solved_together((oscillators_of(modes),), self.ground))
         peaks = peak_quantile(moments, self.strong_seconds, self.confidence, sides=2).to_numpy()
         return combine_modes(modes, _finite(peaks), self.ground, self.weights)
 
@@ -237,7 +237,7 @@ def _finite(peaks: Array) -> Array:
 
 
 def peak_quantile(
-    moments: tuple[xr.DataArray, ...], seconds: float, confidence: float, sides: int
+    moments: Sequence[xr.DataArray], seconds: float, confidence: float, sides: int
 ) -> xr.DataArray:
     """Quantile of the peak of a Gaussian motion [m] at ``confidence``, by a Gumbel distribution."""
     l0, l1, l2 = moments

@@ -35,7 +35,6 @@ class SingleStructures(NamedTuple):
     ground: Filter
     level: Array  # (n,): logarithm of the ratio of the shaking to the full one, as standard deviations
     rtol: float
-    atol: float
 
     def at(self, cells: Array) -> SingleStructures:
         """The cells with these numbers."""
@@ -72,10 +71,8 @@ class SingleStructures(NamedTuple):
         matrix = (slow + a, b, c), (d, slow + e, f), (g, h, slow + i)
         step = np.array(solve_3x3(matrix, [*off]))
         step /= np.maximum(1.0, np.abs(step).max(axis=0) / LARGEST_STEP)
-        r = np.tanh(unknowns[2])
-        of_r = (1 - r * r) * self.rtol / (self.atol + self.rtol * np.abs(r))
-        still = np.maximum(np.abs(step[:2]).max(axis=0), np.abs(step[2]) * of_r) <= self.rtol
-        return step, norm, still & (norm <= LARGEST_MISMATCH)
+        change = np.abs([step[0], step[1], step[2] / np.cosh(unknowns[2]) ** 2]).max(axis=0)
+        return step, norm, (change <= self.rtol) & (norm <= LARGEST_MISMATCH)
 
 
 @np.errstate(all="ignore")  # an iterate may belong to an unstable system, without moments
@@ -88,8 +85,8 @@ def solve_structures(
     most 1. In the others, and where this fails, the solution is followed from weak to full shaking.
     ``max_iterations`` limits the steps of an iteration, and the levels of shaking along a branch.
 
-    A cell has converged when ``|dy| <= atol + rtol |y|`` for each of its moments ``y``; ``atol`` applies
-    to the correlation only, since the other two are positive scales.
+    A cell has converged when a step changes the standard deviations by at most the share ``rtol``, and
+    the correlation by at most ``rtol``.
     """
     elastic, solution = np.array([*np.log(start[:2]), np.arctanh(start[2])]), nothing(start)
     cells = np.flatnonzero(one_solution)

@@ -35,7 +35,6 @@ def correlate(
     rule: str | EffectiveRule = "iwan_1980",
     bias: Truth = True,
     rtol: float = 1e-10,
-    atol: float = 1e-12,
     max_iterations: int = 200,
     paths: Paths = 256,
     seed: Seed = 0,
@@ -74,7 +73,7 @@ def correlate(
     bias : bool
         Whether linearization is compared with the drift closure. Without that, it is much faster, and
         has neither ``bias`` nor ``caution``.
-    rtol, atol, max_iterations : float, float, int
+    rtol, max_iterations : float, int
         As in `linearize`, for linearization and effective properties: stop rule of the iteration.
     paths, seed, steps_per_period, relaxation_times
         As in `simulate`: options of the simulation.
@@ -150,7 +149,7 @@ def correlate(
     models: dict[str, Model] = {"first": first, "second": second, "ground": ground}
     simulation: dict[str, Any] = {"paths": paths, "seed": seed, "steps_per_period": steps_per_period}
     simulation |= {"relaxation_times": relaxation_times, "progress": progress}
-    tolerance = Tolerance(rtol, atol, max_iterations)
+    tolerance = Tolerance(rtol, max_iterations)
     query = Query(method, closure, tolerance, rule, bias, simulation)
     check_closure(first, closure)
     check_closure(second, closure)

@@ -3,8 +3,7 @@
 The drift closure follows from a derivation with assumptions, so that its results differ from those of
 simulations. The map holds these differences for many structures on many grounds:
 
-- the logarithm of the simulated over the derived standard deviation of the displacement. Where the
-  period of the ground exceeds that of the structure, the map has additional points between its points;
+- the logarithm of the simulated over the derived standard deviation of the displacement;
 - the simulated minus the derived signature of a structure, from which the correlation of a pair follows
   (see `correlation.signatures`);
 - the slopes with which the correlation of two nearly equal structures decreases as they become more
@@ -44,7 +43,6 @@ CORRECTED_GROUNDS = (KanaiTajimi, WhiteNoise, CloughPenzien)
 # no drift grows within a million periods.
 ELASTIC = 0.15
 DISPLACEMENT, DISPLACEMENT_WHITE = "displacement_correction", "displacement_correction_white_noise"
-REFINEMENT = "displacement_refinement"
 SIGNATURE, REFERENCE = "signature_correction", "drift_reference"
 STRENGTH_RATIO = "elastic_ductility_std"  # R/p: standard deviation of the elastic displacement over uy
 NEARNESS, ENTRY = "nearness", "nearness_entry"
@@ -150,8 +148,6 @@ def hold_at_ends(name: str, point: Array) -> Array:
 def _grid(name: str) -> Grid:
     """The map of a variable, with a column for each of its entries."""
     whole = drift_map()[name]
-    if name == DISPLACEMENT:
-        whole = _refined(whole, drift_map()[REFINEMENT])
     if name != NEARNESS:
         strength, hardening = whole.dims[:2]
         for dim, value, before in ((strength, ELASTIC, True), (hardening, 1.0, False)):
@@ -160,21 +156,6 @@ def _grid(name: str) -> Grid:
             whole = xr.concat(order, dim).transpose(*whole.dims)
     axes = [np.log(whole[dim].values.astype(float)) for dim in whole.dims if dim not in COLUMNS]
     return Grid.of(axes, whole.values)
-
-
-def _refined(coarse: xr.DataArray, refinement: xr.DataArray) -> xr.DataArray:
-    """One map over the points of the coarse map and of the refinement.
-
-    Both are interpolated to all points and added. The refinement is 0 outside its own points.
-    """
-    parts = [[array[dim].values.round(12) for dim in array.dims] for array in (coarse, refinement)]
-    points = [np.union1d(*axes) for axes in zip(*parts, strict=True)]
-    first, other = (
-        Grid.of([np.log(axis) for axis in axes], array.values).on_points([np.log(x) for x in points])
-        for array, axes in zip((coarse, refinement), parts, strict=True)
-    )
-    named = dict(zip(coarse.dims, points, strict=True))
-    return xr.DataArray((first + other)[..., 0], dims=coarse.dims, coords=named)
 
 
 def _held_with_spread(name: str, point: Array) -> tuple[Array, Array]:

@@ -15,7 +15,6 @@ from stochlin.kernels.basics.arrays import Array, choose
 from stochlin.kernels.basics.slabs import in_ranges
 from stochlin.kernels.linearization.covariance import (
     EquivalentSystem,
-    Forcing,
     linear_system,
     own_covariance,
 )
@@ -44,10 +43,6 @@ AT_ONCE = 1 << 12  # cells that are solved together, which limits the memory for
 ROUNDING = 1e-9  # by which a correlation may exceed 1
 # Slip 1 + c_eq and relaxation k_eq/w below which z has no effect on the response in double precision.
 ELASTIC = 1e-18
-INTERNAL = (
-    *(f"system_{n}" for n in EquivalentSystem._fields),
-    *(f"forcing_{n}" for n in Forcing._fields),
-)
 STRONG = 1e3  # R/p above which a cell that does not converge has the status of too strong shaking
 SHOWN = (
     "displacement_std",
@@ -149,12 +144,9 @@ class Solved(NamedTuple):
         return {name: table.array(self.values[name][part], BLANK.get(name, np.nan)) for name in names}
 
     def dataset(self) -> xr.Dataset:
-        """Dataset of a single structure: the variables `PUBLIC`, and those that a pair needs."""
-        rows = [*self.values["system"], *self.values["forcing"]]
-        values = {**self.values, **dict(zip(INTERNAL, rows, strict=True))}
-        more = [n for n in (*OF_DRIFT, "displacement_error", *JUDGED) if n in values]
-        named = [*PUBLIC, *INTERNAL, STRENGTH_RATIO, *more]
-        return xr.Dataset(self._replace(values=values).labelled(0, named))
+        """Dataset of a single structure: the variables `PUBLIC`, and those of drift and bias."""
+        more = (STRENGTH_RATIO, *OF_DRIFT, "displacement_error", *JUDGED)
+        return xr.Dataset(self.labelled(0, [*PUBLIC, *(name for name in more if name in self.values)]))
 
     def by_laws(self, laws: Sequence[Law | None], closure: str | None, tolerance: Tolerance) -> Solved:
         """The cells of each structure by its law with this closure; without a law they stay elastic."""
@@ -182,12 +174,6 @@ def in_columns(rows: Sequence[Any], count: int) -> Array:
     return columns
 
 
-def system_and_forcing(arrays: Sequence[Array]) -> tuple[EquivalentSystem, Forcing]:
-    """Equivalent system and forcing, from arrays in the order of `INTERNAL`."""
-    count = len(EquivalentSystem._fields)
-    return EquivalentSystem(*arrays[:count]), Forcing(*arrays[count:])
-
-
 def check_closure(structure: Structure, closure: str) -> None:
     """Raise a ValueError if the law does not have this closure, an ArithmeticError if it has none."""
     if not isinstance(closure, str) or closure not in structure.closure_names():
@@ -199,20 +185,13 @@ def check_closure(structure: Structure, closure: str) -> None:
         )
 
 
-def solve_structure(
-    structure: Structure, ground: Ground, closure: str, tolerance: Tolerance
-) -> xr.Dataset:
-    """Dataset of a linearized structure: the variables `PUBLIC`, and those that a pair needs."""
-    return solved_together((structure,), ground, closure, tolerance).dataset()
-
-
 def solve_elastic(structure: Structure, ground: Ground) -> xr.Dataset:
     """Dataset of the structure as elastic; ``yield_displacement`` is that of its strength."""
-    return in_blocks(_elastic, {"structure": structure, "ground": ground})
 
+    def elastic(structure: Structure, ground: Ground) -> xr.Dataset:
+        return solved_together((structure,), ground).dataset()
 
-def _elastic(structure: Structure, ground: Ground) -> xr.Dataset:
-    return solved_together((structure,), ground).dataset()
+    return in_blocks(elastic, {"structure": structure, "ground": ground})
 
 
 def solved_together(
@@ -306,8 +285,9 @@ def _problem(
     soil, w = cells.soil.copy(), 2 * np.pi / cells.period
     soil[list(ground.cells()).index("intensity")] /= uy**2
     structure = np.array([w**2, 2 * cells.damping * w, (1 - cells.hardening) * w**2])
-    own, limits = (law.closure, law.parameters), (tolerance.rtol, tolerance.atol)
-    return SingleStructures(structure, *own, ground.filter_of(soil), np.zeros_like(uy), *limits)
+    level = np.zeros_like(uy)
+    own = law.closure, law.parameters
+    return SingleStructures(structure, *own, ground.filter_of(soil), level, tolerance.rtol)
 
 
 def _response(

@@ -25,7 +25,6 @@ def linearize(
     closure: str = "gaussian",
     *,
     rtol: float = 1e-10,
-    atol: float = 1e-12,
     max_iterations: int = 200,
 ) -> xr.Dataset:
     """Stationary response of a hysteretic structure by statistical linearization.
@@ -48,9 +47,9 @@ def linearize(
         (10); the others are only for bilinear structures. ``"clipped"``: ``z`` is a Gaussian variable
         clipped at -1 and 1. ``"drift"``: the clipped closure plus the slow drift of the plastic
         displacement, see the notes.
-    rtol, atol : float
-        The iteration of a cell stops when ``|dy| <= atol + rtol |y|`` for each ``y``: the standard
-        deviations of ``v`` and ``z`` (for these ``rtol`` alone) and their correlation.
+    rtol : float
+        The iteration of a cell stops when the standard deviations of ``v`` and ``z`` change by at most
+        this share, and their correlation by as much.
     max_iterations : int
         Largest number of iterations, and of steps in intensity where the solution is followed. Cells
         that need more are NaN with the status ``not_converged``, or ``shaking_too_strong`` if the
@@ -89,10 +88,7 @@ def linearize(
     too small by 1 to 9 % at the period of the ground, and by a factor of up to thirty for structures
     much stiffer than the ground. `correlate` by simulation does not have this error.
 
-    The bias of Bouc-Wen structures is taken from that of the nearest bilinear one, with the same
-    period, damping, hardening and strength, for ``beta`` from 0.3 to 0.9, ``gamma = 1 - beta`` and ``n``
-    up to 5. It is the share ``n/(n + 1.5 beta)`` of the smaller of two estimates: the bilinear bias, and
-    the error if the true displacements of both are equal. ``caution`` is that of the larger estimate.
+    The bias is known for bilinear structures; that of other laws that yield is NaN.
 
     The drift closure adds the variance of the plastic drift to that of the clipped closure. The drift is
     a random walk in steps, one for each excursion into yielding, on which only the hardening acts as a
@@ -123,7 +119,7 @@ def linearize(
     1.35
     """
     check_closure(structure, closure)
-    tolerance = Tolerance(rtol, atol, max_iterations)
+    tolerance = Tolerance(rtol, max_iterations)
     models: dict[str, Model] = {"structure": structure, "ground": ground}
     table = labels.label(in_blocks(partial(_solved, closure, tolerance), models))
     labels.raise_if_lone_failure(table, "linearize", structure, ground)

@@ -2,40 +2,24 @@
 
 from __future__ import annotations
 
-from typing import Annotated
-
 import numpy as np
 import xarray as xr
 
-from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.linearization.spectral_moments import (
-    SpectralMoments,
-    displacement_moments,
-)
-from stochlin.models.arguments import Whole, checked
+from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing
+from stochlin.kernels.linearization.spectral_moments import displacement_moments
+from stochlin.models.arguments import checked
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import Parameter
 from stochlin.models.rules.peak_factors import PeakFactor, StationaryMotion, peak_factor_model
 from stochlin.models.structures import DRIFT, GAUSSIAN, Structure
 from stochlin.solver.linearization.bias import judged
-from stochlin.solver.linearization.equivalent_systems import (
-    INTERNAL,
-    JUDGED,
-    check_closure,
-    system_and_forcing,
-)
+from stochlin.solver.linearization.equivalent_systems import JUDGED, Solved, check_closure
 from stochlin.solver.linearization.linearization import caution_in_words
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.cellwise import cellwise
 
 STIFF = 0.5  # T/Tg below which peaks of yielding structures are too small
-# Rate at which the variance of the drift grows in the peaks, over 1/drift_time, by number of sides.
-PACE = {2: 1.0, 1: 0.25}
-ONE_SIDED = {
-    "peak_mean": ("m", "mean of the peak displacement in one direction"),
-    "peak_std": ("m", "standard deviation of the peak displacement in one direction"),
-    "peak_factor": ("1", "peak factor in one direction"),
-}
+PACE = 1.0  # rate at which the variance of the drift grows in the peaks, over 1/drift_time
 
 
 @checked
@@ -46,7 +30,6 @@ def peak_response(
     *,
     model: str = "vanmarcke",
     closure: str = GAUSSIAN,
-    sides: Annotated[int, Whole(1, 2)] = 2,
 ) -> xr.Dataset:
     """Peak displacement of a structure in a stationary motion of a given duration.
 
@@ -66,9 +49,6 @@ def peak_response(
         `stochlin.rules.peak_factor_model`.
     closure : str
         Closure of the linearization, as in `linearize`.
-    sides : {2, 1}
-        2 for the largest absolute displacement; 1 for the largest displacement in one direction, as for
-        pounding on one side.
 
     Returns
     -------
@@ -84,7 +64,7 @@ def peak_response(
     Raises
     ------
     ValueError, TypeError
-        If a model, closure or number of sides is unknown, a scalar is out of range, or the motion of a
+        If a model or closure is unknown, a scalar is out of range, or the motion of a
         single case is too short for the peak factor; in a table the cell is NaN.
     ArithmeticError
         As in `linearize`.
@@ -92,14 +72,12 @@ def peak_response(
     Notes
     -----
     For elastic oscillators with 20 to 100 cycles, the error of the mean peak, compared with simulation,
-    is -1 to +4 % (Vanmarcke), -1 to +5 % (Der Kiureghian) and +4 to +20 % (Davenport); in one direction
-    it is 0 to +5 %, +2 to +8 % and +3 to +15 %.
+    is -1 to +4 % (Vanmarcke), -1 to +5 % (Der Kiureghian) and +4 to +20 % (Davenport).
 
     With the drift closure, the slow plastic drift adds to the variance of the displacement, but not to
     that of the velocity. For the peaks its variance is taken to grow from rest as
     ``1 - exp(-t/drift_time)``, half as fast as it does by `linearize`, and its mean over the motion is
-    used; for peaks in one direction it is taken to grow four times as slowly again, because a drift in
-    the other direction leads to no peak. Both factors were fitted to simulations.
+    used. This factor was fitted to simulations.
 
     With the Gaussian closure mean peaks of yielding structures are mostly too small, most of all for
     structures much stiffer than the ground. Those with the drift closure are nearer to simulations from
@@ -119,40 +97,39 @@ def peak_response(
     (40.0, 2.629)
     """
     chosen = peak_factor_model(model)
-    domain = chosen.domain(sides)
+    domain = chosen.domain(2)
     check_closure(structure, closure)
     motion = StationaryMotion(duration)
-    solved = judged((structure,), ground, closure).dataset()
+    response = judged((structure,), ground, closure)
+    solved = response.dataset()
     labels.raise_if_lone_failure(solved, "peak_response", structure, ground)
     time = motion.arrays()["duration"]
     length = time.where(motion.valid())
-    l0, l1, l2 = response_moments(solved, ground)
+    l0, l1, l2 = response_moments(response)
     if closure == DRIFT:
-        l0, l1, l2 = _with_drift(l0, l1, l2, solved, length, sides)
-    table = peak_table(l0, l1, l2, length, chosen, sides)
+        l0, l1, l2 = _with_drift(l0, l1, l2, solved, length)
+    table = peak_table(l0, l1, l2, length, chosen, 2)
     if closure == DRIFT:
         table = table.assign(peak_factor=table.peak_mean / solved.displacement_std)
     outside = np.isnan(table.peak_mean) & (solved.status < labels.NOT_CONVERGED)
     if outside.ndim == 0 and bool(outside):
         raise ValueError(
             f"duration = {float(time):g} holds {float(table.crossings):.3g} zero crossings; allowed for "
-            f"{chosen.name}, sides={sides}: {domain}; give a longer duration, or simulate"
+            f"{chosen.name}: {domain}; give a longer duration, or simulate"
         )
     status = solved.status.where(~outside, labels.INVALID_INPUT)
     table = table.assign(status=status.astype(np.int8))
     table = table.assign(solved[[*JUDGED, "displacement_std"]])
     table["caution"] = _caution(structure, ground, solved, table.caution)
-    table = labels.label(table, {} if sides == 2 else ONE_SIDED)
+    table = labels.label(table)
     comment = f"{chosen.name} is defined for {domain}; NaN elsewhere."
     if structure.yields:
         comment = f"{caution_in_words(closure)} {comment}"
-    table = table.assign_attrs(
-        comment=comment, closure=closure, peak_factor_model=chosen.name, sides=sides
-    )
+    table = table.assign_attrs(comment=comment, closure=closure, peak_factor_model=chosen.name)
     return labels.with_run_information(
         table,
         f"Peak displacement in a stationary motion, {chosen.name}, {ground.name} ground",
-        f"peak_response(model={chosen.name!r}, closure={closure!r}, sides={sides})",
+        f"peak_response(model={chosen.name!r}, closure={closure!r})",
         {"structure": structure, "ground": ground, "motion": motion},
         f"{labels.PAPER} {chosen.reference}.",
     )
@@ -164,11 +141,10 @@ def _with_drift(
     l2: xr.DataArray,
     solved: xr.Dataset,
     duration: xr.DataArray,
-    sides: int,
 ) -> tuple[xr.DataArray, ...]:
     """Spectral moments with the mean variance of the drift over a motion from rest added."""
     whole = solved.displacement_std**2
-    passed = PACE[sides] * solved.drift_rate * duration
+    passed = PACE * solved.drift_rate * duration
     grown = 1 + np.expm1(-passed) / passed
     fast = (whole / l0).clip(max=1.0)  # below 1 if the map corrects the variance to less than l0
     return fast * l0 + grown * (whole - l0).clip(0), fast * l1, fast * l2
@@ -211,20 +187,9 @@ def peak_table(
     )
 
 
-def response_moments(solved: xr.Dataset, ground: Ground) -> tuple[xr.DataArray, ...]:
-    """Spectral moments [m^2, m^2/s, m^2/s^2] of the displacement of a structure by `solve_structure`.
-
-    Failed cells stay NaN.
-    """
-
-    @np.errstate(all="ignore")
-    def flat(*arrays: Array) -> tuple[Array, ...]:
-        shape = np.broadcast_shapes(*(np.shape(array) for array in arrays))
-        rows = [np.broadcast_to(array, shape).ravel() for array in arrays]
-        count = len(INTERNAL)
-        system, forcing = system_and_forcing(rows[:count])
-        moments = displacement_moments(system, forcing, ground.filter_of(rows[count:]))
-        return tuple(moment.reshape(shape) for moment in moments)
-
-    inputs, kinds = [solved[name] for name in INTERNAL], (float,) * len(SpectralMoments._fields)
-    return cellwise(flat, *inputs, *ground.arrays().values(), kinds=kinds)
+def response_moments(solved: Solved) -> list[xr.DataArray]:
+    """Spectral moments [m^2, m^2/s, m^2/s^2] of the displacement of a structure; NaN in failed cells."""
+    system, forcing = EquivalentSystem(*solved.values["system"]), Forcing(*solved.values["forcing"])
+    ground = solved.ground.filter_of(solved.oscillators.soil)
+    moments = displacement_moments(system, forcing, ground)
+    return [xr.DataArray(solved.tables[0].array(moment)) for moment in moments]

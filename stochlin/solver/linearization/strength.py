@@ -24,6 +24,7 @@ from stochlin.solver.linearization.equivalent_systems import (
     JUDGED,
     Law,
     Oscillators,
+    Solved,
     check_closure,
     in_columns,
     solve_elastic,
@@ -36,7 +37,7 @@ from stochlin.solver.tables import labels
 from stochlin.solver.tables.cells import flat
 from stochlin.solver.tables.lazy import in_blocks
 
-TOLERANCE = Tolerance(1e-12, 1e-13, 200)
+TOLERANCE = Tolerance(1e-12, 200)
 # Largest relative error of the ductility that is found. Where the ductility jumps with R, a search ends
 # at the jump, with a larger error.
 REACHED = 1e-6
@@ -260,9 +261,9 @@ def _search(structure: Structure, ground: Ground, target: DuctilityTarget, closu
     return xr.DataArray(table.array(result))
 
 
-def solved_reduction_factor(structure: Structure, solved: xr.Dataset) -> float:
-    """Reduction factor of a single structure from its dataset by `solve_elastic`; NaN if elastic."""
-    factor = float(structure.arrays()["peak_factor"] * solved[STRENGTH_RATIO])
+def solved_reduction_factor(structure: Structure, solved: Solved) -> float:
+    """Reduction factor of a single structure that was solved; NaN if elastic."""
+    factor = float(structure.arrays()["peak_factor"]) * solved.values[STRENGTH_RATIO].item()
     return factor if structure.yields else np.nan
 
 

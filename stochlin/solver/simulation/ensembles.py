@@ -73,7 +73,7 @@ def drift_time_of(structure: Structure, ground: Ground) -> float:
     A law may have no linearization; a run that is too short shows it by its change of variance.
     """
     try:
-        solved = solved_together((structure,), ground, GAUSSIAN, Tolerance(1e-6, 1e-9, 200))
+        solved = solved_together((structure,), ground, GAUSSIAN, Tolerance(1e-6, 200))
     except ArithmeticError:
         return 0.0
     pace = float((solved.oscillators.hardening * solved.values["k_eq"])[0])

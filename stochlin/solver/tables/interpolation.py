@@ -51,15 +51,6 @@ class Grid(NamedTuple):
         ends = np.array([axis[[0, -1]] for axis in axes]).T[..., None]
         return cls(axes, [weights(axis) for axis in axes], columns, ends)
 
-    def on_points(self, axes: Sequence[Array]) -> Array:
-        """Values at all combinations of points on the axes; 0 where one of them is outside."""
-        values = self.values
-        for n, (own, weights, x) in enumerate(zip(self.axes, self.weights, axes, strict=True)):
-            inside = (x >= own[0]) & (x <= own[-1])
-            rows = weights(np.clip(x, own[0], own[-1])) * inside[:, None]
-            values = np.moveaxis(np.tensordot(rows, values, (1, n)), 0, n)
-        return values
-
     def at(self, points: Array) -> Array:
         """Values (columns, n) at ``points`` (axes, n); NaN at points outside or with NaN.
 

@@ -13,5 +13,5 @@ worn = sl.BoucWenBaberNoori(**strong, strength_decay=0.05, stiffness_decay=0.1, 
 table = sl.transient_response(worn, sl.named_ground("firm", 0.01), 10.0, envelope=envelope, points=6)
 table.to_netcdf("worn.nc")
 ground = sl.named_ground("firm", 0.01)
-table = sl.peak_response(building, ground, 20.0, model="derkiureghian", closure="drift", sides=1)
+table = sl.peak_response(building, ground, 20.0, model="derkiureghian", closure="drift")
 table.to_netcdf("peak.nc")

@@ -169,7 +169,7 @@ def linearize_system(
     (0, True)
     """
     links = checked_system(structures, ground, links)
-    tolerance = Tolerance(rtol, 0.0, max_iterations)
+    tolerance = Tolerance(rtol, max_iterations)
     depth = ITERATIONS[iteration]
     models: dict[str, Model] = {f"structure_{n}": s for n, s in enumerate(structures, start=1)}
     models |= {"ground": ground}
