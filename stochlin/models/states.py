@@ -59,14 +59,6 @@ def cannot_be_linearized(law: str, states: int) -> NotLinearizedError:
     )
 
 
-def turns_with_the_motion(law: str, states: list[str]) -> NotLinearizedError:
-    """The error where a law would be linearized whose further states have no mean."""
-    return NotLinearizedError(
-        f"{law} cannot be linearized in time: {listed(states)} turns with the motion, so that its mean "
-        "is 0, and only the means of further states are followed; use simulate with a duration"
-    )
-
-
 def in_words(law: Any) -> str:
     """A law in messages and descriptions: the name or expression, or the expressions by state."""
     rates = dict(law) if isinstance(law, (Mapping, tuple)) else {"z": law}

@@ -18,14 +18,13 @@ from stochlin.kernels.linearization.quadrature import (
     even_expectation,
     slip_expectations,
 )
-from stochlin.messages import brief
+from stochlin.messages import brief, listed
 from stochlin.models.states import (
     GIVE,
     MOST_STATES,
     NotLinearizedError,
     in_words,
     rates_by_state,
-    turns_with_the_motion,
 )
 
 if TYPE_CHECKING:
@@ -191,15 +190,13 @@ class SymbolicLaw:
         return np.array([np.broadcast_to(rate, v.shape) for rate in rates])
 
     def _kinks(self) -> Callable[[Array], Sequence[Array | float]]:
-        """A function of the parameters: the ``z`` besides 0 where the law may jump or bend."""
-        kinks = _kinks(self.rates[0][1]) - {sympy.S.Zero}
-        fixed = sorted(float(kink) for kink in kinks if kink.is_number)
-        moving = self._function(sympy.Tuple(*(k for k in kinks if not k.is_number)), "numpy")
+        """A function of the parameters: the ``z`` where the law may jump or bend."""
+        kinks = self._function(sympy.Tuple(*_kinks(self.rates[0][1])), "numpy")
 
         def at(parameters: Array) -> Sequence[Array | float]:
             with np.errstate(all="ignore"):
-                positions = moving(0.0, (0.0,), parameters)
-            return [*fixed, *(np.where(np.isfinite(kink), kink, 0.0) for kink in positions)]
+                positions = kinks(0.0, (0.0,), parameters)
+            return [np.where(np.isfinite(kink), kink, 0.0) for kink in positions]
 
         return at
 
@@ -237,7 +234,10 @@ class SymbolicLaw:
     def _check_held(self, column: Array) -> None:
         turning = [name for name, _ in self.rates[1:] if name not in self.growing]
         if turning:
-            raise turns_with_the_motion(self._named(column), turning)
+            raise NotLinearizedError(
+                f"{self._named(column)} cannot be linearized in time: {listed(turning)} turns with the "
+                "motion, so that its mean is 0; use simulate with a duration"
+            )
         for mean in MEANS:
             means = np.full(len(self.rates) - 1, mean)
             self.held._check_quadrature(np.concatenate([column, means]), ACCURACY_IN_TIME)
@@ -251,19 +251,16 @@ class SymbolicLaw:
         )
         error = np.nan_to_num(np.max(np.abs(coarse - fine) / (np.abs(fine) + latent[0])), nan=np.inf)
         if not error < allowed:
-            kinks = np.unique([0.0, *(float(np.squeeze(k)) for k in self.slip_rate.kinks(column))])
             raise NotLinearizedError(
                 f"{self._named(column)} cannot be linearized: its Gaussian expectations have the error "
                 f"{error:.1e}, allowed {allowed:.0e}, since it bends, jumps or is steep elsewhere than "
-                f"at v = 0 and z = {', '.join(f'{kink:g}' for kink in kinks)}, has a power below 1/2 "
-                "there, or grows too fast. Write kinks as Abs, sign, Heaviside, Max, Min or Piecewise "
-                "of z alone and make the law smoother, or use simulation, which takes it as it is"
+                "at v = 0 and its kinks in z, has a power below 1/2 there, or grows too fast. Write "
+                "kinks as Abs, sign, Heaviside, Max, Min or Piecewise of z alone and make the law "
+                "smoother, or use simulation, which takes it as it is"
             )
 
 
-@cache
-def _compiled(rates: Rates, parameters: tuple[str, ...], growing: tuple[str, ...]) -> SymbolicLaw:
-    return SymbolicLaw(rates, parameters, growing)
+_compiled = cache(SymbolicLaw)
 
 
 def compiled(

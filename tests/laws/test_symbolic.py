@@ -133,8 +133,8 @@ LIMITED = V * sympy.Max(abs(Z) - 0.7, 0)
 @pytest.mark.parametrize(
     ("law", "cause"),
     [
-        (V + HIDDEN, "v = 0 and z = 0, has"),
-        (V - LIMITED - 0.1 * HIDDEN, "v = 0 and z = -0.7, 0, 0.7, has"),
+        (V + HIDDEN, "steep elsewhere"),
+        (V - LIMITED - 0.1 * HIDDEN, "steep elsewhere"),
         (V - V * abs(Z) ** 0.1, "a power below 1/2 there"),
         (2 * V - V * sympy.exp(Z**4), "error inf, allowed 1e-09, .* or grows too fast"),
     ],
@@ -150,5 +150,5 @@ def test_linearization_refuses_a_law_whose_expectations_are_not_accurate(law, ca
 def test_parameters_of_a_law_are_named_with_their_values_where_it_is_refused():
     beta, limit = sympy.symbols("beta limit")
     law = SymbolicLaw(V - beta * V * sympy.Max(abs(Z) - limit, 0) ** 0.1, ("beta", "limit"))
-    with pytest.raises(ArithmeticError, match=r"with beta = 0.5, limit = 0.7 .* z = -0.7, 0, 0.7, has"):
+    with pytest.raises(ArithmeticError, match=r"with beta = 0.5, limit = 0.7 "):
         law.check_expectations(np.array([[0.5], [0.7]]))

@@ -140,8 +140,9 @@ def half_cycles(system: EquivalentSystem, ground: Filter) -> HalfCycles:
     the covariances of their states with ``z``.
     """
     w2, d, h, p, k = system
-    (forcing, with_soil), soil = ground.forcing_and_z(system), ground.arrays
-    own = own_covariance(system, forcing)
+    own, soil = own_covariance(system, ground.forcing(system)), ground.arrays
+    with_mu, _, with_slip = ground.correlations(system)
+    with_soil = with_mu - with_slip
     size = 3 + with_soil.shape[1]
     a = np.zeros((w2.size, size, size))
     a[:, 0, 1], a[:, 1, 0], a[:, 1, 1], a[:, 1, 2] = 1, -w2, -d, h

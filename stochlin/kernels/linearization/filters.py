@@ -15,13 +15,11 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.slabs import in_ranges
 from stochlin.kernels.linearization import grounds
 from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing
 
 Entry = Any  # a number, or an array of cells
 Transform = Callable[[Array], Array]
-AT_ONCE = 4096  # cells for which systems of equations are solved together
 
 
 class Matrices(NamedTuple):
@@ -139,12 +137,8 @@ class Filter:
             return Forcing(zero, np.pi * self.intensity + zero, zero)
         if self.oscillators:
             return Forcing(*self._solved(system)[0])
-        return self._forcing(self._correlations(system))
-
-    def _forcing(self, rows: Array) -> Forcing:
-        """The forcing from covariances (3, ..., m) of the structure's with the filter's states."""
         output = self.arrays.output
-        return Forcing(*((output * row).sum(axis=-1) for row in rows))
+        return Forcing(*((output * row).sum(axis=-1) for row in self.correlations(system)))
 
     def later(self, system: EquivalentSystem, forcing: Forcing) -> Transform:
         """Laplace transform of the covariance of the later forcing with the present displacement.
@@ -156,42 +150,42 @@ class Filter:
         if not self.states:
             return np.zeros_like
         matrix, _, output = self.arrays
-        with_mu = self._correlations(system)[0]
+        with_mu = self.correlations(system)[0]
         return lambda s: (output * _resolvent(s, matrix, with_mu)).sum(axis=-1)
-
-    def forcing_and_z(self, system: EquivalentSystem) -> tuple[Forcing, Array]:
-        """Forcing of structures (n,), and covariances (n, m) of ``z`` with the states of the filter."""
-        if not self.states:
-            return self.forcing(system), np.empty((system.stiffness.size, 0))
-        rows = self._correlations(system)
-        return self._forcing(rows), rows[0] - rows[2]
 
     def _solved(self, system: EquivalentSystem) -> tuple[grounds.Signal, *tuple[grounds.Rows, ...]]:
         """Signal of the ground of oscillators, and rows with each of these."""
         solve = grounds.kanai_tajimi if len(self.oscillators) == 2 else grounds.clough_penzien
         return solve(system, (self.intensity, *self.oscillators))
 
-    def _correlations(self, system: EquivalentSystem) -> Array:
+    def correlations(self, system: EquivalentSystem) -> Array:
         """Covariances ``C`` (3, ..., m) of ``mu``, ``mu'``, ``y`` with the states ``q`` of the filter.
 
-        They solve ``A C + C F' + b E[f q'] = 0``.
+        They solve ``A C + C F' + b E[f q'] = 0``, in units in which all quantities are of order one.
         """
+        if not self.states:
+            return np.empty((3, *np.shape(system.stiffness), 0))
         if self.oscillators:
             rows = (sum(pairs, ()) for pairs in zip(*self._solved(system)[1:], strict=True))
             return np.moveaxis(np.array([np.broadcast_arrays(*row) for row in rows]), 1, -1)
-        matrix, noise, output = self.arrays
-        m = len(self.states)
-        cells = np.broadcast_shapes(matrix.shape[:-2], np.shape(self.intensity), *map(np.shape, system))
-        wide = [np.broadcast_to(row, cells).ravel() for row in (*system, self.intensity)]
-        matrix = np.broadcast_to(matrix, (*cells, m, m)).reshape(-1, m, m)
-        noise, output = (np.broadcast_to(row, (*cells, m)).reshape(-1, m) for row in (noise, output))
-
-        def part(at: slice) -> Array:
-            own, soil = (row[at] for row in wide[:-1]), Matrices(matrix[at], noise[at], output[at])
-            return _correlations(EquivalentSystem(*own), wide[-1][at], soil)
-
-        correlations = np.concatenate(in_ranges(part, len(matrix), AT_ONCE), axis=1)
-        return correlations.reshape(3, *cells, m)
+        soil, m = self.arrays, len(self.states)
+        cells = np.broadcast_shapes(soil.noise.shape[:-1], *map(np.shape, (*system, self.intensity)))
+        matrix = np.broadcast_to(soil.matrix, (*cells, m, m)).reshape(-1, m, m)
+        noise, output = (np.broadcast_to(row, (*cells, m)).reshape(-1, m) for row in soil[1:])
+        rows = (np.broadcast_to(row, cells).ravel() for row in (*system, self.intensity))
+        w2, d, h, p, k, intensity = rows
+        covariance, w = stationary(matrix, noise), np.sqrt(w2)
+        std = np.sqrt(np.diagonal(covariance, axis1=-2, axis2=-1))
+        std = np.where(std > 0, std, 1.0)
+        own, right = np.zeros((w.size, 3, 3)), np.zeros((w.size, 3, m, 1))
+        own[:, 0, 1], own[:, 1, 0], own[:, 1, 1], own[:, 1, 2] = w, -w, -d, h / w
+        own[:, 2, 0], own[:, 2, 1], own[:, 2, 2] = k, p * w, -k
+        drive = 2 * np.pi * intensity[:, None] * (covariance @ output[..., None])[..., 0] / std
+        right[:, 1, :, 0] = drive / w[:, None]
+        cross = _sylvester_of_matrices(own, matrix * std[:, None] / std[..., None], right)[..., 0]
+        cross *= std[:, None]
+        cross[:, 1] *= w[:, None]
+        return cross.swapaxes(0, 1).reshape(3, *cells, m)
 
 
 def _at(entry: Any, cells: Any) -> Any:
@@ -212,29 +206,6 @@ def _ratio_and_spread(oscillator: tuple[Entry, ...], square: Array) -> tuple[Arr
     stiffness, damping = oscillator
     ratio = square / stiffness
     return ratio, damping**2 / stiffness * ratio
-
-
-def _correlations(system: EquivalentSystem, intensity: Array, soil: Matrices) -> Array:
-    """As `Filter._correlations` for cells (n,).
-
-    The equations are solved in units in which all quantities are of order one.
-    """
-    w2, d, h, p, k = system
-    matrix, noise, output = soil
-    covariance = stationary(matrix, noise)
-    std = np.sqrt(np.diagonal(covariance, axis1=-2, axis2=-1))
-    std = np.where(std > 0, std, 1.0)
-    drive = 2 * np.pi * intensity[:, None] * (covariance @ output[..., None])[..., 0] / std
-    w = np.sqrt(w2)
-    own = np.zeros((w.size, 3, 3))
-    own[:, 0, 1], own[:, 1, 0], own[:, 1, 1], own[:, 1, 2] = w, -w, -d, h / w
-    own[:, 2, 0], own[:, 2, 1], own[:, 2, 2] = k, p * w, -k
-    soil_matrix = matrix * std[:, None, :] / std[..., None]
-    right = np.zeros((w.size, 3, noise.shape[1], 1))
-    right[:, 1, :, 0] = drive / w[:, None]
-    cross = _sylvester_of_matrices(own, soil_matrix, right)[..., 0] * std[:, None]
-    cross[:, 1] *= w[:, None]
-    return cross.swapaxes(0, 1)
 
 
 def stationary(matrix: Array, noise: Array) -> Array:
