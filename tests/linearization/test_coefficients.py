@@ -11,21 +11,14 @@ import stochlin as sl
 pytestmark = [pytest.mark.oracle, pytest.mark.extreme]
 
 V, Z = sympy.symbols("v z")
-BILINEAR = V * (
-    1 - sympy.Heaviside(V) * sympy.Heaviside(Z - 1) - sympy.Heaviside(-V) * sympy.Heaviside(-Z - 1)
-)
 
 
 @pytest.mark.parametrize(("moments", "c_eq", "k_eq"), cases.KNOWN_COEFFICIENTS)
 def test_bilinear_coefficients(moments, c_eq, k_eq):
-    """To all printed digits, and by integration over the slip."""
+    """To all printed digits."""
     found = sl.equivalent_coefficients(*moments)
     assert float(found.c_eq) == pytest.approx(c_eq, abs=5.1e-11)
     assert float(found.k_eq) == pytest.approx(k_eq, abs=5.1e-11)
-    sv, sz, r = moments
-    slip = cases.slip_moments(cases.beyond_yield, moments, edges=(1,))
-    by_integration = cases.regressed(slip, sv * sv, sz * sz, r * sv * sz)
-    np.testing.assert_allclose([float(found.c_eq) + 1, float(found.k_eq)], by_integration, rtol=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -35,20 +28,6 @@ def test_bouc_wen_coefficients(exponent, c_eq, k_eq):
     found = sl.equivalent_coefficients(1, 0.5, 0.3, "bouc_wen", exponent=exponent)
     assert float(found.c_eq) == pytest.approx(c_eq, abs=5.1e-11)
     assert float(found.k_eq) == pytest.approx(k_eq, abs=5.1e-11)
-
-
-def test_a_law_in_symbols_has_the_coefficients_of_its_closed_form():
-    moments = [1.0, 3.0], [0.5, 1.4], [0.3, -0.2]
-    for law, named in (
-        (BILINEAR, {"law": "bilinear"}),
-        (V - 0.6 * abs(V) * Z - 0.4 * V * abs(Z), {"law": "bouc_wen", "beta": 0.6, "gamma": 0.4}),
-    ):
-        ours, known = (
-            sl.equivalent_coefficients(*moments, law),
-            sl.equivalent_coefficients(*moments, **named),
-        )
-        np.testing.assert_allclose(ours.c_eq, known.c_eq, rtol=1e-8)
-        np.testing.assert_allclose(ours.k_eq, known.k_eq, rtol=1e-8)
 
 
 def test_the_loop_of_linearize_ends_where_they_agree():

@@ -5,13 +5,6 @@ import numpy as np
 import pytest
 
 import stochlin as sl
-from stochlin.kernels.linearization.filters import Filter
-from stochlin.kernels.linearization.single_structures import (
-    SingleStructures,
-    moments_of,
-    solve_structures,
-)
-from stochlin.models.laws import bilinear
 
 pytestmark = pytest.mark.invariant
 
@@ -52,28 +45,15 @@ def slowest_pole(structure, table):
     return poles
 
 
-@pytest.mark.slow
 @every_domain
-def test_every_pair_of_bilinear_structures_is_solved(domain):
-    count, rng = 100_000, np.random.default_rng(90)
-    pair = [sl.Bilinear(**cases.draw_structure(rng, domain, count)) for _ in range(2)]
-    ground = sl.KanaiTajimi(**cases.draw_ground(rng, domain, count))
-    table = sl.correlate(*pair, ground)
-    assert int((table.status > 1).sum()) == 0
-    assert bool((np.abs(table.rho) <= 1).all())
-    check(sl.linearize(pair[0], ground))
-
-
-@pytest.mark.slow
-@every_domain
-def test_every_bilinear_structure_is_solved_under_the_clipped_closure(domain):
+@pytest.mark.parametrize("closure", ["gaussian", "clipped"])
+def test_every_bilinear_structure_is_solved(domain, closure):
     rng = np.random.default_rng(91)
-    structure = sl.Bilinear(**cases.draw_structure(rng, domain, 20_000))
-    ground = sl.KanaiTajimi(**cases.draw_ground(rng, domain, 20_000))
-    table = sl.linearize(structure, ground, "clipped")
-    # Hardening of .001 on a narrow band: displacements of a hundred times yield and more.
-    rare = 2e-3 if domain is cases.BEYOND else 0.0
-    check(table, rare)
+    structure = sl.Bilinear(**cases.draw_structure(rng, domain, 5_000))
+    ground = sl.KanaiTajimi(**cases.draw_ground(rng, domain, 5_000))
+    table = sl.linearize(structure, ground, closure)
+    check(table)
+    assert int(table.iterations.max()) <= 20  # without following the solution from weak shaking
 
 
 @pytest.mark.slow
@@ -136,44 +116,3 @@ def test_the_strongest_shaking_leaves_the_stiffness_after_yielding(law, closure,
 def test_shaking_beyond_reach_says_so():
     with pytest.raises(ArithmeticError, match="check the units"):
         sl.linearize(sl.Bilinear(1.0, 0.05, 0.05, yield_displacement=1e-30), sl.WhiteNoise(0.01))
-
-
-def solve_from(start, structure, ground, uy):
-    """The Gaussian fixed point of bilinear structures from given latent moments (sv in units of w)."""
-    w = 2 * np.pi / structure["period"]
-    oscillator = np.stack([w**2, 2 * structure["damping"] * w, (1 - structure["hardening"]) * w**2])
-    soil = np.stack([1 / uy**2, 2 * np.pi / ground["period"], ground["damping"]])
-    # The stop rule of `linearize`, with patience for a far start.
-    latent = start * np.stack([w, np.ones_like(w), np.ones_like(w)])
-    ground, level = Filter.kanai_tajimi(*soil), np.zeros_like(w)
-    none = np.empty((0, w.size))
-    problem = SingleStructures(oscillator, bilinear.gaussian, none, ground, level, 1e-10)
-    found = solve_structures(problem, latent, w > 0, 200)
-    return found, bilinear.gaussian(moments_of(found.unknowns), none).coefficients
-
-
-@pytest.mark.slow
-def test_solution_does_not_depend_on_where_the_search_begins():
-    """Five random densities to start from, far from each other: one solution."""
-    count, rng = 4_000, np.random.default_rng(93)
-    structure, ground = (
-        draw(rng, cases.PRACTICE, count) for draw in (cases.draw_structure, cases.draw_ground)
-    )
-    reference = sl.linearize(sl.Bilinear(**structure), sl.KanaiTajimi(**ground))
-    shares = []
-    for _ in range(5):
-        start = np.stack(
-            [
-                cases.log_uniform(rng, (0.05, 20.0), count),
-                cases.log_uniform(rng, (0.3, 5.0), count),
-                rng.uniform(-0.5, 0.95, count),
-            ]
-        )
-        found, coefficients = solve_from(start, structure, ground, reference.yield_displacement.values)
-        shares.append(found.converged.mean())
-        assert found.residual[found.converged].max() < SOLVED
-        slip, relaxation = coefficients[:, found.converged]
-        expected = reference.isel(case=found.converged)
-        np.testing.assert_allclose(slip, expected.c_eq + 1, rtol=1e-8)
-        np.testing.assert_allclose(relaxation, expected.k_eq, rtol=1e-8)
-    assert min(shares) > 0.99

@@ -336,13 +336,3 @@ def test_correction_has_no_steps_at_the_ends_of_the_map():
         sides = [replace(building(), **{name: edge * f}) for f in (1 - 1e-7, 1 + 1e-7)]
         low, high = (float(sl.linearize(side, LAKEBED, "drift").ductility_std) for side in sides)
         assert low == pytest.approx(high, rel=1e-5)
-
-
-def test_what_the_closure_cannot_do_is_said():
-    with pytest.raises(ValueError, match=r"closure = 'drift' is not available for BoucWen"):
-        sl.linearize(sl.BoucWen(1.0, 0.05, 0.1, reduction_factor=2), LAKEBED, "drift")
-    with pytest.raises(ValueError, match=r"closure = 'drift' is not available for BoucWen"):
-        sl.peak_response(sl.BoucWen(1.0, 0.05, 0.1, reduction_factor=2), LAKEBED, 30.0, closure="drift")
-    bad = sl.linearize(building(period=np.array([1.0, -1.0])), LAKEBED, "drift")
-    assert np.isfinite(bad.ductility_std[0])
-    assert np.isnan(bad.ductility_std[1])

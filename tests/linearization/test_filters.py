@@ -9,7 +9,6 @@ import scipy.integrate
 import scipy.linalg
 
 import stochlin as sl
-from stochlin.kernels.linearization import drift
 from stochlin.kernels.linearization.covariance import EquivalentSystem, linear_system
 from stochlin.kernels.linearization.filters import Filter
 from stochlin.kernels.linearization.spectral_moments import displacement_moments
@@ -57,13 +56,6 @@ def test_closed_forms_are_those_of_the_general_filter(which, law):
     np.testing.assert_array_less(general.fastest, closed.fastest * 1.5 + soil.fastest)
     one = general.at(slice(3, 4)).forcing(EquivalentSystem(*(row[3:4] for row in system)))
     np.testing.assert_allclose(np.ravel(one), [row[3] for row in exact], rtol=CLOSE)
-
-
-def test_half_cycles_are_those_of_the_general_filter():
-    soil, _, systems = draw(np.random.default_rng(22))
-    found, exact = (drift.half_cycles(systems["yielding"], one) for one in (in_general(soil), soil))
-    np.testing.assert_allclose(found.time, exact.time, rtol=CLOSE)
-    np.testing.assert_allclose(found.memory, exact.memory, rtol=0, atol=1e-9)
 
 
 def test_white_noise_is_a_filter_without_states():
@@ -129,15 +121,9 @@ class TwoLayers(Column):
     intensity: Parameter = parameter("m^2/s^3", "PSD", Range(), 1.0)
 
 
-@dataclass(frozen=True)
-class ThreeLayers(TwoLayers):
-    layers = 3
-
-
 GROUNDS = [
     Parallel(0.6, 1.3, 0.2, 0.02),
     TwoLayers(0.3, 0.2, 0.02),
-    ThreeLayers(0.2, 0.15, 0.02),
 ]
 every_ground = pytest.mark.parametrize("ground", GROUNDS, ids=lambda g: type(g).__name__)
 PERIODS, DAMPING = (0.7, 1.0), 0.05
@@ -207,30 +193,6 @@ def test_spectrum_integrates_to_the_variances(ground):
     peak = sl.peak_response(PAIR[0], ground, duration=20.0)
     bandwidth = np.sqrt(1 - moments[1] ** 2 / (moments[0] * moments[2]))
     assert float(peak.bandwidth) == pytest.approx(bandwidth, rel=1e-6)
-
-
-@every_ground
-def test_moments_over_time_are_those_of_the_whole_system(ground):
-    matrix, _ = whole(ground)
-    start, x = np.zeros_like(matrix), stationary(ground)
-    start[4:, 4:] = x[4:, 4:]
-    late = sl.transient_response(PAIR[0], ground, duration=12.0, points=4)
-    exact = []
-    for time in late.time.values:
-        step = scipy.linalg.expm(matrix * time)
-        exact.append(np.sqrt((x + step @ (start - x) @ step.T)[0, 0]))
-    np.testing.assert_allclose(late.displacement_std, exact, rtol=0, atol=1e-5 * np.sqrt(x[0, 0]))
-
-
-@every_ground
-def test_simulated_motions_have_the_variance_and_correlation_of_the_filter(ground):
-    x = stationary(ground)
-    table = sl.simulate(PAIR, ground, paths=256, seed=4)
-    for row, at in enumerate((0, 2)):
-        error = float(table.displacement_std_standard_error[row])
-        assert abs(float(table.displacement_std[row]) - np.sqrt(x[at, at])) < 4 * error
-    exact = x[0, 2] / np.sqrt(x[0, 0] * x[2, 2])
-    assert abs(float(table.rho[0, 1]) - exact) < 4 * float(table.rho_standard_error[0, 1])
 
 
 def stepped(steps, start, xi):

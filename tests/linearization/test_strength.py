@@ -3,7 +3,6 @@
 import cases
 import numpy as np
 import pytest
-import scipy.optimize
 import xarray as xr
 
 import stochlin as sl
@@ -43,24 +42,6 @@ def test_the_strength_found_has_the_ductility(closure, domain):
     assert (np.isnan(table.reduction_factor) == ~found).all()
 
 
-@pytest.mark.parametrize("closure", ["gaussian", "drift"])
-def test_same_root_as_a_scalar_search(closure):
-    structure, ground = draw(2)
-    table = sl.strength_for_ductility(
-        sl.Bilinear(**structure), sl.KanaiTajimi(**ground), 4.0, closure=closure
-    )
-    for cell in range(0, CELLS, 15):
-        one, soil = ({k: float(v[cell]) for k, v in m.items()} for m in (structure, ground))
-
-        def excess(log_r, one=one, soil=soil):
-            building = sl.Bilinear(**one, reduction_factor=float(np.exp(log_r)))
-            soft = sl.linearize(building, sl.KanaiTajimi(**soil), closure)
-            return 3 * float(soft.ductility_std) - 4
-
-        root = scipy.optimize.brentq(excess, np.log(0.02), np.log(200.0), xtol=1e-12)
-        assert float(table.reduction_factor[cell]) == pytest.approx(np.exp(root), rel=1e-8)
-
-
 def test_elastic_structure_has_the_ductility_of_its_reduction_factor():
     """Far from yielding: ``mu = R``, exactly."""
     structure, ground = draw(4)
@@ -98,13 +79,6 @@ def test_simulated_the_strength_has_the_ductility_that_was_asked_for(ground, uns
     assert (int(drifting.caution), int(gaussian.caution)) == (0, 1)
     assert float(gaussian.bias) == pytest.approx(4.0 / true[1] - 1, abs=0.05)
     assert "too small" in gaussian.attrs["comment"]
-
-
-def test_caution_of_structures_and_grounds_beside_the_map():
-    two = sl.ParallelGround([sl.KanaiTajimi(T, 0.3) for T in (0.5, 1.0)])
-    for structure, ground in ((sl.BoucWen(1.0, 0.05, 0.1), GROUND), (sl.Bilinear(1.0, 0.05, 0.1), two)):
-        table = sl.strength_for_ductility(structure, ground, 3.0)
-        assert (int(table.caution), bool(table.bias.isnull())) == (2, True)
 
 
 @pytest.mark.parametrize(
