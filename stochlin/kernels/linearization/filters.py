@@ -172,8 +172,8 @@ class Filter:
         cells = np.broadcast_shapes(soil.noise.shape[:-1], *map(np.shape, (*system, self.intensity)))
         matrix = np.broadcast_to(soil.matrix, (*cells, m, m)).reshape(-1, m, m)
         noise, output = (np.broadcast_to(row, (*cells, m)).reshape(-1, m) for row in soil[1:])
-        rows = (np.broadcast_to(row, cells).ravel() for row in (*system, self.intensity))
-        w2, d, h, p, k, intensity = rows
+        wide = [np.broadcast_to(row, cells).ravel() for row in (*system, self.intensity)]
+        w2, d, h, p, k, intensity = wide
         covariance, w = stationary(matrix, noise), np.sqrt(w2)
         std = np.sqrt(np.diagonal(covariance, axis1=-2, axis2=-1))
         std = np.where(std > 0, std, 1.0)
