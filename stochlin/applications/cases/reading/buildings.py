@@ -85,10 +85,6 @@ class OfBuilding(Form):
         law = laws_in_numbers().get(str(table.values.get("law", "bilinear")))
         return keys_of(cls) | keys_of_model(law, law and law.own_parameters(), **cls.of_law)
 
-    def model(self) -> Any:
-        """The structure, which may be uncertain."""
-        raise NotImplementedError
-
     def of_hardening(self) -> dict[str, Any]:
         """The hardening, of a building whose keys give its strength."""
         return {"hardening": self.hardening} if self.chosen(STRENGTH) in WITH_HARDENING else {}

@@ -60,7 +60,6 @@ from stochlin.models.rules.codes import (
 from stochlin.models.uncertain import UncertainModel
 from stochlin.solver.tables.inputs import input_path
 
-MOST_BUILDINGS = 100
 NUMBERED = re.compile(r"building_([1-9]\d{0,5})")
 ALL, TWO = "all", ListOf(integer(1), length=2)
 STOREYS = text_or(ListOf(integer(1), "listed"), f'"{ALL}", or a list of numbers')
@@ -348,7 +347,7 @@ class Whole(Form):
         """With the buildings, none left out, and the next one, which a wrong name may mean."""
         count = max(1, sum(1 for name in table.values if NUMBERED.fullmatch(name)))
         needed = Key(Inner(FORMS, later=True), "A building")
-        names = [f"building_{n}" for n in range(1, min(count, MOST_BUILDINGS) + 1)]
+        names = [f"building_{n}" for n in range(1, count + 1)]
         after = {f"building_{count + 1}": needed._replace(default=None)}
         return keys_of(cls) | dict.fromkeys(names, needed) | after
 

@@ -136,10 +136,6 @@ class OfHazard(Form):
     measure: str = key(Word(MEASURES), "Measure of the shaking; intensity is S0")
     sa_period: float | None = key(TIME, "Period of the spectral acceleration", None)
 
-    def hazard(self) -> Hazard:
-        """The hazard."""
-        raise NotImplementedError
-
     @property
     def of(self) -> dict[str, Any]:
         """The measure and its period."""

@@ -30,7 +30,6 @@ from stochlin.applications.cases.reading.records import (
     RESPONSE,
     TIME,
     YEARS,
-    OfHazard,
     Record,
     Suite,
     read_records_of,
@@ -130,19 +129,7 @@ class OfSite(Form):
 
     records: list[Record] = key(Inner((Record,), several=True), "Recorded motions", ())
     suite: Suite | None = key(Inner((Suite,)), "A suite of records", None)
-    hazard: OfHazard | None = key(Inner(HAZARDS), "Hazard", None)
-
-    def goal(self, hazard: Hazard | None) -> dict[str, Any]:
-        """The wanted strength, as arguments of `scale_ground`; empty if the ground has its own."""
-        return {}
-
-    def described(self) -> Any:
-        """The ground of the file, which may be uncertain; None if it is fitted."""
-        return None
-
-    def target(self) -> xr.DataArray | None:
-        """The design spectrum of the site, if it has one."""
-        return None
+    hazard: Any = key(Inner(HAZARDS), "Hazard", None)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -158,7 +145,7 @@ class Scaled(OfSite):
     return_period: float | None = key(YEARS, "Return period of the shaking, from the hazard", None)
 
     def goal(self, hazard: Hazard | None) -> dict[str, Any]:
-        """Also the intensity, of a hazard of S0."""
+        """The wanted strength, as arguments of `scale_ground`, or the intensity of a hazard of S0."""
         strength, period = self.given("pga", "sa"), self.sa_period
         if self.return_period is not None:
             if hazard is None:
@@ -185,7 +172,7 @@ class ByParameters(Scaled):
         return keys_of_model(kind, uncertain=True) | keys_of(cls)
 
     def described(self) -> Any:
-        """The ground, of intensity 1 if it is scaled."""
+        """The ground, which may be uncertain; of intensity 1 if it is scaled."""
         values = {"intensity": 1.0 if self.intensity is None else self.intensity, **self.more}
         kind = GROUNDS.get(self.ground)
         return self.table.made(kind or partial(named_ground, self.ground), **values)
@@ -385,10 +372,12 @@ def read_site(table: Table, of_motion: Table) -> Site:
     least = getattr(motion, "components", 1)
     if getattr(form, "ground", "") == FITTED and len(form.records) < least:
         raise table.error("ground", f"needs a record to be fitted to; allowed: {least} [[site.records]]")
-    spectrum = form.target()
+    spectrum = form.target() if "spectrum" in table else None
     records = read_records_of(form.records, form.suite, spectrum)
     hazard = form.hazard and form.hazard.hazard()
-    site = Site(form, motion, records, hazard, form.goal(hazard), spectrum, form.described())
+    goal = form.goal(hazard) if isinstance(form, Scaled) else {}
+    described = form.described() if isinstance(form, ByParameters) else None
+    site = Site(form, motion, records, hazard, goal, spectrum, described)
     if not with_motion:
         _ = site.course
     return site
