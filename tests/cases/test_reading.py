@@ -126,6 +126,12 @@ DOUBTS = {
         "elastic = true\n",
         "it has a first period of 6.28 s with 1 storeys",
     ),
+    "MN/m for kN/m": (
+        BUILDING,
+        'masses = ["300 t"]\nstiffnesses = ["3e8 kN/m"]\nstorey_height = "3 m"\ndamping = 0.05\n'
+        "elastic = true\n",
+        "it has a first period of 0.00628 s with 1 storeys",
+    ),
     "unused": (STRENGTH, STRENGTH + "behaviour_factor = 3\n", "is not used; name your code"),
 }
 
