@@ -87,21 +87,6 @@ def oscillators(kind, mass_1=2e5, mass_2=3e5):
     return [sl.Bilinear(1.0, 0.05, mass=mass_1, **one), sl.Bilinear(0.5, 0.05, mass=mass_2, **two)]
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("kind", STRENGTH)
-def test_the_critical_gap_is_the_least_without_contact(kind):
-    """There the structures meet at no velocity: a little less, and they meet slowly, once."""
-    pair = oscillators(kind)
-    for motion in MANY[:4]:
-        gap = float(sl.recorded_gap(*pair, motion).separation)
-        open_, closed = (
-            sl.pound(pair, share * gap, HARD, motion, steps_per_contact=64) for share in (1.0004, 0.9996)
-        )
-        assert open_.sizes["impact"] == 0
-        assert closed.sizes["impact"] == 1
-        assert float(closed.approach_velocity[0]) < 0.04 * 2 * np.pi / 0.5 * gap
-
-
 @pytest.mark.parametrize(
     ("kind", "mean", "falls"),
     [

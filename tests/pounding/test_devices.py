@@ -45,9 +45,6 @@ def in_storeys(structure: int, storeys: Any, **device: Any) -> list[sl.Link]:
     return [sl.Link(**device, structures=(structure, structure), floors=(n, n - 1)) for n in storeys]
 
 
-# --- Against other integrators ----------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(
     ("exponent", "times", "method", "close"),
     [
@@ -92,17 +89,6 @@ def test_a_linear_device_is_a_damper_of_the_storey_or_damping() -> None:
     lost = found.viscous_energy.sum("structure") + found.link_lost_energy
     np.testing.assert_allclose(lost[-1], wanted.viscous_energy.sum("structure")[-1], rtol=1e-7)
 
-    one, two = pair()
-    added = 0.1 * 2 * one.mass * 2 * np.pi / one.period
-    device = sl.Link(0.0, added, structures=(1, 1), floors=(1, 0))
-    found = sl.pound([one, two], 0.01, SPRING, record(), link=device)
-    wanted = sl.pound([sl.Bilinear(0.9, 0.13, mass=2e5), two], 0.01, SPRING, record())
-    np.testing.assert_allclose(found.peak, wanted.peak, rtol=1e-7)
-    np.testing.assert_allclose(found.peak_alone, wanted.peak_alone, rtol=1e-7)
-
-
-# --- Whatever the device ----------------------------------------------------------------------------
-
 
 @pytest.mark.slow
 @settings(max_examples=25)
@@ -134,9 +120,6 @@ def test_energy_of_any_device_is_accounted_for(
     assert lost[-1] > 0
 
 
-# --- How far a contact is compressed ----------------------------------------------------------------
-
-
 @pytest.mark.parametrize("contact", [sl.Kelvin(3e7, restitution=0.4), sl.Hertz(3e8)])
 def test_compression_is_that_of_a_fine_history(contact: sl.Kelvin) -> None:
     row = towers()
@@ -144,23 +127,3 @@ def test_compression_is_that_of_a_fine_history(contact: sl.Kelvin) -> None:
     u = table.displacement
     apart = (u.sel(structure=1) - u.sel(structure=2)).sel(floor=[1, 2]).max("time") - 0.005
     np.testing.assert_allclose(table.deepest_compression, apart.clip(0.0), rtol=2e-3)
-
-
-def test_what_does_not_touch_is_not_compressed() -> None:
-    assert float(sl.pound(pair(), FAR, SPRING, record(50)).deepest_compression[0]) == 0
-    jumped = sl.pound(pair(), 0.005, sl.Stereomechanical(0.5), record(50))
-    assert jumped.sizes["impact"] > 0
-    assert np.isnan(jumped.deepest_compression).all()
-
-
-# --- Against the simulations that know no contact ---------------------------------------------------
-
-DEVICES = {
-    "fluid dampers in storeys": in_storeys(2, range(1, 5), damping_constant=1e6, damping_exponent=0.5),
-    "braces that yield": in_storeys(1, (1, 2), stiffness=5e7, hardening=0.02, yield_displacement=2e-3),
-    "a fluid damper between both": [dashpot(0.35, 3, structures=(1, 2))],
-    "all at once": [
-        *in_storeys(2, (1, 3), stiffness=2e7, damping_constant=5e5, damping_exponent=1.5),
-        sl.Link(2e7, 3e5, structures=(1, 2), hardening=0.1, yield_displacement=0.01),
-    ],
-}

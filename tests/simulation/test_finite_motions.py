@@ -81,24 +81,6 @@ def test_linear_response_scales_with_the_motion_and_yielding_with_strength():
     np.testing.assert_allclose(four.separation, 2 * one.separation, rtol=1e-9)
 
 
-def test_quantiles_and_their_interval_are_order_statistics():
-    pair = [elastic(0.7), elastic(1.0)]
-    table = sl.simulate(pair, FIRM, paths=512, duration=15.0, quantiles=(0.1, 0.5, 0.9))
-    samples = table.separation.sel(structure="1", structure_2="2")
-    chosen = table.sel(structure="1", structure_2="2")
-    np.testing.assert_allclose(chosen.separation_quantile, np.quantile(samples, [0.1, 0.5, 0.9]))
-    inside = scipy.stats.bootstrap(
-        (samples.values,),
-        np.median,
-        confidence_level=0.95,
-        method="percentile",
-        rng=np.random.default_rng(1),
-    ).confidence_interval
-    width = inside.high - inside.low
-    assert abs(float(chosen.separation_quantile_lower[1]) - inside.low) < 0.5 * width
-    assert abs(float(chosen.separation_quantile_upper[1]) - inside.high) < 0.5 * width
-
-
 def test_exceedance_is_monotone_and_covers():
     rng = np.random.default_rng(5)
     gaps = xr.DataArray(np.linspace(-1, 4, 21), dims="gap")

@@ -5,7 +5,6 @@ import pytest
 from cases import with_slow
 
 import stochlin as sl
-from stochlin.solver.simulation.finite_motions import required_gaps
 
 GROUND = sl.named_ground("firm", intensity=0.01)
 SHAPE = sl.AminAng(2.0, 10.0, 0.5)
@@ -81,48 +80,6 @@ def test_samples_are_those_of_the_distribution():
     np.testing.assert_allclose(np.sort(damping), 0.6 + 0.8 * shares, atol=0.8 / 256)
     assert np.log(period).std() == pytest.approx(0.2, rel=0.02)
     assert abs(np.corrcoef(period, damping)[0, 1]) < 4 / np.sqrt(256)
-
-
-@pytest.mark.slow
-def test_required_gap_of_uncertain_periods_is_that_of_brute_force():
-    """Sixty-four pairs of periods, each simulated by itself with other motions."""
-    first, second = (
-        sl.Bilinear(sl.Uncertain(T, 0.25), 0.05, 0.05, yield_displacement=0.03) for T in (0.6, 1.0)
-    )
-    table = sl.separation(first, second, GROUND, paths=1024, **MOTION)
-    random, samples = np.random.default_rng(5), []
-    for seed in range(64):
-        pair = [
-            one.at({"period": float(np.exp(0.25 * random.standard_normal()))}) for one in (first, second)
-        ]
-        motions = sl.simulate(pair, GROUND, paths=32, seed=100 + seed, **MOTION)
-        samples.append(motions.separation[:, 0, 1].values)
-    counted = np.mean(np.array(samples) <= float(table.gap[0]), axis=1)
-    error = np.hypot(counted.std(ddof=1) / 8, np.sqrt(0.09 / 1024))
-    assert abs(counted.mean() - 0.9) < 4 * error
-    known = sl.separation(first.median(), second.median(), GROUND, paths=1024, **MOTION)
-    assert float(table.gap[0]) > 1.05 * float(known.gap[0])  # what is not known costs
-
-
-@pytest.mark.slow
-def test_the_interval_of_a_gap_with_uncertain_periods_contains_it_as_often_as_it_says():
-    """Two hundred seeds against one run of as many motions as half of them together."""
-    pair = [sl.Bilinear(sl.Uncertain(T, 0.25), 0.05, 0.05, yield_displacement=0.03) for T in (0.6, 1.0)]
-    motion = {"duration": 8.0, "envelope": sl.AminAng(2.0, 5.0, 0.5)}
-
-    def gaps(paths, seed):
-        return required_gaps(
-            sl.simulate(pair, GROUND, paths=paths, seed=seed, quantiles=[0.9], **motion)
-        )
-
-    table = sl.separation(*pair, GROUND, paths=64, seed=3, **motion)
-    answer = [float(table[name][0]) for name in ("gap", "gap_lower", "gap_upper")]
-    assert gaps(64, 3) == pytest.approx(answer, rel=1e-12)
-    exact, *_ = gaps(6400, 900)
-    intervals = np.array([gaps(64, seed)[1:] for seed in range(200)])
-    covered = ((intervals[:, 0] <= exact) & (exact <= intervals[:, 1])).mean()
-    # Order statistics are a little more careful than they say; 0.98 with these seeds.
-    assert abs(covered - 0.95) < 3 * np.sqrt(0.95 * 0.05 / 200)
 
 
 @pytest.mark.parametrize(

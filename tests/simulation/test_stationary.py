@@ -175,16 +175,6 @@ MIXED = [
 SHORT = {"paths": 96, "relaxation_times": 2.0, "steps_per_period": 12}
 
 
-@pytest.mark.slow
-def test_structures_keep_their_order_whatever_their_laws():
-    table = sl.simulate(MIXED, NOISE, seed=5, **SHORT)
-    order = [4, 2, 0, 3, 1]
-    again = sl.simulate([MIXED[n] for n in order], NOISE, seed=5, **SHORT)
-    for name in STATISTICS:
-        expected = table[name].values[np.ix_(*[order] * table[name].ndim)]
-        np.testing.assert_allclose(again[name], expected, rtol=1e-9, atol=1e-9, err_msg=name)
-
-
 def test_paths_come_in_whole_groups_and_progress_ends_at_one():
     shares = []
     table = sl.simulate(MIXED[:1], NOISE, **SHORT | {"paths": 65}, progress=shares.append)

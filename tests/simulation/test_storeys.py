@@ -1,16 +1,11 @@
-"""Floors on storeys in simulated motions: limits, invariance, another integrator, printed values."""
-
-import functools
+"""Floors on storeys in simulated motions: limits and invariance."""
 
 import numpy as np
 import pytest
-import scipy.linalg
 import sympy
 
 import stochlin as sl
-from stochlin.kernels.simulation.stepping import LANES
-from stochlin.models.systems import arrangement_of, shares_at, stack_of
-from stochlin.solver.simulation.connected_structures import stepped_groups
+from stochlin.models.systems import shares_at, stack_of
 from stochlin.solver.simulation.structures_in_motion import meeting_heights
 
 pytestmark = pytest.mark.oracle
@@ -72,94 +67,6 @@ def test_elastic_floors_have_the_variance_of_their_modes():
             covariance += product * np.outer(share[:, m], share[:, n])
     off = table.displacement_std.values - np.sqrt(np.diag(covariance))
     assert (np.abs(off) < 4 * table.displacement_std_standard_error.values).all()
-
-
-LINKS = {
-    "none": [],
-    "spring": [sl.Link(5e7, 2e6, floors=(2, 2))],
-    "yielding": [sl.Link(8e7, 1e5, hardening=0.05, yield_displacement=0.004, floors=(3, 2))],
-}
-
-
-def springs_of(system):
-    """Each storey and link: its extension by the floors, stiffnesses, limit of ``z``, dashpot."""
-    drifts, ties = system.drifts, system.ties
-    links = [tie.link for tie in ties]
-    along = np.concatenate([drifts, np.zeros((len(ties), len(drifts)))])
-    for row, tie in zip(along[len(drifts) :], ties, strict=True):
-        row[[tie.floor, tie.other]] = 1, -1
-    share = np.array([link.hardening if link.yields else 1.0 for link in links])
-    stiffness = [link.stiffness for link in links]
-    post = np.append(system.storeys.post, stiffness * share)
-    couple = np.append(system.storeys.couple, stiffness * (1 - share))
-    limit = np.append(system.storeys.strength, [x.yield_displacement or np.inf for x in links])
-    return (
-        along,
-        post,
-        couple,
-        limit,
-        np.append(np.zeros(len(drifts)), [x.damping_constant for x in links]),
-    )
-
-
-def solved(system, force, seconds, steps):
-    """Displacements of the floors after each step (steps, n), by the equations of motion in floors.
-
-    Within a step no spring begins or ceases to slide: the motion is that of a linear system, and exact
-    but for the force, which is that of the middle. ``z`` follows its drift, or stays.
-    """
-    along, post, couple, limit, dashpot = springs_of(system)
-    pull, dt = along.T / system.storeys.mass[:, None], seconds / steps
-    s, n = along.shape
-    u, v, z = slice(n), slice(n, 2 * n), slice(2 * n, 2 * n + s)
-    damping = system.storeys.damping / system.storeys.mass[:, None] + pull @ (dashpot[:, None] * along)
-
-    @functools.cache
-    def transition(modes):
-        slides, rates = np.frombuffer(modes, dtype=bool), np.zeros((2 * n + s + 1,) * 2)
-        rates[u, v], rates[v, v], rates[v, u] = np.eye(n), -damping, -pull @ (post[:, None] * along)
-        rates[z, v], rates[v, z] = np.where(slides[:, None], 0.0, along), -pull * couple
-        rates[v, -1] = 1
-        return scipy.linalg.expm(rates * dt)
-
-    x, found = np.zeros(2 * n + s + 1), np.empty((steps, n))
-    for step, f in enumerate(force(dt * (np.arange(steps) + 0.5))):
-        x[-1] = f
-        slides = (np.abs(x[z]) >= limit) & (along @ x[v] * x[z] > 0)
-        x = transition(slides.tobytes()) @ x
-        x[z] = np.clip(x[z], -limit, limit)
-        found[step] = x[u]
-    return found
-
-
-@pytest.mark.parametrize(("links", "p_delta"), [("none", True), ("spring", False), ("yielding", True)])
-def test_motion_is_that_of_linear_stretches(links, p_delta):
-    system = arrangement_of([four(p_delta=p_delta), two()], LINKS[links])
-    n, seconds = 6, 1.6
-
-    def force(t):
-        return 9 * np.sin(11 * t) * np.sin(2 * t)
-
-    theirs = solved(system, force, seconds, 32000).T
-    drift = system.drifts @ theirs
-    assert (np.abs(drift).max(axis=1) / system.storeys.strength).max() > 2
-    frames = stepped_groups(system)
-    assert len(frames) == (1 if system.ties else 2)
-    errors = []
-    for steps in (800, 1600):
-        dt = seconds / steps
-        middle = dt * (np.arange(steps) + 0.5)
-        f = np.repeat(force(middle)[:, None], LANES, axis=1)
-        found = np.empty(n)
-        for frame in frames:
-            part = frame.part
-            out = np.empty((1, part.size, LANES))
-            part.block(dt)(f, part.at_rest(), steps, out)
-            assert (out == out[..., :1]).all()  # equal motions, equal answers
-            found[frame.watched] = out[0, :, 0]
-        errors.append(np.abs(found - theirs[:, -1]).max() / np.abs(theirs).max())
-    assert errors[1] < 2e-4
-    assert errors[1] < 0.4 * errors[0] or errors[1] < 1e-5
 
 
 def test_a_storey_that_its_weight_leaves_no_hardening_has_no_stationary_answer():

@@ -22,7 +22,6 @@ from stochlin.models.grounds import Ground
 from stochlin.models.structures import Gap
 from stochlin.models.systems import AnyStructure
 from stochlin.solver.linearization.transient_systems import TIME, TimeGrid
-from stochlin.solver.simulation.draws import GROUND, draw
 from stochlin.solver.simulation.ensembles import SimulationRun
 from stochlin.solver.simulation.finite_motions import (
     check_finite,
@@ -32,8 +31,10 @@ from stochlin.solver.simulation.finite_motions import (
 )
 from stochlin.solver.simulation.simulation import STEPS_PER_PERIOD
 from stochlin.solver.simulation.structures_in_motion import (
+    GROUND,
     StructuresInMotion,
     at_height,
+    draw,
     pairs_of,
     structures_in_motion,
 )

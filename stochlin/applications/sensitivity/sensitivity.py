@@ -18,14 +18,13 @@ from stochlin.models.grounds import Ground
 from stochlin.models.systems import AnyStructure
 from stochlin.models.uncertain import UncertainModel, median_of
 from stochlin.solver.linearization.strength import strength_in_metres
-from stochlin.solver.simulation.draws import GROUND, INPUT, draw
 from stochlin.solver.simulation.finite_motions import (
     pair_separation,
     quantile_intervals,
     simulate_finite,
 )
 from stochlin.solver.simulation.simulation import STEPS_PER_PERIOD, check_repeated, checked_structures
-from stochlin.solver.simulation.structures_in_motion import structures_in_motion
+from stochlin.solver.simulation.structures_in_motion import GROUND, INPUT, draw, structures_in_motion
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_duration, standing
 

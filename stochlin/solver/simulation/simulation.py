@@ -27,11 +27,10 @@ from stochlin.models.links import Link
 from stochlin.models.parameters import expect
 from stochlin.models.structures import Structure
 from stochlin.models.systems import STRUCTURES, AnyStructure, floor_count
-from stochlin.solver.simulation.draws import GROUND, Draw, draw
 from stochlin.solver.simulation.ensembles import check_memory, seconds_of
 from stochlin.solver.simulation.finite_motions import check_finite, check_motion, simulate_finite
 from stochlin.solver.simulation.stationary_motions import stationary_moments
-from stochlin.solver.simulation.structures_in_motion import structures_in_motion
+from stochlin.solver.simulation.structures_in_motion import GROUND, Draw, draw, structures_in_motion
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_scalars
 
