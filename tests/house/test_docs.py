@@ -58,7 +58,7 @@ LONG = {
     "stochlin charts fig4b --ground-dampings 0.05,0.2,0.6 --comparison",
     "stochlin gap case.toml --report gap.html",  # there is one with another name
     "stochlin gap case.toml --report gap.html --out gap.nc",
-    "stochlin mitigate case.toml --picture measures.png",
+    "stochlin mitigate case.toml --out measures.csv",
     "stochlin pound case.toml --motions 100",  # there is one with a picture
     "stochlin pound case.toml --picture pound.png",
 }

@@ -28,7 +28,7 @@ def case_file(folder, *changes):
 @pytest.fixture(scope="module")
 def done(tmp_path_factory):
     folder = tmp_path_factory.mktemp("mitigate")
-    return folder, invoke("mitigate", case_file(folder), "--picture", folder / "m.png")
+    return folder, invoke("mitigate", case_file(folder), "--out", folder / "m.nc")
 
 
 @pytest.fixture(scope="module")
@@ -36,7 +36,7 @@ def enough(tmp_path_factory):
     """A gap for which no measure has to be searched."""
     folder = tmp_path_factory.mktemp("enough")
     path = case_file(folder, ('existing = "5 cm"', 'existing = "80 cm"'))
-    return folder, invoke("mitigate", path, "--picture", folder / "m.png")
+    return folder, invoke("mitigate", path, "--out", folder / "m.nc")
 
 
 @pytest.mark.parametrize("kind", [pytest.param("done", marks=pytest.mark.slow), "enough"])
@@ -69,7 +69,6 @@ def test_it_says_what_the_library_says(kind, request):
     for name in table.data_vars:
         np.testing.assert_array_equal(saved[name], table[name])
     assert saved.attrs["gap_m"] == table.attrs["gap_m"]
-    assert (folder / "m.png").stat().st_size > 20_000
     device = next(one for one in result.output.splitlines() if "damper 1 to ground" in one)
     of_device = table.sel(measure="Braces in the office block", link=1)
     ends = [1e-6 * float(of_device[f"peak_link_force_{end}"]) for end in ("mean", "quantile")]

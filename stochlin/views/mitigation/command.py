@@ -1,4 +1,4 @@
-"""The command ``stochlin mitigate``: measures against pounding of a case file, compared and drawn."""
+"""The command ``stochlin mitigate``: measures against pounding of a case file, compared."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from stochlin.views.shared.screen import (
     COMMANDS,
     FILE,
     bad_input,
-    data_target,
+    check_target,
     lines,
     progress_bar,
     show,
@@ -22,12 +22,7 @@ from stochlin.views.shared.screen import (
 @click.command()
 @click.argument("case", type=FILE)
 @click.option("--out", type=FILE, help="Save the table as .nc, or as .csv without the devices.")
-@click.option(
-    "--picture",
-    type=FILE,
-    help="Draw the measures as .png, .svg or .pdf, and save the data beside the picture.",
-)
-def mitigate(case: Path, out: Path | None, picture: Path | None) -> None:
+def mitigate(case: Path, out: Path | None) -> None:
     """Compare links and added damping against pounding, and find the least that is sufficient.
 
     CASE is a file like that of 'stochlin gap --example', with two buildings, the existing gap and the
@@ -36,21 +31,19 @@ def mitigate(case: Path, out: Path | None, picture: Path | None) -> None:
     \b
     Examples:
       stochlin mitigate case.toml
-      stochlin mitigate case.toml --picture measures.png
+      stochlin mitigate case.toml --out measures.csv
     """
     with bad_input():
         from stochlin.applications.cases.pairs import mitigate_case
         from stochlin.applications.cases.reading.case import read_case
         from stochlin.solver.tables.storage import CSV, FORMATS
-        from stochlin.views.mitigation.pictures import draw_measures
         from stochlin.views.mitigation.words import answer_sections
 
         described = read_case(case)
-        data = data_target(out, picture, FORMATS, described.files)
+        check_target("--out", out, FORMATS, described.files)
         with progress_bar("measures") as progress:
             table = mitigate_case(described, progress)
         show(lines(answer_sections(table, described)))
-        rows = table
-        if data is not None and data.suffix.lower() == CSV:  # a row for each measure
-            rows = table.drop_dims("link", errors="ignore")
-        write(rows, data, picture, lambda _: draw_measures(table))
+        if out is not None and out.suffix.lower() == CSV:  # a row for each measure
+            table = table.drop_dims("link", errors="ignore")
+        write(table, out)
