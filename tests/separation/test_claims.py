@@ -85,22 +85,6 @@ def test_no_factor_on_the_sum_serves_all_pairs():
     assert (min(shares), max(shares)) == pytest.approx((0.08, 0.93), abs=0.02)
 
 
-def test_approach_from_one_side_needs_less_than_from_both():
-    """What SRSS of peaks to either side does not see: the share that one side needs of both."""
-    for ground, factor, least, most in (
-        (FIRM, 1, 0.92, 0.98),
-        (FIRM, 6, 0.76, 0.82),
-        (LAKE, 1, 0.94, 0.99),
-        (LAKE, 6, 0.76, 0.88),
-    ):
-        found = motions(ground, factor)
-        sides = found.separation.values
-        either = np.maximum(sides, sides.transpose(0, 2, 1)).mean(axis=0)
-        i, j = np.triu_indices(sides.shape[1], 1)
-        share = found.separation_mean.values[i, j] / either[i, j]
-        assert (share.min(), share.max()) == pytest.approx((least, most), abs=0.02)
-
-
 # ---- Eq. (3) with pseudo energy radii and eq. (4), in motions one by one ----
 
 

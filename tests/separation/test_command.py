@@ -152,20 +152,12 @@ def test_a_bad_file_writes_nothing(tmp_path: Path) -> None:
     assert [path.name for path in tmp_path.iterdir()] == ["case.toml"]
 
 
-@pytest.mark.parametrize(
-    ("arguments", "says"),
-    [
-        ((), "stochlin gap --example > case.toml"),
-        (("nowhere.toml",), "nowhere.toml"),
-        (("case.toml", "--report", "case.toml"), "allowed: .html or .htm"),
-        (("case.toml", "--picture", "t.nc"), "allowed: .png or .svg or .pdf"),
-    ],
-)
-def test_commands_with_wrong_files_are_refused(
-    arguments: tuple[str, ...], says: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_commands_with_wrong_files_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "case.toml").write_text(example_case())
-    assert says in refused("gap", *arguments)
+    assert "stochlin gap --example > case.toml" in refused("gap")
+    assert "nowhere.toml" in refused("gap", "nowhere.toml")
+    assert "allowed: .html or .htm" in refused("gap", "case.toml", "--report", "case.toml")
+    assert "allowed: .png or .svg or .pdf" in refused("gap", "case.toml", "--picture", "t.nc")
     assert (tmp_path / "case.toml").read_text() == example_case()
     assert len(list(tmp_path.iterdir())) == 1

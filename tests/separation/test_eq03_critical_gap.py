@@ -45,17 +45,3 @@ def test_it_is_the_standard_deviation_of_the_difference():
     table = sl.correlate(*pair, ground)
     combined = gap(table.displacement_std_1, table.displacement_std_2, table.rho)
     assert combined == pytest.approx(np.sqrt([1, -1] @ pick @ [1, -1]), rel=1e-10)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ((-0.1, 0.2, 0.5), r"peak_1 = -0.1 .*allowed: 0 <= value"),
-        ((0.1, np.inf, 0.5), "peak_2 = inf"),
-        ((0.1, 0.2, 1.01), r"rho = 1.01 .*-1 <= value <= 1"),
-    ],
-    ids=str,
-)
-def test_bad_scalars_are_refused(arguments, message):
-    with pytest.raises(ValueError, match=message):
-        sl.critical_gap(*arguments)

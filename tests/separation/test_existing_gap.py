@@ -12,6 +12,7 @@ pytestmark = pytest.mark.oracle
 
 GROUND = sl.named_ground("firm", intensity=0.01)
 OPTIONS = {"envelope": sl.AminAng(4.0, 15.0, 0.35), "paths": 128, "confidence": 0.8}
+GRID = [0.5, 0.9, 1.1, 1.5]
 FIRST, SECOND = (sl.Bilinear(T, 0.05, 0.2, reduction_factor=3.0) for T in (0.4, 1.2))
 
 
@@ -56,28 +57,6 @@ def test_each_answer_asks_for_the_gap_that_is_there(now, share):
         assert required(*strengths(factor / 3.0), GROUND) == pytest.approx(gap, rel=3e-3)
 
 
-@pytest.mark.slow
-@pytest.mark.extreme
-def test_hopeless_and_ample_gaps():
-    pair = (
-        sl.Bilinear(0.5, 0.05, 0.1, reduction_factor=2),
-        sl.Bilinear(1.0, 0.05, 0.1, reduction_factor=2),
-    )
-    hopeless = sl.existing_gap(*pair, GROUND, 25.0, 1e-4, **OPTIONS)
-    assert np.isnan(hopeless.least_added_damping)
-    assert np.isnan(hopeless.largest_reduction_factor_1)
-    ample = sl.existing_gap(*pair, GROUND, 25.0, 10.0, **OPTIONS)
-    assert float(ample.least_added_damping) == 0
-    assert np.isposinf(ample.largest_reduction_factor_1)
-    assert float(ample.no_pounding_probability) == 1
-
-
-@pytest.mark.parametrize("gap", [0, -0.1, np.nan, np.inf, "wide"])
-def test_gap_is_a_positive_number(gap):
-    with pytest.raises(ValueError, match=r"gap = .*positive"):
-        sl.existing_gap(FIRST, SECOND, GROUND, 25.0, gap, **OPTIONS)
-
-
 def test_strengths_that_hold_need_not_begin_at_the_strongest():
     """Elastic, both are in resonance with the ground; as built they yield, and the gap holds."""
     pair = [sl.Bilinear(T, 0.05, 0.05, reduction_factor=4) for T in (1.9, 2.1)]
@@ -109,25 +88,6 @@ def test_ends_of_intervals_ask_for_the_gap_with_the_ends_of_what_is_required():
         assert float(table[f"largest_intensity_{end}"]) == pytest.approx(exact, rel=0.02)
 
 
-@pytest.mark.slow
-def test_what_is_not_known_exactly_is_in_every_answer():
-    """The same samples as in `separation`; without spread, the same answers."""
-    uncertain, still = (
-        [sl.Bilinear(sl.Uncertain(T, size), 0.05, 0.05, reduction_factor=3) for T in (0.6, 1.0)]
-        for size in (0.25, 0.0)
-    )
-    options = {"paths": 32, "confidence": 0.8}
-    table = sl.existing_gap(*uncertain, GROUND, 8.0, 0.08, **options)
-    gap = sl.separation(*uncertain, GROUND, 8.0, **options).gap[0]
-    assert float(table.required_gap) == pytest.approx(float(gap), rel=1e-9)
-    one, other = (
-        sl.existing_gap(*pair, GROUND, 8.0, 0.08, **options)
-        for pair in (still, [each.median() for each in still])
-    )
-    for name in other.data_vars:
-        assert float(one[name]) == pytest.approx(float(other[name]), rel=5e-3, nan_ok=True), name
-
-
 def test_a_few_motions_decide_where_they_are_clear_and_all_of_them_find_the_edge():
     """The gap of a few is 5 % too large, within their error of 10 %; all ask for the value itself."""
     tried = {64: [], 512: []}
@@ -139,8 +99,7 @@ def test_a_few_motions_decide_where_they_are_clear_and_all_of_them_find_the_edge
             return tuple(factor * value * (1 + sign * off) for sign in (0, -1, 1))
 
         search = Required(gaps, 1.0, 512, {3.0: gaps(3.0, 512)})
-        grid = [0.5, 0.9, 1.1, 1.5]
-        return search.end(grid, search.first_enough(grid, [0]), 1, NO_LIMIT)
+        return search.end(GRID, search.first_enough(GRID, [0]), 1, NO_LIMIT)
 
     found = search(1.05, 0.1, 1.0)
     assert found.value == pytest.approx(1, rel=1e-3)
@@ -148,5 +107,10 @@ def test_a_few_motions_decide_where_they_are_clear_and_all_of_them_find_the_edge
     assert tried[64] == [0.5, 0.9, 1.1]
     assert not {0.5, 1.5} & set(tried[512])
     assert tried[512].count(3.0) == 1
+    ample = Required(lambda value, paths: (value,) * 3, 2.0, 64, {})
+    assert ample.end(GRID, 0, 1, NO_LIMIT) == NO_LIMIT  # all are sufficient up to the end
+    assert ample.least(GRID) == (0.5, 0.5, 0.5)
+    hopeless = Required(lambda value, paths: (value,) * 3, 0.1, 64, {})
+    assert np.isnan(hopeless.least(GRID)).all()
     # All motions contradict the few at the value before the edge: it is there, within the error.
     assert search(1.0, 0.001, 1.2).value == 0.9

@@ -171,27 +171,24 @@ def test_codes_of_the_file_have_a_line_or_words_why_not(answer: Any) -> None:
 
 @pytest.mark.parametrize("name", CASES)
 def test_the_screen_begins_with_the_required_gap_verdict_and_reason(name: str, answer: Any) -> None:
-    one = answer(name)
-    first, alone = first_lines(one), len(one.case.buildings) == 1
-    shown = [line for line in lines(answer_sections(one)) if line]
-    assert " ".join(shown).startswith(" ".join(first))
-    assert len(first) == (2 if one.existing is None else 4)
-    assert not alone or not re.search(r"apart|\b(both|they|gap)\b", " ".join(shown))
-    names = " and ".join(building.name for building in one.case.buildings)
+    one, alone = answer(name), "set-back" in name
+    first, shown = first_lines(one), " ".join(filter(None, lines(answer_sections(one))))
+    assert shown.startswith(" ".join(first))
+    assert not alone or not re.search(r"apart|\b(both|they|gap)\b", shown)
+    gap = "0" if name == "alike" else f"{CM * one.separation.gap[0].item():.1f}"
     stand = "away from its property line" if alone else "apart"
-    gap = CM * one.separation.gap[0].item()
-    told = "0" if name == "alike" else f"{gap:.1f}"
-    assert first[0].startswith(f"{names} should stand {told}\N{NO-BREAK SPACE}cm {stand}. 95")
-    level = {"storeys": 7, "mixed": 9.6}.get(name, 15)
-    where = "" if alone or "heights" in name else rf" at {level}\sm"
-    assert re.fullmatch(
-        rf"Why: [\d.]+.% of \d+ motions need no more; mean peaks? .*cm{where}\.", first[-1]
-    )
+    assert f" should stand {gap}\N{NO-BREAK SPACE}cm {stand}. 95" in first[0]
+    levels = {"storeys": " at 7", "mixed": " at 9.6"}
+    where = "" if alone or "heights" in name else levels.get(name, " at 15")
+    assert re.search(rf"need no more; mean peaks? [^a]*( and [^a]*)?{where}", first[-1])
     if one.existing is not None:
         word = "enough" if name == "enough" else "not enough"
-        share = one.existing.no_pounding_probability.item()
-        assert f"in {100 * share:.1f}" in first[1]
+        assert f"in {100 * one.existing.no_pounding_probability.item():.1f}" in first[1]
         assert first[2] == f"Verdict: {word}; 90\N{NO-BREAK SPACE}% are required."
+        ends = dict.fromkeys(("_lower", "_upper"), (0.85, 0.93))
+        near = {f"no_pounding_probability{end}": both[n] for n, (end, both) in enumerate(ends.items())}
+        undecided = dataclasses.replace(one, existing=one.existing.assign(near))
+        assert first_lines(undecided)[2].startswith("Verdict: undecided within the error")
 
 
 def test_limits_of_the_existing_gap_are_factors_on_what_there_is(answer: Any) -> None:
@@ -233,16 +230,9 @@ def test_limits_of_the_existing_gap_are_factors_on_what_there_is(answer: Any) ->
         ("oscillators", ["change sufficient 95 % interval", "rule gap [cm] error"]),
     ],
 )
-def test_cautions_refusals_and_intervals_need_no_details(
-    name: str, said: list[str], answer: Any
-) -> None:
-    short, whole = (
-        " ".join(" ".join(lines(answer_sections(answer(name)), details)).split())
-        for details in (False, True)
-    )
-    for part in said:
-        assert part in short
+def test_cautions_and_refusals_need_no_details(name: str, said: list[str], answer: Any) -> None:
+    sections = answer_sections(answer(name))
+    short, whole = (" ".join(" ".join(lines(sections, more)).split()) for more in (False, True))
+    assert all(part in short for part in said)
     for detail in ("The shaking, mean", "Marks: S, compared"):
-        assert detail not in short
-        assert detail in whole
-    assert set(short.split()) <= set(whole.split())
+        assert (detail in short, detail in whole) == (False, True)

@@ -89,15 +89,6 @@ def test_what_a_code_makes_of_simulated_peaks_has_no_verdict(table):
     assert "has no verdict" in table.attrs["comment"]
 
 
-def test_verdict_follows_the_interval(table):
-    for rule in table.rule.values[1:]:
-        one = row(table, rule)
-        low, high = float(one.no_pounding_probability_lower), float(one.no_pounding_probability_upper)
-        if np.isfinite(low):
-            name = "at least" if low >= 0.8 else "less" if high < 0.8 else "within_error"
-            assert int(one.verdict) == VERDICTS[name]
-
-
 def test_equal_buildings_ask_for_no_gap():
     equal = sl.separation(building(0.8), building(0.8), FIRM, 20.0, **SHORT)
     assert float(row(equal, "simulation").gap) == 0
@@ -124,49 +115,9 @@ def test_records_stand_beside_the_rules(table):
     np.testing.assert_allclose(with_records.record_separation, alone.separation, rtol=1e-9)
 
 
-@pytest.mark.slow
-def test_cells_of_a_table_are_those_of_single_calls():
-    period = xr.DataArray([0.5, -1.0, 0.8], dims="T", coords={"T": [0.5, -1.0, 0.8]})
-    factor = xr.DataArray([3.0, 5.0], dims="R")
-    first = building(period, reduction_factor=factor)
-    table = sl.separation(first, building(1.0), FIRM, 10.0, paths=64)
-    assert set(table.gap.dims) == {"rule", "T", "R"}
-    alone = sl.separation(building(0.8, reduction_factor=5.0), building(1.0), FIRM, 10.0, paths=64)
-    # numpy's exponential, which few cells take, may differ from that of compiled code in the last digit
-    np.testing.assert_allclose(table.gap.isel(T=2, R=1), alone.gap, rtol=1e-14)
-    np.testing.assert_array_equal(table.verdict.isel(T=2, R=1), alone.verdict)
-    assert np.isnan(table.gap.isel(T=1)).all()
-    assert "invalid_input" in table.status.attrs["flag_meanings"].split()[int(table.status[0, 1, 0])]
-    np.testing.assert_array_equal(table.T, period.T)
-
-
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({"codes": {"zone": "IV"}}, "zone = 'IV' is not known"),
-        ({"codes": {"height_1": -3.0}}, "height_1 = -3 is out of range"),
-        ({"codes": {"heigth_1": 3.0}}, "codes has 'heigth_1', .*did you mean 'height_1'"),
-        ({"duration": 1e9}, "duration = 1e.09 s, .*would take .*; allowed: "),
-        ({"duration": -1.0}, "duration = -1.0 is out of range; allowed: a positive"),
-    ],
-)
-def test_bad_input_is_refused_before_any_work(monkeypatch, options, message):
-    def never(*_):
-        raise AssertionError("work has begun")
-
-    monkeypatch.setattr("stochlin.solver.simulation.finite_motions.finite_extremes", never)
-    given = {"duration": 10.0} | options
-    with pytest.raises(ValueError, match=message):
-        sl.separation(building(0.6), building(1.0), FIRM, **given)
-
-
-@pytest.mark.parametrize(
-    "strength",
-    [pytest.param({"yield_displacement": 1e-30}, marks=pytest.mark.slow), {"reduction_factor": 1e300}],
-)
-def test_rules_that_need_linearization_are_not_available_far_beyond_yield(strength):
+def test_rules_that_need_linearization_are_not_available_far_beyond_yield():
     """The simulation answers, and so do the rules that are fed with it; the others say why not."""
-    pair = [sl.Bilinear(period, 0.05, 0.05, **strength) for period in (0.6, 1.0)]
+    pair = [sl.Bilinear(period, 0.05, 0.05, reduction_factor=1e300) for period in (0.6, 1.0)]
     table = sl.separation(*pair, sl.named_ground("firm", intensity=0.01), 10.0, paths=128)
     gap = table.gap.to_series()
     assert gap["simulation"] > 0

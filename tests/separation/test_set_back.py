@@ -20,9 +20,7 @@ OF_ONE = {"simulation", "linearization", "cqc", "share_of_sum", "asce_7", "ubc_9
     ("structure", "scatter"),
     [
         (OFFICE, 0.0),
-        (sl.Bilinear(0.7, 0.05), 0.3),
-        (sl.BoucWen(0.8, 0.05, 0.1, reduction_factor=3), 0.0),
-        (sl.Bilinear(sl.Uncertain(1.0, 0.2), 0.05, 0.05, reduction_factor=4), 0.0),
+        (sl.Bilinear(sl.Uncertain(1.0, 0.2), 0.05, 0.05, reduction_factor=4), 0.3),
         (TOWER, 0.0),
     ],
 )
@@ -36,9 +34,7 @@ def test_it_is_the_largest_displacement_to_one_side(structure: object, scatter: 
     assert float(table.gap_lower[0]) < float(table.gap[0]) < float(table.gap_upper[0])
     np.testing.assert_allclose(table.separation_mean, towards.mean(), rtol=1e-12)
     assert not [name for name in table.variables if str(name).endswith("_2")]
-    assert "second" not in table.attrs
     assert table.attrs["title"].startswith("Set-back of one building from its property line")
-    assert "property line" in table.gap.attrs["long_name"]
     if "input_factor" in motions:
         np.testing.assert_array_equal(table.input_factor, motions.input_factor)
 
@@ -75,13 +71,6 @@ def test_rules_of_two_say_that_they_need_a_second() -> None:
     for rule in table.rule.values[~known]:
         assert table.missing.sel(rule=rule).item().startswith("needs a second building")
     assert set(table.verdict.values[~known.values]) == {4}
-    peak = float(table.peak_1)
-    assert float(table.gap.sel(rule="asce_7")) == float(table.gap.sel(rule="ubc_97")) == peak
-    assert float(table.gap.sel(rule="mexico_city")) == pytest.approx(peak + 0.024)
-    assert float(table.gap.sel(rule="mexico_city_simplified")) == pytest.approx(0.168)
-    assert float(table.gap.sel(rule="iran_2800")) == pytest.approx(0.12)
-    assert float(table.gap.sel(rule="nsr_10")) == pytest.approx(0.24)
-    assert float(table.gap.sel(rule="nzs_1170_5")) == peak
 
 
 @pytest.mark.paper
@@ -104,6 +93,10 @@ def test_codes_of_one_building_by_hand() -> None:
     low = sl.code_gaps(0.001, None, height_1=2.0, zone="I")
     assert float(low.gap.sel(rule="mexico_city")) == 0.05
     assert one.missing.sel(rule="canada").item().startswith("a second building")
+    tall = {"height_1": 24.0, "storeys_1": 7, "zone": "I"}
+    more = sl.code_gaps(0.05, None, **tall).gap
+    for rule, gap in (("iran_2800", 0.12), ("nsr_10", 0.24), ("nzs_1170_5", 0.05)):
+        assert float(more.sel(rule=rule)) == pytest.approx(gap)
     assert sl.code_gaps(0.02, None).missing.sel(rule="mexico_city").item() == "height_1, zone"
     assert sl.rules.code_rule("asce_7").gap(0.03, None) == 0.03
 
@@ -127,13 +120,3 @@ def test_a_table_of_buildings_has_a_set_back_each() -> None:
     assert table.gap.isel(period=0).equals(one.gap.assign_coords(period=0.5))
     assert table.gap.isel(period=[1, 2]).isnull().all()
     assert float(table.gap.sel(rule="simulation").isel(period=3)) > 0
-
-
-@pytest.mark.invariant
-def test_what_is_of_a_second_building_is_refused() -> None:
-    facts = dict.fromkeys(("floors_align", "same_property", "same_system"), True)
-    for name, value in ({"height_2": 12.0} | facts).items():
-        with pytest.raises(ValueError, match=f"{name} is given, of a second building"):
-            sl.separation(OFFICE, None, GROUND, 20.0, codes={name: value})
-    with pytest.raises(ValueError, match="canada needs a second building"):
-        sl.rules.code_rule("canada").gap(0.03, None)

@@ -93,22 +93,3 @@ def test_codes_take_roofs_and_not_levels_for_the_same_height():
             for told in (whole, alike)
         )
         np.testing.assert_allclose(found, share * usual, rtol=1e-14)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (
-            {"codes": {"floors_align": True}},
-            r"floors_align = True, but at 3\.2, 3\.5, 6\.4, 7 m only one of both",
-        ),
-        (
-            {"codes": {"height_1": 20.0}},
-            r"height_1 = 20 m, but the storeys of that building add up to 9\.6 m",
-        ),
-        ({"duration": 0.2, "envelope": None}, "shorter than the period of first"),
-    ],
-)
-def test_what_contradicts_the_storeys_is_refused(arguments, message):
-    with pytest.raises(ValueError, match=message):
-        sl.separation(building(3), building(2, 3.5), FIRM, **(FEW | arguments))
