@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.messages import brief
+from stochlin.models.arguments import Whole
 from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Model, Parameter, Range, parameter
 
 GROUND = 0  # number of the ground among the floors of a link within one structure
@@ -92,23 +93,13 @@ class Link(Model):
                 f"{brief(self.yield_displacement)}; allowed: both for a link that yields, or neither"
             )
         for name in ("structures", "floors"):
+            lowest = GROUND if name == "floors" and self.within_one else 1
             if (numbers := getattr(self, name)) is not None:
-                from_ground = name == "floors" and self.within_one
-                object.__setattr__(self, name, _two_numbers(name, numbers, from_ground))
-        if self.within_one:
-            self._check_within_one()
-
-    def _check_within_one(self) -> None:
-        structure = f"Link: structures = {self.structures} are one"
-        if self.floors is None:
+                object.__setattr__(self, name, _two_numbers(name, numbers, lowest))
+        if self.within_one and (self.floors is None or self.floors[0] <= self.floors[1]):
             raise ValueError(
-                f"{structure}, and floors is not given; allowed: floors=(upper, lower), of which the "
-                "lower is 0 for the ground"
-            )
-        if self.floors[0] <= self.floors[1]:
-            raise ValueError(
-                f"{structure}, and floors = {self.floors}; allowed: the upper before the lower, "
-                "which is 0 for the ground"
+                f"Link: floors = {self.floors} with structures = {self.structures}; allowed inside one "
+                "structure: floors=(upper, lower), of which the lower is 0 for the ground"
             )
 
     @property
@@ -173,15 +164,10 @@ class Link(Model):
         return float(value)
 
 
-def _two_numbers(name: str, numbers: object, from_ground: bool) -> tuple[int, int]:
-    lowest = GROUND if from_ground else 1
-    if isinstance(numbers, (tuple, list)) and len(numbers) == 2:
-        first, second = numbers
-        whole = all(isinstance(n, (int, np.integer)) and not isinstance(n, bool) for n in numbers)
-        if whole and min(first, second) >= lowest:
-            return int(first), int(second)
-    device = name == "floors" and not from_ground
-    cure = (
-        "; 0, the ground, of a device inside one structure, so with structures=(1, 1)" if device else ""
-    )
-    raise ValueError(f"Link: {name} = {brief(numbers)}; allowed: two whole numbers from {lowest}{cure}")
+def _two_numbers(name: str, numbers: object, lowest: int) -> tuple[int, int]:
+    pair = tuple(numbers) if isinstance(numbers, (tuple, list)) else ()
+    if len(pair) != 2 or not all(map(Whole(lowest).contains, pair)):
+        ground = "; 0, the ground, inside one structure" if name == "floors" and lowest else ""
+        allowed = f"two whole numbers from {lowest}{ground}"
+        raise ValueError(f"Link: {name} = {brief(numbers)}; allowed: {allowed}")
+    return int(pair[0]), int(pair[1])

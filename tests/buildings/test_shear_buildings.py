@@ -314,10 +314,10 @@ REFUSED = {
     "hardening = None and yield_displacement": link(yield_displacement=0.01),
     r"hardening = 0\.1 and yield_displacement = None; allowed: both": link(hardening=0.1),
     r"floors = \(0, 1\); allowed: two whole numbers from 1": link(floors=(0, 1)),
-    r"floors = \(1, 0\).*from 1; 0, the ground, of a device": link(floors=(1, 0)),
+    r"floors = \(1, 0\).*from 1; 0, the ground, inside one": link(floors=(1, 0)),
     "structures = 1; allowed: two whole numbers from 1": link(structures=1, floors=(1, 0)),
-    r"are one, and floors is not given; allowed: floors=\(upper": link(**ONE),
-    r"floors = \(1, 1\); allowed: the upper before the lower": link(**ONE, floors=(1, 1)),
+    r"floors = None with .* inside one structure: floors=\(upper": link(**ONE),
+    r"floors = \(1, 1\) with .*: floors=\(upper, lower\)": link(**ONE, floors=(1, 1)),
     r"floors = \(1, -1\); allowed: two whole numbers from 0": link(**ONE, floors=(1, -1)),
     "damping_exponent = 0 is out of range; allowed: 0 < value <= 2": link(damping_exponent=0),
     r"link 1: floors = \(2, 1\), structure 1 has 1; allowed: 1 to": lambda: arrangement_of(

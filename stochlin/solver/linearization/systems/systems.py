@@ -34,7 +34,6 @@ from stochlin.models.systems import (
 )
 from stochlin.solver.linearization.equivalent_systems import ELASTIC, STRONG
 from stochlin.solver.linearization.systems.state_space import (
-    check_one_system,
     checked_system,
     in_elements,
     springs_of,
@@ -250,8 +249,6 @@ def linearized_motion(
     structures: Sequence[AnyStructure], ground: Ground, links: Sequence[Link | None] = ()
 ) -> StationaryResponse:
     """Response of the equivalent linear system, with its covariance; an ArithmeticError if it fails."""
-    links = checked_system(structures, ground, links)
-    check_one_system(structures, ground, links)
     system = system_of(structures, ground, links)
     problem = springs_of(system, ground)
     solution = solve_system(system, problem, USUAL)
