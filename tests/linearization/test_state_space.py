@@ -90,12 +90,6 @@ def test_two_identical_structures_move_as_one(strength):
     assert float(sl.correlate(*twins, ground).rho) == pytest.approx(1, abs=1e-12)
 
 
-def test_clough_penzien_with_both_filters_equal():
-    ground = sl.CloughPenzien(1.5, 0.3, high_pass_period=1.5, high_pass_damping=0.3)
-    yielding = sl.Bilinear(0.8, 0.05, hardening=0.1, reduction_factor=3)
-    check([yielding, sl.Bilinear(1.5, 0.3), sl.Bilinear(1.1, 0.02)], ground)
-
-
 @pytest.mark.parametrize("link", [(), (sl.Link(1e6, 1e4, hardening=0.1, yield_displacement=1e-3),)])
 def test_elastic_coefficients_are_the_start_of_the_loop(link):
     """Also with a link that yields, an elastic structure, and a strength by its reduction factor."""

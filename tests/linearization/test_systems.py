@@ -12,9 +12,6 @@ import sympy
 from sixty_digits import DIGITS, exact_lyapunov
 
 import stochlin as sl
-from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing
-from stochlin.kernels.linearization.spectral_moments import difference_moments, displacement_moments
-from stochlin.solver.linearization.equivalent_systems import solved_together
 from stochlin.solver.linearization.systems.systems import linearized_motion
 
 pytestmark = [pytest.mark.oracle, pytest.mark.extreme]
@@ -149,20 +146,6 @@ def test_pairs_are_those_of_the_fast_path(kind, pairs):
             assert float(table.k_eq[n]) == pytest.approx(float(alone.k_eq), rel=1e-8, abs=1e-12)
 
 
-@pytest.mark.parametrize("law", ["bilinear", "bouc_wen"])
-@pytest.mark.parametrize("drift", [None, 0.004, 0.02])
-def test_building_of_one_storey_is_an_oscillator(law, drift):
-    hardening = None if drift is None else 0.07
-    one = sl.ShearBuilding([3e5], [1.2e8], [3.0], 0.04, hardening, drift, law=law)
-    oscillator = one.oscillator()
-    tables = [sl.linearize_system([s, LOW], GROUND) for s in (one, oscillator)]
-    for name in ("drift_std", "z_std", "c_eq", "k_eq", "displacement_std", "velocity_std", "rho"):
-        # Both iterations end when changes are below 1e-10.
-        np.testing.assert_allclose(tables[0][name].values, tables[1][name].values, rtol=1e-10)
-    alone = sl.linearize(oscillator, GROUND)
-    assert float(tables[0].drift_std[0]) == pytest.approx(float(alone.displacement_std), rel=1e-12)
-
-
 # --- 60 digits ----------------------------------------------------------------------------------------
 
 SMALL = sl.ShearBuilding([2e5, 1.5e5], [4e8, 2.2e8], [3.0] * 2, 0.05, 0.05, yield_drifts=0.01)
@@ -214,32 +197,6 @@ def test_covariance_goes_over_into_the_elastic_one():
 
 
 # --- Spectral moments ---------------------------------------------------------------------------------
-
-
-def of_one(structure, ground):
-    values = solved_together((structure,), ground, "gaussian").values
-    return EquivalentSystem(*values["system"]), Forcing(*values["forcing"])
-
-
-@pytest.mark.parametrize(
-    "ground",
-    [sl.WhiteNoise(0.01), sl.KanaiTajimi(2.0, 0.05, 0.01), sl.CloughPenzien(0.5, 0.5, 4.0, 0.6, 0.01)],
-)
-def test_spectral_moments_are_those_of_single_oscillators(ground):
-    """The first is tuned to the second ground: its matrix has equal eigenvalues."""
-    pair = sl.Bilinear(2.0, 0.05), sl.Bilinear(1.3, 0.05, 0.1, reduction_factor=3)
-    motion = linearized_motion(pair, ground)
-    found = motion.spectral_moments(np.array([[1, 0], [0, 1], [1, -1]]))
-    one, two = (of_one(structure, ground) for structure in pair)
-    soil = ground.lone_filter()
-    known = (
-        displacement_moments(*one, soil),
-        displacement_moments(*two, soil),
-        difference_moments(*one, *two, soil),
-    )
-    for name in ("l0", "l1", "l2"):
-        theirs = [float(getattr(moments, name)[0]) for moments in known]
-        np.testing.assert_allclose(getattr(found, name)[0], theirs, rtol=2e-12)
 
 
 def test_spectral_moments_of_roofs_are_integrals_of_the_spectrum():
@@ -340,14 +297,6 @@ def test_dampers_and_weight_act_as_they_do_on_one_storey():
 
 
 # --- What is refused ----------------------------------------------------------------------------------
-
-
-def test_weight_that_eats_the_hardening_has_no_stationary_answer():
-    weak = sl.ShearBuilding([4e5, 4e5], [5e7, 5e7], [3.0, 3.0], 0.05, 0.02, 0.01, p_delta=True)
-    with pytest.raises(
-        ValueError, match=r"number 2: storey 1 has no stiffness .*weight.* p_delta=False"
-    ):
-        sl.linearize_system([LOW, weak], GROUND)
 
 
 @pytest.mark.parametrize(

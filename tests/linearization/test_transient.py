@@ -133,18 +133,3 @@ def test_a_structure_that_would_need_too_short_steps_is_refused():
     weak = sl.BoucWen(0.5, 0.05, 0.05, yield_displacement=1e-6, exponent=2.5)
     with pytest.raises(ArithmeticError, match=r"so weak that .* give it more strength, or simulate"):
         sl.transient_response(weak, FIRM, 80.0, envelope=QUAKE)
-
-
-@pytest.mark.parametrize("factor", with_slow([4, 6], [6]))
-def test_bilinear_bias_at_the_end_of_strong_shaking_is_said(factor):
-    """Linearized sigma is a third too small there."""
-    pair = [sl.Bilinear(T, 0.05, 0.05, reduction_factor=factor) for T in (0.7, 1.0)]
-    table = sl.pounding_probability(
-        *pair, FIRM, 0.2, envelope=sl.AminAng(4.0, 15.0, 0.35), duration=30.0, paths=2048
-    ).sel(time=15.0, method="nearest")
-    for n in (1, 2):
-        simulated = float(table[f"displacement_std_simulated_{n}"])
-        # 27 to 37 % too small in earlier simulations; 2048 motions tell the deviation to 1.7 %
-        bias = float(table[f"displacement_std_{n}"]) / simulated - 1
-        assert -0.37 - 3 * 0.017 < bias < -0.27 + 3 * 0.017
-    assert "too small" in table.attrs["comment"]
