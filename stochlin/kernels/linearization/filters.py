@@ -7,7 +7,7 @@ faster, in `grounds`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from functools import reduce
 from typing import Any, NamedTuple, Self
@@ -19,7 +19,6 @@ from stochlin.kernels.linearization import grounds
 from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing
 
 Entry = Any  # a number, or an array of cells
-Transform = Callable[[Array], Array]
 
 
 class Matrices(NamedTuple):
@@ -140,18 +139,16 @@ class Filter:
         output = self.arrays.output
         return Forcing(*((output * row).sum(axis=-1) for row in self.correlations(system)))
 
-    def later(self, system: EquivalentSystem, forcing: Forcing) -> Transform:
+    def later(self, system: EquivalentSystem, s: Array) -> Array:
         """Laplace transform of the covariance of the later forcing with the present displacement.
 
-        It is the function ``s -> Int_0^inf E[f(t + tau) mu(t)] e^(-s tau) dtau``. After ``t`` the filter
-        moves freely, apart from noise that is independent of ``mu(t)``. The cells are (n, 1), and the
-        function takes ``s`` (n, nodes).
+        It is ``Int_0^inf E[f(t + tau) mu(t)] e^(-s tau) dtau``. After ``t`` the filter moves freely,
+        apart from noise that is independent of ``mu(t)``. The cells are (n, 1), and ``s`` is (n, nodes).
         """
         if not self.states:
-            return np.zeros_like
+            return np.zeros_like(s)
         matrix, _, output = self.arrays
-        with_mu = self.correlations(system)[0]
-        return lambda s: (output * _resolvent(s, matrix, with_mu)).sum(axis=-1)
+        return (output * _resolvent(s, matrix, self.correlations(system)[0])).sum(axis=-1)
 
     def _solved(self, system: EquivalentSystem) -> tuple[grounds.Signal, *tuple[grounds.Rows, ...]]:
         """Signal of the ground of oscillators, and rows with each of these."""
