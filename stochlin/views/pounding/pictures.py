@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Sequence
 from itertools import cycle
 from typing import TYPE_CHECKING, Any
 
@@ -52,9 +51,9 @@ def draw_pound(dataset: xr.Dataset) -> Figure:
         at the contact with the least clearance; forces of all impacts; energies. Impacts are marked. Of
         one building alone: its displacement, of the roof if it has storeys, and energies.
 
-        Of many motions: the share of the motions with more impacts, and with a larger force, across each
-        gap, if there is one; and the accelerations and displacements with pounding and without, of
-        buildings with storeys the largest acceleration of all floors and the displacement of the roof.
+        Of many motions: the share of the motions with larger accelerations and displacements, with
+        pounding and without, of buildings with storeys the largest acceleration of all floors and the
+        displacement of the roof.
 
     Raises
     ------
@@ -166,12 +165,9 @@ def _energies(axes: Axes, dataset: xr.Dataset) -> None:
 
 def _frequencies(dataset: xr.Dataset) -> Figure:
     meets = "neighbours" in dataset.dims
-    figure, panels = _panels(dataset, 1 + meets, 2, FREQUENCY)
-    if meets:
-        _gaps(panels[:2], dataset)
-    accelerations, displacements = panels[-2:]
-    looks = zip(along(dataset, "structure"), cycle(CURVES), strict=False)
-    for building, (color, dash) in looks:
+    figure, panels = _panels(dataset, 1, 2, FREQUENCY)
+    accelerations, displacements = panels
+    for building, (color, dash) in zip(along(dataset, "structure"), cycle(CURVES), strict=False):
         name = cut(f"{int(building.structure)} {building.building.item()}", LEGEND_NAME)
         for end, style in (("", {"lw": 1.6, "label": name}), ("_alone", {"lw": 0.6}))[: 1 + meets]:
             look = {"color": color, "linestyle": dash} | style
@@ -189,23 +185,6 @@ def _frequencies(dataset: xr.Dataset) -> Figure:
         title=dataset.attrs["title"], title_fontsize=10, alignment="left",
     )  # fmt: skip
     return figure
-
-
-def _gaps(panels: Sequence[Axes], dataset: xr.Dataset) -> None:
-    """The number of impacts and their forces across each gap."""
-    left, right = panels
-    forces = bool(dataset.hardest_force_between_mean.notnull().all())
-    for table, (color, dash) in zip(along(dataset, "neighbours"), cycle(CURVES), strict=False):
-        style: Any = {"color": color, "linestyle": dash, "lw": 1.4}
-        label = f"gap {table.neighbours.item()}"
-        _exceedance(left, table.impacts_between.values, style | {"label": label})
-        if forces:
-            _exceedance(right, MEGA * table.hardest_force_between.values, style)
-    if not forces:
-        right.text(0.5, 0.5, "no forces: velocities jump", transform=right.transAxes, ha="center")
-    left.set(xlabel="impacts", ylabel="share of motions with more", xlim=(0, None), ylim=(0, 1.02))
-    right.set(xlabel="largest force [MN]", xlim=(0, None), ylim=(0, 1.02))
-    left.legend(loc="upper right")
 
 
 def _exceedance(axes: Axes, samples: np.ndarray, style: dict[str, Any]) -> None:
