@@ -14,7 +14,7 @@ import xarray as xr
 from arguments import file_and_work
 
 import stochlin as sl
-from stochlin.kernels.correlation.nearness import ENTRIES
+from stochlin.kernels.correlation.corrections import ENTRIES
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.solver.correlation.signatures import (
     PAIRS,

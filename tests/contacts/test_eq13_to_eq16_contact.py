@@ -57,13 +57,6 @@ def test_eq15_is_the_kelvin_element_s(e):
     assert sl.Kelvin.damping_ratio(e) == pytest.approx(eq_15, rel=1e-14)
 
 
-def test_eq15_is_no_other_element_s():
-    # Used elsewhere, the damping ratio for 0.65 leaves more than 0.65.
-    ratio = sl.Kelvin.damping_ratio(0.65)
-    assert sl.NoTensionKelvin.restitution(ratio) == pytest.approx(0.6748, abs=5.1e-5)
-    assert sl.ImpactKelvin.restitution(ratio) == pytest.approx(0.8214, abs=5.1e-5)
-
-
 # --- Fig. 8 and the values beside it --------------------------------------------------------------
 
 

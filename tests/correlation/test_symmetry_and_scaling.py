@@ -93,16 +93,6 @@ def test_reduction_factor_is_a_strength_by_definition(structure, ground, peak_fa
     assert float(one.displacement_std) == pytest.approx(float(other.displacement_std), rel=1e-9)
 
 
-@given(structures(), structures(), grounds())
-def test_full_hardening_is_elastic(first, second, ground):
-    """With hardening 1 the hysteretic force has no share: sliding has no effect."""
-    kind, values = ground
-    pair = [one | {"hardening": 1.0} for one in (first, second)]
-    elastic = [sl.Bilinear(one["period"], one["damping"]) for one in pair]
-    expected = float(sl.correlate(*elastic, kind(**values)).rho)
-    assert rho(*pair, ground) == pytest.approx(expected, abs=1e-9)
-
-
 @given(structures(cases.PRACTICE), structures(cases.PRACTICE), spread((0.15, 4.0)), spread((0.03, 0.8)))
 def test_clough_penzien_ground_without_its_high_pass_is_kanai_tajimi(first, second, period, damping):
     """A high-pass below all motion; drift frequencies of the structures are some 1e-3 rad/s."""

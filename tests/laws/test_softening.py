@@ -164,23 +164,6 @@ QUAKE = {"duration": 10.0, "envelope": sl.AminAng(2.0, 8.0, 0.4)}
 SHOP = sl.Bilinear(0.8, 0.05, mass=1e5)
 
 
-@pytest.mark.parametrize("alpha", [0.0, -0.05])
-def test_the_probability_is_that_of_a_building_of_one_storey(alpha):
-    """Formulas and simulation; the storey has equations and limits of its own."""
-    uy, k = 0.03, 1e5 * (2 * np.pi / 0.5) ** 2
-    one = sl.Bilinear(0.5, 0.05, alpha, uy)
-    storey = sl.ShearBuilding([1e5], [k], [3.0], 0.05, alpha, uy)
-    shop = sl.ShearBuilding([1e5], [1e5 * (2 * np.pi / 0.8) ** 2], [3.0], 0.05)
-    tables = [
-        sl.pounding_probability(*pair, GROUND, 0.05, paths=64, points=5, **QUAKE)
-        for pair in ((one, SHOP), (storey, shop))
-    ]
-    for name in ("confidence_of_no_pounding", "confidence_of_no_pounding_simulated", "required_gap"):
-        np.testing.assert_allclose(*(table[name] for table in tables), rtol=1e-6)
-    std = sl.transient_response(one, GROUND, points=5, **QUAKE).displacement_std
-    np.testing.assert_allclose(std, tables[0].displacement_std_1, rtol=1e-6)
-
-
 def test_motions_in_which_a_structure_falls_pound():
     """Also of cells beside others: the probabilities of those motions of `simulate`."""
     falling = sl.Bilinear(0.5, 0.05, -0.15, 0.02)

@@ -10,7 +10,6 @@ from commands import refused
 import stochlin as sl
 from stochlin.solver.tables import work
 from stochlin.solver.tables.work import check_work
-from stochlin.views.shared.screen import on_screen
 
 pytestmark = pytest.mark.invariant
 
@@ -96,24 +95,6 @@ def test_tables_in_chunks_are_not_refused() -> None:
     assert dask
     first, second = (sl.Bilinear(axis(n, 40_000).chunk(1000), 0.05) for n in ("one", "two"))
     assert sl.correlate(first, second, GROUND).rho.size == 40_000**2
-
-
-@pytest.mark.parametrize("sizes", [(3,), (41,), (5, 7), (5, 8), (2, 50), (3, 4, 5), (50, 1)])
-def test_the_screen_shows_the_first_rows_of_a_table(sizes: tuple[int, ...]) -> None:
-    """As those of all its rows, of which a large table has more than fit into memory."""
-    count = int(np.prod(sizes))
-    shown = xr.Dataset(
-        {"rho": (tuple("abc"[: len(sizes)]), np.arange(count, dtype=float).reshape(sizes))},
-        coords={name: np.arange(size) / 8 for name, size in zip("abc", sizes, strict=False)},
-    )
-    lines = on_screen(shown).splitlines()
-    expected = shown.to_dataframe().reset_index().head(40)
-    assert (
-        lines[: len(expected) + 1]
-        == expected.to_string(index=False, float_format=lambda x: f"{x:.6g}").splitlines()
-    )
-    rest = [f"# ... {count - 40} more rows; --out saves all"] if count > 40 else []
-    assert lines[len(expected) + 1 :] == rest
 
 
 def test_memory_that_is_not_there_is_said_in_one_line(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -26,8 +26,6 @@ ROUNDING = 1e-9  # by which |rho| may exceed 1 by rounding; beyond it the covari
 # with more similar periods, the difference comes from strength, hardening and damping alone, and its
 # estimate is less certain.
 ALIKE = 0.015
-
-Structures = TypeVar("Structures", bound=tuple[object, ...])
 
 
 class Linear(NamedTuple):
@@ -118,9 +116,9 @@ def _bounded(rho: Array) -> Array:
 
 @np.errstate(all="ignore")  # pairs with extreme parameters are NaN
 def over_pairs(
-    function: Callable[[Structures, Structures], Any],
-    first: Structures,
-    second: Structures,
+    function: Callable[[Any, Any], Any],
+    first: Any,
+    second: Any,
     places: Sequence[Array],
     results: int = 1,
 ) -> tuple[Array, ...]:
@@ -136,7 +134,6 @@ def over_pairs(
     return in_slabs(of_places, *places, kinds=(float,) * results)
 
 
-def _taken(structures: Structures, places: Array) -> Structures:
+def _taken(structures: Any, places: Array) -> Any:
     """The structures at these places."""
-    taken: Structures = on_arrays(lambda row: np.take(row, places, axis=-1), structures)
-    return taken
+    return on_arrays(lambda row: np.take(row, places, axis=-1), structures)

@@ -16,7 +16,7 @@ from stochlin.solver.simulation.simulation import simulate
 from stochlin.solver.simulation.stationary_motions import expected_seconds
 from stochlin.solver.simulation.structures_in_motion import structures_in_motion
 from stochlin.solver.tables import labels
-from stochlin.solver.tables.cells import CELL, NONE_VALID, Flat, flat, over_all, over_cells
+from stochlin.solver.tables.cells import CELL, NONE_VALID, flat, over_all, over_cells
 from stochlin.solver.tables.lazy import computed
 from stochlin.solver.tables.work import check_work, count_cells
 
@@ -41,7 +41,9 @@ def _on_one_ground(
     sides = [flat({"structure": structure}) for structure in (first, second)]
     if not all(side.where.size for side in sides):
         raise ValueError(NONE_VALID)
-    structures = [each for side in sides for each in _each(side)]
+    structures = [
+        side.models["structure"].isel({CELL: n}) for side in sides for n in range(side.where.size)
+    ]
     if grounds > 1:
         _check_grounds(structures, ground, options, grounds)
     motions = simulate(structures, ground, **options)
@@ -65,11 +67,6 @@ def _on_one_ground(
         pairs[name] = shape.copy(data=values).where(status < labels.NOT_CONVERGED)
     attrs = {key: value for key, value in motions.attrs.items() if not key.startswith("structure")}
     return xr.Dataset({**pairs, **table, "status": status}, attrs=attrs)
-
-
-def _each(side: Flat) -> list[Structure]:
-    """The structures of the valid cells."""
-    return [side.models["structure"].isel({CELL: n}) for n in range(side.where.size)]
 
 
 def _check_grounds(
