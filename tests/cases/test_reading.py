@@ -19,7 +19,7 @@ CODE = 'spectrum = "eurocode_8"\nag = "0.25 g"\nsoil = "C"\n'
 BUILDING = EXAMPLE[EXAMPLE.index('period = "1.0 s"') : EXAMPLE.index("[building_2]")]
 STRENGTH = "reduction_factor = 4            # or yield_displacement, ductility, elastic = true\n"
 HARDENING = 'hardening = "5 %"               # stiffness after yielding over that before\n'
-# An edit of the example, and a piece of the message.
+# An edit of the example, and a piece of the message, of which $ is the end.
 MISTAKES = {
     "unit missing": ('period = "1.0 s"', "period = 1.0", 'units, "1 s", "1 ms"'),
     "unit unknown": ('"1.0 s"', '"1.0 sek"', "unknown unit 'sek'; allowed: s, ms"),
@@ -29,6 +29,7 @@ MISTAKES = {
     "strength of shaking in g": ('"0.01 m^2/s^3"', '"0.3 g"', "unknown unit 'g'"),
     "comma": ('"1.0 s"', '"1,0 s"', "has a comma; allowed: a decimal point"),
     "percent": ('damping = "5 %"', "damping = 5", 'for 5 % write "5 %"'),
+    "no percent": ('damping = "5 %"', "damping = 150", "(a ratio, 0.05 for 5 %)$"),
     "negative": ('damping = "5 %"', 'damping = "-5 %"', "out of range; allowed: 0 < value < 1"),
     "ground misspelled": ('"firm"', '"frim"', "did you mean 'firm'?"),
     "swapped": ('rise_end = "4 s"', 'rise_end = "16 s"', "strong_end = 15; allowed: from rise_end, 16"),
@@ -70,7 +71,7 @@ MISTAKES = {
     "no return period": (SITE, 'ground = "firm"\nreturn_period = "475 yr"', "needs a hazard; allowed"),
     "hazard elsewhere": ("[contact]", '[hazard]\nmeasure = "pga"\n[contact]', "is not a key"),
     "risk without a hazard": ("[contact]", 'risk = "2 % in 50 years"\n[contact]', "needs a hazard"),
-    "scatter": ("[building_1]", "scatter = 40\n[building_1]", "out of range; allowed: 0 <= value <= 2"),
+    "scatter": ("[building_1]", "scatter = 40\n[building_1]", "allowed: 0 <= value <= 2, finite$"),
     "code without factors": ("[contact]", 'codes = ["asce_7"]\n[contact]', "asce_7 needs it, or a site"),
     "suite": ("[motion]", '[site.suite]\npath = "none"\n[motion]', "neither a folder nor a table"),
     "no file of modes": (BUILDING, 'modes = "m.csv"\nelastic = true\ndamping = 0.05\n', "no such file"),
@@ -92,6 +93,20 @@ MISTAKES = {
         'period = "1 s"\nstoreys = 2\nheights = ["3 m"]\nfloor_mass = "9 t"\ndamping = 0.05\n'
         "elastic = true\n",
         "has 1 values, storeys = 2; allowed: one number, or one for each storey",
+    ),
+    "different spreads": (
+        BUILDING,
+        'masses = ["90 t +- 5 %", "90 t +- 6 %"]\nstiffnesses = ["9 MN/m", "9 MN/m"]\ndamping = 0.05\n'
+        'storey_height = "3 m"\nelastic = true\n',
+        "allowed: one spread for all of them",
+    ),
+    "site twice": (
+        "[motion]",
+        '[site.hazard]\nmeasure = "pga"\nfile = "a"\nsite = 1\ncoordinates = [1, 2]\n[motion]',
+        "is given as well as site; allowed: one of site, coordinates",
+    ),
+    "period of pga": (
+        "[motion]", '[site.suite]\npath = "a"\npga = "0.3 g"\nsa_period = "1 s"\n[motion]', "needs sa"
     ),
     "fitted to nothing": (SITE, 'ground = "fitted"', "needs a record"),
 }  # fmt: skip
@@ -128,9 +143,9 @@ DOUBTS = {
     ),
     "MN/m for kN/m": (
         BUILDING,
-        'masses = ["300 t"]\nstiffnesses = ["3e8 kN/m"]\nstorey_height = "3 m"\ndamping = 0.05\n'
-        "elastic = true\n",
-        "it has a first period of 0.00628 s with 1 storeys",
+        'masses = ["300 t", "300 t"]\nstiffnesses = ["3e8 kN/m", "3e8 kN/m"]\ndamping = 0.05\n'
+        'storey_height = "3 m"\nelastic = true\n',
+        "it has a first period of 0.0102 s with 2 storeys",
     ),
     "unused": (STRENGTH, STRENGTH + "behaviour_factor = 3\n", "is not used; name your code"),
 }
@@ -152,7 +167,7 @@ def test_a_mistake_is_refused_with_its_line(what: str, tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"^case\.toml, line \d+: ") as refused:
         read(tmp_path, old, new)
     message = str(refused.value)
-    assert says in message
+    assert says in f"{message}$"
     assert message.isprintable()
     assert len(message) < 700
 

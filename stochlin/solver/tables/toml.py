@@ -7,7 +7,7 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-from stochlin.messages import LONGEST, plain
+from stochlin.messages import plain
 from stochlin.solver.tables.inputs import read_input
 
 BACKSLASH = (
@@ -42,8 +42,6 @@ def read_toml(path: Path, other: str | None = None) -> tuple[str, dict[str, Any]
         endless = (n for n, entry in enumerate(lines, 1) if re.search(r"(?<![\d_])[\d_]{1000}", entry))
         line = int(match[1]) if match else next(endless, len(lines))
         excerpt = lines[line - 1].strip() if 0 < line <= len(lines) else ""
-        if len(excerpt) > LONGEST:  # the mistake is often at its end
-            excerpt = f"{excerpt[: LONGEST // 2 - 3]}...{excerpt[-LONGEST // 2 :]}"
         allowed = BACKSLASH if "\\" in excerpt else f"each table and each key once; {VALUES}"
         what = f"'{plain(excerpt)}' is no TOML file's text ({plain(error)}); allowed: {allowed}"
         raise ValueError(f"{name}, line {line}: {what}") from error
