@@ -146,3 +146,14 @@ def test_another_damping_ratio_than_that_of_the_spectrum_is_doubtful():
     with pytest.warns(DoubtfulInput, match=r"0\.05, and the modes have 0\.02 to 0\.05: its"):
         table = sl.code_gaps(modes_1=TALL, modes_2=sl.Bilinear(0.5, 0.02), spectrum=above)
     assert np.isfinite(table.cqc.sel(rule="srss")).all()
+
+
+def test_the_same_structural_system_counts_where_roofs_are_level():
+    """Mexico City halves at every level for four storeys beside four, at none for four beside two."""
+    facts = {"zone": "II", "floors_align": True}
+    for other, share in ((TALL, 0.5), (LOW, 1.0)):
+        usual, alike = (
+            by_codes(TALL, other, **facts, same_system=same).gap.sel(rule="mexico_city")
+            for same in (False, True)
+        )
+        np.testing.assert_allclose(alike, share * usual, rtol=1e-14)

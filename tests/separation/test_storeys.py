@@ -80,16 +80,3 @@ def test_finite_motions_are_answered_where_there_is_no_stationary_one():
     answer = sl.separation(soft, building(2), FIRM, **FEW)
     assert np.isfinite(answer.gap.sel(rule="simulation"))
     assert "no stationary value" in answer.missing.sel(rule="eq_3_linearized").item()
-
-
-@pytest.mark.slow
-def test_codes_take_roofs_and_not_levels_for_the_same_height():
-    """Mexico City halves at every level for three storeys beside three, at none for three beside two."""
-    whole, alike = {"zone": "II"}, {"zone": "II", "floors_align": True, "same_system": True}
-    for other, share in ((3, 0.5), (2, 1.0)):
-        pair = building(3), building(other)
-        usual, found = (
-            sl.separation(*pair, FIRM, codes=told, **FEW).gap_at_height.sel(rule="mexico_city")
-            for told in (whole, alike)
-        )
-        np.testing.assert_allclose(found, share * usual, rtol=1e-14)

@@ -89,12 +89,11 @@ def draw_heights(dataset: xr.Dataset, caption: bool = True) -> Figure:
             "buildings with storeys, which could meet at several heights"
         )
     text = caption_of(dataset) if caption else ""
-    figure, axes = _panel(LINE * (text.count("\n") + 1) if text else 0.0)
+    figure, axes = _panel(LINE * len(text.splitlines()))
     _gaps(axes, dataset)
     legend_above(axes)
     axes.set(xlim=(0, None))
-    if text:
-        figure.supxlabel(text, x=0.02, ha="left", size=8.5)
+    figure.supxlabel(text, x=0.02, ha="left", size=8.5)
     return figure
 
 

@@ -14,7 +14,7 @@ from stochlin.views.separation.elevation import elevation_picture
 from stochlin.views.separation.risk import risk_blocks
 from stochlin.views.shared.blocks import Block, Items, Picture, Table, Text, ViewSection, texts
 from stochlin.views.shared.page import page
-from stochlin.views.shared.words import centimetres, doubt, with_uncertainty
+from stochlin.views.shared.words import centimetres, doubt, over_records, with_uncertainty
 from stochlin.views.sites.pictures import draw_spectrum
 
 if TYPE_CHECKING:
@@ -38,15 +38,13 @@ def first_sections(answer: CaseAnswer) -> list[ViewSection]:
 def answer_sections(answer: CaseAnswer) -> list[ViewSection]:
     """The answer first, then the existing gap, the rules and the risk, and the small print."""
     case, about = answer.case, words.subject_of(answer.case)
-    many = words.many_records(answer)
     return [
         *first_sections(answer),
         ViewSection(f"The existing {about.gap}", words.allowances(answer)),
         ViewSection("", texts(words.details(answer)), detail=True),
         ViewSection("Uncertain parameters", [Text(with_uncertainty(case, f"the {about.gap} is that"))]),
         ViewSection(f"How often {about.meet}", risk_blocks(answer)),
-        ViewSection("The records", [Text(many)]),
-        ViewSection("" if many else "The records", [_records(answer)], on_screen=not many),
+        ViewSection("The records", [_records(answer)]),
         *words.rules_sections(answer),
         ViewSection("Pictures", _pictures(answer), on_screen=False, columns=True),
         ViewSection("Influence of the inputs", _influence(answer)),
@@ -62,7 +60,7 @@ def report_page(answer: CaseAnswer) -> str:
     file, names = name_of_file(case), [building.name for building in case.buildings]
     as_given = [file, case.title, *names, *case.site.records]
     footer = [attrs["references"], f"{attrs['history']}, from {file}."]
-    title = f"{case.title}: {words.subject_of(case).page}"
+    title = f"{case.title}: the {words.subject_of(case).gap}"
     return page(title, answer_sections(answer), footer, as_given)
 
 
@@ -82,10 +80,13 @@ def _pictures(answer: CaseAnswer) -> list[Picture]:
     return drawn
 
 
-def _records(answer: CaseAnswer) -> Table:
-    """A row for each record: the gap that it needs, and the peaks."""
-    table, case = answer.separation, answer.case
-    heads = {"record_separation": f"{words.subject_of(case).gap} [cm]"}
+def _records(answer: CaseAnswer) -> Block:
+    """A row for each record with the gap that it needs and the peaks; a sentence of many."""
+    table, case, gap = answer.separation, answer.case, words.subject_of(answer.case).gap
+    if answer.over_records is not None:
+        count = len(case.site.records)
+        return Text(over_records(answer.over_records, count, float(table.gap[0]), gap))
+    heads = {"record_separation": f"{gap} [cm]"}
     where = words.meeting_level(answer)
     peaks = {1: "peak [cm]"} if case.alone else {n: f"peak {n}{where} [cm]" for n in (1, 2)}
     heads |= {f"record_peak_{n}": head for n, head in peaks.items() if f"record_peak_{n}" in table}

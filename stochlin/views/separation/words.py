@@ -19,7 +19,6 @@ from stochlin.views.shared.words import (
     interval,
     left_out,
     length,
-    over_records,
     per_cent,
     rule_label,
     scatter,
@@ -69,7 +68,6 @@ OF_TWO = "needs a second building"  # the reason why a rule is not available
 class Subject(NamedTuple):
     """The words that differ; ``{gap}`` stands for a length."""
 
-    page: str  # title
     gap: str  # what is asked
     stand: str  # what the answer requires
     keeping: str  # what a sufficient gap does
@@ -80,7 +78,6 @@ class Subject(NamedTuple):
 
 
 PAIR = Subject(
-    page="the gap between two buildings",
     gap="gap",
     stand="should stand {gap} apart",
     keeping="keeps them apart",
@@ -90,7 +87,6 @@ PAIR = Subject(
     meet="they pound",
 )
 ALONE = Subject(
-    page="the set-back from the property line",
     gap="set-back",
     stand="should stand {gap} away from its property line",
     keeping="keeps it on its side of the line",
@@ -231,14 +227,6 @@ def _ductilities(table: xr.Dataset) -> str:
     values = of_each(table, "ductility")
     shown = ["none (elastic)" if np.isnan(v) else f"{v:.1f}".replace("inf", "infinite") for v in values]
     return f"Mean peak ductility: {' and '.join(shown)}."
-
-
-def many_records(answer: CaseAnswer) -> str:
-    """The gap over many records; empty where there are few, of which each has a row."""
-    if answer.over_records is None:
-        return ""
-    gap, count = float(answer.separation.gap[0]), len(answer.case.site.records)
-    return over_records(answer.over_records, count, gap, subject_of(answer.case).gap)
 
 
 def details(answer: CaseAnswer) -> list[str]:
