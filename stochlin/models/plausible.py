@@ -26,7 +26,9 @@ class Plausible(NamedTuple):
         return value <= 0 or not (value < self.low or value > self.high)
 
     def doubt(self, value: float) -> str:
-        """What is usual instead of a value that is not plausible."""
+        """What is usual instead of a value that is not plausible; empty for one that is."""
+        if self.holds(value):
+            return ""
         question = self.below if value < self.low else self.above
         return f"usual are {self.usual}{question and f'; {question}'}"
 
