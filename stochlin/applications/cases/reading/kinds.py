@@ -81,8 +81,8 @@ class Quantity:
             percent = self.allowed.upper == 1 and 2 <= value <= 100
             cure = f'; for {value:g} % write "{value:g} %"' if percent else ""
             raise ValueError(f"is out of range; allowed: {self.allowed}{cure}")
-        if usual := self.plausible.doubt(value):
-            warn(f"is doubtful: {usual}")
+        if not self.plausible.holds(value):
+            warn(f"is doubtful: {self.plausible.doubt(value)}")
         return value
 
     def in_si(self, written: Any) -> float:
