@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 from stochlin.kernels.basics.systems import System
 from stochlin.kernels.simulation.ensemble import SteppedStructures
 from stochlin.kernels.simulation.laws import BILINEAR, BOUC_WEN, OTHER, by_number
-from stochlin.kernels.simulation.moving import Elements
+from stochlin.kernels.simulation.moving import Elements, rows_of
 from stochlin.kernels.simulation.stepping import (
     LANES,
     bilinear_block,
@@ -312,8 +312,7 @@ def test_a_peak_between_two_steps_is_known_to_1e_5(steps):
     out = np.repeat(np.stack([3 * path, path], axis=1)[..., None], LANES, axis=2)
     begin, way, highest, lowest = np.zeros((4, 2, LANES))
     for part in np.split(out, [20]):  # block by block
-        row, weight = np.array([[0, 1], [1, 0]]), np.array([[1.0, -1.0], [-1.0, 0.0]])
-        keep_extremes(part, row, weight, begin, way, highest, lowest)
+        keep_extremes(part, rows_of(np.array([[1.0, -1.0], [0.0, -1.0]])), begin, way, highest, lowest)
     for found, exact in ((highest[0], 4.0), (lowest[0], 0.0), (highest[1], 0.0), (lowest[1], -2.0)):
         np.testing.assert_allclose(found, exact, rtol=1e-5, atol=5e-5)
     turn = np.empty_like(out)

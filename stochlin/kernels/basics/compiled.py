@@ -4,6 +4,8 @@
 `entry`           for functions called from Python; the compiled code is kept on the disk
 `compiled`        for functions called from compiled code; from Python they are plain Python
 `called_often`    as `compiled`, for functions so short that a call takes longer than their work: inlined
+`called_once`     as `compiled`, for functions with one caller, of which they become a part: not compiled
+                  apart, which halves the time of the compiler
 ================  ==================================================================================
 
 numba compiles a function again only if its own source file has changed. The folder is therefore named
@@ -39,7 +41,6 @@ from stochlin.messages import WHEN_COMPILING
 KERNELS = Path(__file__).parents[1]
 PROGRAM = KERNELS.parent / "__pycache__"
 CONFIG: Any = nb.config
-DAY = 86400.0  # [s]: folders of other versions are then removed
 UNCOMPILED = bool(CONFIG.DISABLE_JIT)
 NOT_COMPILED = (
     "the environment variable NUMBA_DISABLE_JIT is set: nothing is compiled, and simulations take a "
@@ -58,6 +59,7 @@ OFTEN: Any = INNER | {"forceinline": True}
 
 compiled: Callable[[Any], Any] = register_jitable(**INNER)
 called_often: Callable[[Any], Any] = register_jitable(**OFTEN)
+called_once = nb.njit(inline="always", **OPTIONS)
 _naming_folder = RLock()  # numba's folder is a setting of the whole process
 
 
@@ -94,7 +96,7 @@ def code_folder() -> Path | None:
 
 
 def _is_old(path: Path) -> bool:
-    return time.time() - path.lstat().st_mtime > DAY
+    return time.time() - path.lstat().st_mtime > 86400.0  # [s], a day
 
 
 @contextmanager

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from stochlin.kernels.basics.compiled import called_often, compiled
+from stochlin.kernels.basics.compiled import called_often, called_once, compiled
 from stochlin.kernels.simulation.contacts import force as force_at
 from stochlin.kernels.simulation.contacts import mean_force, separation_margin, stored_in
 from stochlin.kernels.simulation.laws import VISCOUS
@@ -81,7 +81,7 @@ def end_impact(j, number, stored, impact, lane, table, used):
     used[0] += 1
 
 
-@called_often
+@called_once
 def _watch_force(impact, now, span, lane):
     """Update the largest force by that at the end of a step, ``span`` [s] after the one before.
 
@@ -98,7 +98,7 @@ def _watch_force(impact, now, span, lane):
     impact[LAST, lane], impact[RISE, lane], impact[SPAN, lane] = now, rise, span
 
 
-@compiled
+@called_once
 def watch_contact(steps, j, time, number, moving, lane, table, used):
     """Update the impact of an element ``j`` by a time step that began at ``time`` [s].
 
@@ -139,7 +139,7 @@ def _lose(impact, energy, lane):
     impact[LOST, lane] += energy
 
 
-@called_often
+@called_once
 def strike(steps, parts, time, number, moving, lane, table, used):
     """Stereomechanical blows after a time step that began at ``time`` [s], until no sides approach."""
     contacts, mass, dt, coordinates = steps.contacts, parts.mass, steps.dt, moving.coordinates
@@ -204,7 +204,7 @@ def _mobility(contacts, mass, j):
     return total
 
 
-@compiled
+@called_once
 def _blow(steps, parts, j, rate, pressed, time, moving, lane):
     """One blow of contact ``j``, with this rate of penetration at the end of the step.
 
@@ -245,7 +245,7 @@ def _blow(steps, parts, j, rate, pressed, time, moving, lane):
     return e == 0.0
 
 
-@compiled
+@called_once
 def _watch_touch(rows, since, coordinates, extremes, lane):
     """Update the largest and smallest displacements by those at a blow, ``since`` [s] before the end."""
     for i in range(rows.shape[0]):
@@ -255,7 +255,7 @@ def _watch_touch(rows, since, coordinates, extremes, lane):
         extremes[i, LOWEST, lane] = min(extremes[i, LOWEST, lane], touch)
 
 
-@compiled
+@called_once
 def _displace(steps, parts, moving, lane):
     """Displace the coordinates after a blow within the step, and the springs with them.
 

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array, on_arrays
-from stochlin.kernels.basics.compiled import by_pointer, called_often, compiled, entry
+from stochlin.kernels.basics.compiled import by_pointer, called_once, compiled, entry
 from stochlin.kernels.pounding.impacts import (
     COLUMNS,
     CONTACT,
@@ -93,7 +93,7 @@ class RowResponse(NamedTuple):
         return self.moving.largest[: self.floors]
 
 
-@called_often
+@called_once
 def _near(contacts, dt, moving, lanes, near):
     """Write the lanes that are in contact in the step taken without it, or may be; returns their number.
 
@@ -120,7 +120,7 @@ def _near(contacts, dt, moving, lanes, near):
     return count
 
 
-@compiled
+@called_once
 def _end_failed(rows, limit, time, coordinates, motions, lanes):
     """End the motions in which an extension is beyond its limit, or not a number."""
     for i in range(limit.size):
@@ -139,7 +139,7 @@ def _set_forcing(ground, sample, share, of, motions, lanes):
         motions[F, k] = -(ground[sample, lane] + share * rise)
 
 
-@compiled
+@called_once
 def _end(intervals, sample, motions, lanes, ended):
     """Find the motions that have ended by a sample; returns their number."""
     count = 0

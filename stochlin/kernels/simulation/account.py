@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.compiled import called_often, compiled
+from stochlin.kernels.basics.compiled import called_once, compiled
 from stochlin.kernels.simulation.contacts import stored_in
 from stochlin.kernels.simulation.laws import VISCOUS
 from stochlin.kernels.simulation.moving import (
@@ -80,7 +80,7 @@ def watch_displacements(steps, parts, moving, lanes):
             extremes[LOWEST, lane] = min(extremes[LOWEST, lane], least)
 
 
-@called_often
+@called_once
 def _watch_floors(steps, parts, moving, lanes):
     """Largest absolute accelerations, from the change of the velocities in the step, and shears."""
     rows, of_q, of_z, dt = steps.shapes, parts.shear_of_q, parts.shear_of_z, steps.dt
@@ -100,7 +100,7 @@ def _watch_floors(steps, parts, moving, lanes):
             floor[SHEAR, lane] = max(floor[SHEAR, lane], largest)
 
 
-@called_often
+@called_once
 def _watch_masses(dt, parts, coordinates, motions, lanes):
     """Energies put in by the ground, and dissipated by the dashpots of the structures."""
     for i in range(parts.mass.size):
@@ -113,7 +113,7 @@ def _watch_masses(dt, parts, coordinates, motions, lanes):
             coordinates[i, VISCOUS_LOSS, lane] += motions[FIRST, lane] * moved / dt
 
 
-@called_often
+@called_once
 def _watch_links(steps, parts, moving, lanes):
     """Largest forces of links, as means of steps, and energies dissipated."""
     spring, dt, elements, motions = steps.spring, steps.dt, moving.elements, moving.motions
@@ -146,7 +146,7 @@ def watch(steps, parts, moving, lanes):
     _watch_links(steps, parts, moving, lanes)
 
 
-@called_often
+@called_once
 def _take_stored(steps, contacts, moving, lanes):
     """Subtract the energies stored in springs and contacts from the row ``FIRST``."""
     coordinates, elements, motions = moving.coordinates, moving.elements, moving.motions

@@ -18,6 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array, zeros_on_a_line
+from stochlin.kernels.basics.compiled import by_pointer
 from stochlin.kernels.basics.parallel import Progress, in_order
 from stochlin.kernels.simulation.links import LinkPeaks, watch_links
 from stochlin.kernels.simulation.moving import Elements, Moving, Q, Z
@@ -34,9 +35,11 @@ from stochlin.kernels.simulation.stepping import (
 from stochlin.kernels.simulation.time_step import (
     Steps,
     sampled_block,
+    sampled_step,
     sampled_steps,
     steps_of,
     system_block,
+    take_step,
 )
 
 STRENGTHS = 1  # number of the stream, within that of a group, of the factors on the motions
@@ -105,14 +108,15 @@ class SteppedStructures:
     def block(self, dt: float, group: int = 0) -> Block:
         """The function for blocks of time steps of this group of motions, as in `Oscillators`."""
         if self.samples:
-            steps, step = sampled_steps(self._of(group), dt), sampled_block
+            steps, block_of, step = sampled_steps(self._of(group), dt), sampled_block, sampled_step
         else:
             if dt not in self._steps:
                 self._steps[dt] = steps_of(self.elements, dt)
-            steps, step = self._steps[dt], system_block
+            steps, block_of, step = self._steps[dt], system_block, take_step
+        moves = by_pointer(step, self.law, steps, self.at_rest(LANES, group), LANES)
 
         def block(f: Array, moving: Any, every: int, out: Array, at: int = 0) -> None:
-            step(f, self.law, steps, moving, every, out, at)
+            block_of(f, moves, self.law, steps, moving, every, out, at)
 
         return block
 

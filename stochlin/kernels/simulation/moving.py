@@ -29,10 +29,6 @@ F, SLOW, MEETS, GOES, FAILED, MISSING, MOST, IMBALANCE = range(8)
 CHANGE, MORE, WIDEST, MOVING, STILL, FIRST, SECOND, THIRD = range(8, 16)
 
 
-# An entry of a matrix with few numbers in each row, see `rows_of`.
-ENTRY = np.dtype([("column", np.int64), ("weight", float)])
-
-
 class Elements(NamedTuple):
     """The masses and springs of a system, and the laws of the springs.
 
@@ -117,8 +113,7 @@ class Moving(NamedTuple):
         own = zeros_on_a_line(*like.own.shape, lanes)
         own[:] = np.stack([each.own for each in elements], axis=-1)
         *things_known, [motions], memory = parts
-        arrays = [state, *things_known, motions, memory, *scratch, own]
-        moving = cls(*arrays)
+        moving = cls(*[state, *things_known, motions, memory, *scratch, own])
         strength = np.stack([each.system.strength for each in elements], axis=-1)
         close = np.where(like.kind <= VISCOUS, CLOSE, CLOSE_BY_LAW)
         moving.elements[:, LEAST] = close[:, None] * strength
@@ -134,7 +129,7 @@ class Moving(NamedTuple):
 def rows_of(matrix: Array) -> Array:
     """A matrix (m, n) by the entries (m, w) in each row that are not zero; zeros fill shorter rows."""
     width = max(1, int((matrix != 0).sum(axis=1).max(initial=1)))
-    rows = np.empty((len(matrix), width), ENTRY)
+    rows = np.empty((len(matrix), width), [("column", np.int64), ("weight", float)])
     rows["column"] = np.argsort(matrix == 0, axis=1, kind="stable")[:, :width]
     rows["weight"] = np.take_along_axis(matrix, rows["column"], axis=1)
     return rows

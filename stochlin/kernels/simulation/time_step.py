@@ -29,7 +29,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.compiled import called_often, compiled, entry, of_lane, variant
+from stochlin.kernels.basics.compiled import called_often, called_once, compiled, entry, of_lane, variant
 from stochlin.kernels.simulation.contacts import Contacts, solve_force
 from stochlin.kernels.simulation.laws import BILINEAR, LINEAR, VISCOUS
 from stochlin.kernels.simulation.moving import (
@@ -146,7 +146,7 @@ def _add_slip(ease, i, slip, row, coordinates, lanes):
             coordinates[k, DQ, lane] += of_lane(of_slip, lane) * slip[row, lane]
 
 
-@called_often
+@called_once
 def _bilinear(strength, relief, i, elements, motions, lanes):
     """Write `_more_slip` of the bilinear law."""
     for lane in range(lanes):
@@ -156,7 +156,7 @@ def _bilinear(strength, relief, i, elements, motions, lanes):
         motions[MORE, lane] = slip - elements[i, SLIP, lane]
 
 
-@compiled
+@called_once
 def _by_law(
     law, kind, count, strength, relief, dt, i, elements, memory, after, own, states, motions, lanes
 ):
@@ -185,7 +185,7 @@ def _by_law(
             after[i, k - 1, lane] = new[k, lane] if going else after[i, k - 1, lane]
 
 
-@compiled
+@called_once
 def _dashpot(couple, relief, dt, i, elements, own, motions, lanes):
     """Write `_more_slip` of a dashpot with an exponent; ``own`` are its constant and the exponent.
 
@@ -229,7 +229,7 @@ def _dashpot(couple, relief, dt, i, elements, own, motions, lanes):
         elements[i, LEAST, lane] = CLOSE * max(HARDLY * motions[WIDEST, lane], size)
 
 
-@called_often
+@called_once
 def _pass_springs(law, steps, moving, lanes):
     """One pass over all elements that can slip."""
     rows, spring, ease, dt = steps.extensions, steps.spring, steps.ease, steps.dt
@@ -274,7 +274,7 @@ def _pass_springs(law, steps, moving, lanes):
         _add_slip(ease, i, motions, MORE, coordinates, lanes)
 
 
-@compiled
+@called_once
 def _find_widest(rows, coordinates, motions, lanes):
     """Write the largest increment of all extensions, which dashpots with an exponent need."""
     fill(motions, WIDEST, 0.0, lanes)
@@ -284,7 +284,7 @@ def _find_widest(rows, coordinates, motions, lanes):
             motions[WIDEST, lane] = max(motions[WIDEST, lane], abs(motions[CHANGE, lane]))
 
 
-@called_often
+@called_once
 def _pass_contacts(steps, moving, lanes):
     """One pass over all contacts, lane by lane: most have no force."""
     rows, jumps, apart, dt = steps.contacts.rows, steps.contacts.jumps, steps.apart, steps.dt
@@ -317,7 +317,7 @@ def _pass_contacts(steps, moving, lanes):
                     coordinates[k, DQ, lane] += apart[k, j] * more
 
 
-@called_often
+@called_once
 def _begin_contacts(gap, rows, apart, coordinates, contacts, lanes):
     """Penetrations and their rates at the beginning.
 
@@ -336,7 +336,7 @@ def _begin_contacts(gap, rows, apart, coordinates, contacts, lanes):
                     coordinates[k, DQ, lane] += apart[k, j] * force
 
 
-@called_often
+@called_once
 def _begin(steps, moving, lanes):
     """Find the increments without slips and contact forces, but for slips that start from the last step.
 
@@ -365,7 +365,7 @@ def _begin(steps, moving, lanes):
             _add_slip(steps.ease, i, elements[i], SLIP, coordinates, lanes)
 
 
-@called_often
+@called_once
 def _end(steps, moving, lanes):
     """Change the state by the increments and slips, and add the energies that the slips dissipate."""
     rows, twice = steps.extensions, 2.0 / steps.dt
@@ -417,8 +417,13 @@ def take_step(law, steps, moving, lanes):
     _end(steps, moving, lanes)
 
 
-def _system_block(f, law, steps, moving, every, out, first):
+sampled_step = variant(take_step, "sampled_step")
+
+
+def _system_block(f, step, law, steps, moving, every, out, first):
     """Steps of a system under the forcing ``f`` (steps, lanes), which change its state.
+
+    ``step`` is `take_step` by its pointer.
 
     The displacements of the floors after every ``every``-th step [m] are written to the rows of ``out``
     (samples, rows, lanes) from ``first`` on.
@@ -430,7 +435,7 @@ def _system_block(f, law, steps, moving, every, out, first):
     for s in range(f.shape[0]):
         for lane in range(lanes):
             moving.motions[F, lane] = f[s, lane]
-        take_step(law, steps, moving, lanes)
+        step(law, steps, moving, lanes)
         if (s + 1) % every == 0:
             for i in range(rows.shape[0]):
                 times_row(rows, i, moving.coordinates, Q, out[sample], first + i, lanes)
