@@ -61,6 +61,6 @@ def over_records(case: Case, separations: xr.DataArray, gap: float) -> xr.Datase
 
 def doubts(shaken: xr.Dataset) -> list[str]:
     """Texts on implausible shaking."""
-    pga = float(shaken["peak_ground_acceleration"])
-    usual = PLAUSIBLE["pga"].doubt(pga).partition(";")[0]
-    return [f"peak ground acceleration: {pga / constants.g:.3g} g, and {usual}"] if usual else []
+    limits, pga = PLAUSIBLE["pga"], float(shaken["peak_ground_acceleration"])
+    peak = f"{pga / constants.g:.3g} g, and {limits.doubt(pga).partition(';')[0]}"
+    return [] if limits.holds(pga) else [f"peak ground acceleration: {peak}"]
