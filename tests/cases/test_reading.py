@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import pickle
+import tomllib
 import warnings
 from pathlib import Path
 
 import pytest
+from commands import answered
 
 from stochlin.applications.cases.examples import short_example
 from stochlin.applications.cases.reading.case import Case, read_case
 
 pytestmark = pytest.mark.invariant
 
+DOCS = Path(__file__).parents[2] / "docs"
 EXAMPLE = short_example()
 SITE = 'ground = "firm"\nintensity = "0.01 m^2/s^3"'
 CODE = 'spectrum = "eurocode_8"\nag = "0.25 g"\nsoil = "C"\n'
@@ -197,3 +200,14 @@ def test_the_short_example_is_short_and_right(tmp_path: Path) -> None:
     copy = pickle.loads(pickle.dumps(case))
     assert copy == case
     assert copy.buildings[0].structure == case.buildings[0].structure
+
+
+def test_the_full_example_has_the_keys_of_a_case_and_what_is_allowed() -> None:
+    full = answered("gap", "--example", "full").output
+    case = tomllib.loads((DOCS / "worked_case.toml").read_text(encoding="utf-8"))
+    for table in ("site", "separation", "building_1", "simulation"):
+        part = full.partition(f"# [{table}]\n")[2].partition("\n\n")[0]
+        keys = {line.split()[1] for line in part.splitlines()}
+        assert {key for key, value in case[table].items() if not isinstance(value, dict)} <= keys
+    assert "# damping                Damping ratio: a number; 0 < value < 1" in full
+    assert "# [[site.records]]" in full

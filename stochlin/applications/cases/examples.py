@@ -1,13 +1,39 @@
-"""Texts to start from: a short case file, and a record."""
+"""Texts to start from: a short case file, all keys, and a record."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from importlib.resources import files
+
+from stochlin.applications.cases.reading.case import Whole
+from stochlin.applications.cases.reading.kinds import Inner, Key
+from stochlin.applications.cases.reading.tables import NO_TABLE, Form
 
 
 def short_example() -> str:
     """A case of two buildings that runs, as ``stochlin gap --example`` prints it."""
     return _text("example.toml")
+
+
+def full_example() -> str:
+    """All keys of all tables, each with what it is and what is allowed, as comments of a file."""
+    return "".join(_keys_of("", "", [Whole]))
+
+
+def _keys_of(name: str, header: str, forms: Sequence[type[Form]]) -> Iterator[str]:
+    """The lines of a table, and those of the tables in it."""
+    yield header
+    keys: dict[str, Key] = {}
+    for form in forms:  # the first one says what a key is
+        keys = {**keys, **form.keys(NO_TABLE), **keys}
+    for key, (kind, about, _) in keys.items():
+        if not isinstance(kind, Inner):
+            yield f"# {key:<22} {about}: {kind.words}\n"
+    for key, (kind, *_) in keys.items():
+        if isinstance(kind, Inner) and key != "building_2":  # which has the keys of the first one
+            path = f"{name}.{key}".lstrip(".")
+            header = f"\n# [[{path}]]\n" if kind.several else f"\n# [{path}]\n"
+            yield from _keys_of(path, header, kind.forms)
 
 
 def example_record() -> str:

@@ -40,7 +40,13 @@ MORE = "'--details' adds the shaking, drifts, all other rules and the notes on t
 @click.option(
     "--details", is_flag=True, help="Also print the shaking, drifts, all other rules and notes on them."
 )
-@click.option("--example", is_flag=True, help="Print a case file to start from, and stop.")
+@click.option(
+    "--example",
+    is_flag=False,
+    flag_value="short",
+    type=click.Choice(["short", "full"]),
+    help="Print a case file to start from, and stop; with 'full' all its keys.",
+)
 @click.option(
     "--example-record", is_flag=True, help="Print a synthetic record to try, a PEER AT2 file, and stop."
 )
@@ -50,7 +56,7 @@ def gap(
     out: Path | None,
     picture: Path | None,
     details: bool,
-    example: bool,
+    example: str | None,
     example_record: bool,
 ) -> None:
     """Compute the gap that two buildings need, by simulation, by formulas and by your building codes.
@@ -61,6 +67,7 @@ def gap(
     \b
     Examples:
       stochlin gap --example > case.toml
+      stochlin gap --example full
       stochlin gap --example-record > record.at2
       stochlin gap case.toml
       stochlin gap case.toml --details
@@ -71,8 +78,8 @@ def gap(
         if example or example_record:
             from stochlin.applications.cases import examples
 
-            text = examples.short_example() if example else examples.example_record()
-            click.echo(text, nl=False)
+            of = {"short": examples.short_example, "full": examples.full_example}
+            click.echo(of.get(str(example), examples.example_record)(), nl=False)
             return
         if case is None:
             raise ValueError(
