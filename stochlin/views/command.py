@@ -21,7 +21,7 @@ from stochlin.views.shared.screen import (
     COMMANDS,
     SPELLED,
     bad_input,
-    compiling_told,
+    compiling_message,
     warnings_as_sentences,
 )
 
@@ -75,5 +75,5 @@ class Commands(click.Group):
 @click.version_option(__version__, prog_name="stochlin")
 def main() -> None:
     """Correlation and separation of neighbouring yielding buildings."""
-    for kept in (warnings_as_sentences(), compiling_told()):
-        click.get_current_context().with_resource(kept)
+    for resource in (warnings_as_sentences(), compiling_message()):
+        click.get_current_context().with_resource(resource)

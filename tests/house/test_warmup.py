@@ -13,7 +13,7 @@ from commands import answered
 from stochlin import kernels
 from stochlin.kernels.basics.compiled import Entry
 from stochlin.messages import WHEN_COMPILING
-from stochlin.views.shared.screen import compiling_told
+from stochlin.views.shared.screen import compiling_message
 from stochlin.views.warmup.tasks import TASKS, perform
 
 
@@ -51,7 +51,7 @@ def test_commands_need_nothing_that_the_tasks_do_not_call(tmp_path: Path) -> Non
 
 
 def test_that_something_is_compiled_is_said_once(capsys: pytest.CaptureFixture[str]) -> None:
-    with compiling_told():
+    with compiling_message():
         for _ in range(3):
             for call in list(WHEN_COMPILING):
                 call()

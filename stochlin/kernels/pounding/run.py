@@ -180,7 +180,7 @@ def _run(
     ``y`` are for the states before a step and for what moves near contact. The first motion is written
     at the samples to ``history``, if it has any. Returns the number of samples written.
     """
-    dt, lanes, kept = steps.dt, ground.shape[1], 1
+    dt, lanes, written = steps.dt, ground.shape[1], 1
     every, near, ended = np.arange(lanes), np.empty(lanes, np.int64), np.empty(lanes, np.int64)
     first, place = np.zeros(1, np.int64), np.zeros(1, np.int64)
     copy(x.state, first, history, place, min(1, history.shape[1]))
@@ -211,11 +211,11 @@ def _run(
             settle(steps, short.contacts, parts, x, lanes)
             _end_failed(steps.extensions, parts.limit, time + dt, x.coordinates, x.motions, lanes)
             if history.shape[1] > 0:
-                place[0], kept = sample + 1, sample + 2
+                place[0], written = sample + 1, sample + 2
                 copy(x.state, first, history, place, 1)
     for lane in range(lanes):
         end_all(short.contacts, lane, x, lane, table, used)
-    return kept
+    return written
 
 
 def follow(row: BuildingRow, x: Moving, ground: GroundMotions, pace: StepCounts, history: Array) -> Any:
@@ -240,11 +240,11 @@ def follow(row: BuildingRow, x: Moving, ground: GroundMotions, pace: StepCounts,
     )
     numbers = ground.acceleration, ground.intervals, pace.cuts, pace.substeps
     moves = *functions, row.law, steps, short, row.parts, x, y, old, *numbers
-    kept = _run(*moves, table, used, history)
+    written = _run(*moves, table, used, history)
     if used[0] > len(table):  # the motions again, with lines for all impacts
         table, x.state[:], used[:] = np.empty((used[0], COLUMNS)), begin, 0
-        kept = _run(*moves, table, used, history)
-    history[:, kept:] = np.nan
+        written = _run(*moves, table, used, history)
+    history[:, written:] = np.nan
     table = table[: used[0]]
     return table[np.lexsort((table[:, CONTACT], table[:, BEGIN]))]
 
@@ -252,7 +252,7 @@ def follow(row: BuildingRow, x: Moving, ground: GroundMotions, pace: StepCounts,
 def run(
     row: BuildingRow, ground: GroundMotions, pace: StepCounts, keep: bool = False
 ) -> list[RowResponse]:
-    """Responses of a row of buildings to motions from rest; states are kept of the first motion only."""
+    """Responses of a row of buildings to motions from rest; with the states of the first motion."""
     samples, lanes = ground.acceleration.shape
     x, history = row.at_rest(lanes), row.at_rest(samples if keep else 0)
     table, floors = follow(row, x, ground, pace, history.state), len(row.parts.shear_of_q)

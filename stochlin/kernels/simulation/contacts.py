@@ -190,12 +190,12 @@ def solve_force(law, v0, before, alone, g, dt):
     """Mean force of a contact [N] whose penetration changes by ``alone`` less ``g`` times this force.
 
     The force grows with the change, so that it lies between 0 and the force without its own effect. It
-    is found by regula falsi, with halved weights for an end that is kept (the Illinois method).
+    is found by regula falsi, with halved weights for an end that stays (the Illinois method).
     """
     bound = mean_force(law, v0, before, alone, dt)[0]
     low, high = 0.0, bound
     at_low, at_high = -bound, bound - mean_force(law, v0, before, alone - g * bound, dt)[0]
-    force, kept = high, 0
+    force, side = high, 0
     for _ in range(MOST_TRIALS):
         if abs(at_high) <= CLOSE_FORCE * abs(bound) or at_high == at_low:
             return high
@@ -205,10 +205,10 @@ def solve_force(law, v0, before, alone, g, dt):
             return force
         if (off > 0.0) == (at_high > 0.0):
             high, at_high = force, off
-            at_low *= 0.5 if kept == 1 else 1.0
-            kept = 1
+            at_low *= 0.5 if side == 1 else 1.0
+            side = 1
         else:
             low, at_low = force, off
-            at_high *= 0.5 if kept == -1 else 1.0
-            kept = -1
+            at_high *= 0.5 if side == -1 else 1.0
+            side = -1
     return force

@@ -159,11 +159,11 @@ def _time_constant(history: Array) -> float:
     if not variance > 0:
         return np.inf
     for lag in range(1, count):
-        kept = max(float(np.mean(history[lag:] * history[:-lag]) / variance), 0.0)
+        correlation = max(float(np.mean(history[lag:] * history[:-lag]) / variance), 0.0)
         independent = motions * max(1.0, count / (2 * lag))
-        kept += ERRORS * np.sqrt((1 - min(kept, 1.0) ** 2) / independent)
-        if kept < FALLEN:
-            return float(-lag / np.log(kept))
+        correlation += ERRORS * np.sqrt((1 - min(correlation, 1.0) ** 2) / independent)
+        if correlation < FALLEN:
+            return float(-lag / np.log(correlation))
     return np.inf
 
 

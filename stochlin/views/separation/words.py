@@ -61,7 +61,7 @@ MARKS = (
     "Marks: S, compared with its source; C, derived and checked; P, in the text of the paper; M, not "
     "compared with its source."
 )
-AT_LEAST, LESS, WITHIN = "at least the answer", "less than the answer", "within error"  # verdicts
+AT_LEAST, LESS = "at least the answer", "less than the answer"  # verdicts
 OF_TWO = "needs a second building"  # the reason why a rule is not available
 
 

@@ -87,7 +87,7 @@ def warnings_as_sentences() -> Iterator[None]:
 
 
 @contextmanager
-def compiling_told() -> Iterator[None]:
+def compiling_message() -> Iterator[None]:
     """Say on the error stream, once, when code has to be compiled."""
 
     @cache
