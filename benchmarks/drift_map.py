@@ -25,7 +25,7 @@ from stochlin.solver.correlation.signatures import (
 )
 from stochlin.solver.linearization.equivalent_systems import solved_together
 from stochlin.solver.linearization.tolerance import USUAL
-from stochlin.solver.simulation import simulation
+from stochlin.solver.simulation import stationary_motions
 from stochlin.solver.tables.interpolation import Grid
 from stochlin.solver.tables.storage import whole_file
 
@@ -447,7 +447,7 @@ def labelled(signatures, displacement, white, near):
 
 
 def main():
-    simulation.MOST_STEPS = np.inf  # all is simulated that closures are held against
+    stationary_motions.MOST_STEPS = np.inf  # all is simulated that closures are held against
     options = file_and_work(__doc__)
     wanted = itertools.product(ELASTIC_DUCTILITY, HARDENING[::-1], GROUND_DAMPING)
     parts = {point: kept(options.work, *point) for point in wanted if point[:2] != LEFT_OUT}

@@ -13,7 +13,7 @@ import stochlin as sl
 from stochlin.kernels.correlation.corrections import AXES, LEFT, by_signatures
 from stochlin.solver.correlation.signatures import OWN, PAIRS, basis_of, corrected
 from stochlin.solver.linearization.drift_map import drift_map
-from stochlin.solver.simulation import simulation
+from stochlin.solver.simulation import stationary_motions
 
 pytestmark = [pytest.mark.oracle, pytest.mark.extreme]
 
@@ -121,7 +121,7 @@ def test_a_form_is_found_from_the_correlations_of_its_neighbours(seed):
 def test_shipped_signatures_are_those_simulated_anew(monkeypatch):
     """One part of the map, with other motions: within its standard errors."""
     module = load("drift_map")
-    monkeypatch.setattr(simulation, "MOST_STEPS", np.inf)  # as its main function does
+    monkeypatch.setattr(stationary_motions, "MOST_STEPS", np.inf)  # as its main function does
     point = {"elastic_ductility_std": 2.0, "hardening": 0.2, "ground_damping": 0.17}
     result = module.part(*point.values(), seed=2)
     corrections = drift_map().signature_correction.rename(signature_strength="elastic_ductility_std")
@@ -143,7 +143,7 @@ def test_shipped_signatures_are_those_simulated_anew(monkeypatch):
 def test_shipped_displacements_are_those_simulated_anew(monkeypatch):
     """The coarse grid and white noise, with other motions; few beyond 3 standard errors."""
     module = load("drift_map")
-    monkeypatch.setattr(simulation, "MOST_STEPS", np.inf)
+    monkeypatch.setattr(stationary_motions, "MOST_STEPS", np.inf)
     monkeypatch.setattr(module, "STRUCTURE_STEPS", 1e8)
     for ground_damping in (0.17, np.inf):
         result = module.coarse_part(2.0, 0.2, ground_damping, seed=7)

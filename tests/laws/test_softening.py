@@ -135,7 +135,8 @@ def test_a_structure_falls_where_its_force_is_gone():
     )
     heavy = sl.Bilinear(0.5, 0.01, alpha, uy, mass=1e5)
     with pytest.raises(
-        ArithmeticError, match=r"structure 1 falls over: by .* it has drifted by more than 0\.22 m"
+        ArithmeticError,
+        match=r"structure 1 falls over \d.* s after the beginning: it has drifted",
     ):
         sl.pound([heavy], motion=ground)
 

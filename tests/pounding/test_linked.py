@@ -126,6 +126,7 @@ def test_weight_that_eats_the_hardening_still_balances_or_falls_over():
     assert float(table.peak[0, 0]) > 0.02
     assert float(table.energy_balance_error.max()) < 1e-8
     with pytest.raises(
-        ArithmeticError, match=r"structure 1 falls over: by .* its storey \d has drifted"
+        ArithmeticError,
+        match=r"structure 1 falls over \d.* s after the beginning: it has drifted",
     ):
         sl.pound([weak, towers()[1]], FAR, SPRING, 6 * record(1500))

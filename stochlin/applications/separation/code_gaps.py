@@ -76,7 +76,7 @@ def _check_source(
 ) -> None:
     """Raise a ValueError unless displacements are given once, as peaks or as modes with a spectrum."""
     if (modes_1 is None) != (spectrum is None) or (modes_2 is not None and modes_1 is None):
-        raise ValueError("modes_1 and spectrum go together, and modes_2 with both; one is missing")
+        raise ValueError("modes_1 and spectrum go together, and modes_2 with both; give what is missing")
     if (peak_1 is None) == (modes_1 is None) or not (peak_2 is None or modes_1 is None):
         raise ValueError("peak_1 is missing, or given beside modes_1; allowed: one of both")
 

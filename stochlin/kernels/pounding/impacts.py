@@ -200,7 +200,7 @@ def _mobility(contacts, mass, j):
     """Change of the rate of penetration of contact ``j`` by a unit impulse [1/kg]."""
     total, rows = 0.0, contacts.rows
     for place in range(rows.shape[1]):
-        total += rows[j, place].weight ** 2 / mass[rows[j, place].column]
+        total += rows[j, place]["weight"] ** 2 / mass[rows[j, place]["column"]]
     return total
 
 
@@ -233,8 +233,8 @@ def _blow(steps, parts, j, rate, pressed, time, moving, lane):
     for k in range(mass.size):
         coordinates[k, WAY, lane] = 0.0
     for place in range(rows.shape[1]):
-        k = rows[j, place].column
-        jump = -rows[j, place].weight * impulse / mass[k]
+        k = rows[j, place]["column"]
+        jump = -rows[j, place]["weight"] * impulse / mass[k]
         coordinates[k, V, lane] += jump
         coordinates[k, WAY, lane] = jump * since
     moved = 0.5 * (moved + row_product(right, j, coordinates, V, lane)) - since * sped

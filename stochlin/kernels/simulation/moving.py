@@ -150,11 +150,11 @@ def copy(source, of, target, to, count):
 @called_often
 def times_row(rows, i, values, of, out, to, lanes):
     """Write row ``i`` of `rows_of` times the column ``of`` of the values to a row of ``out``."""
-    first, row = rows[i, 0].weight, rows[i, 0].column
+    first, row = rows[i, 0]["weight"], rows[i, 0]["column"]
     for lane in range(lanes):
         out[to, lane] = first * values[row, of, lane]
     for place in range(1, rows.shape[1]):
-        more, row = rows[i, place].weight, rows[i, place].column
+        more, row = rows[i, place]["weight"], rows[i, place]["column"]
         for lane in range(lanes):
             out[to, lane] += more * values[row, of, lane]
 
@@ -164,7 +164,7 @@ def row_product(rows, i, values, of, lane):
     """`times_row` in one lane."""
     total = 0.0
     for place in range(rows.shape[1]):
-        total += rows[i, place].weight * values[rows[i, place].column, of, lane]
+        total += rows[i, place]["weight"] * values[rows[i, place]["column"], of, lane]
     return total
 
 

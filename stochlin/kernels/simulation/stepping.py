@@ -226,11 +226,11 @@ def add_products(out, total):
 @called_often
 def _value(displacements, row, value):
     """Write a weighted sum of the displacements (n, LANES) at one sample to ``value`` (LANES,)."""
-    first, share = displacements[row[0].column], row[0].weight
+    first, share = displacements[row[0]["column"]], row[0]["weight"]
     for lane in range(LANES):
         value[lane] = share * first[lane]
     for k in range(1, len(row)):
-        more, share = displacements[row[k].column], row[k].weight
+        more, share = displacements[row[k]["column"]], row[k]["weight"]
         if share != 0.0:
             for lane in range(LANES):
                 value[lane] += share * more[lane]

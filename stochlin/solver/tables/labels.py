@@ -18,23 +18,23 @@ PAPER = (
     "pounding effects in building structures. 11th World Conference on Earthquake Engineering."
 )
 
-CAUTION_RHO = (
-    "Caution: compared with nonlinear simulation, linearized ρ is off by 0.05 to 0.2 for moderate "
-    "yielding, and by up to 1.3 for structures much stiffer than a narrow-band ground; see 'stochlin "
-    "charts'."
+_OF_RHO = (
+    "linearized ρ is off by 0.05 to 0.2 for moderate yielding, and by up to 1.3 for structures much "
+    "stiffer than a narrow-band ground"
+)
+_OF_SIGMA = (
+    "linearized displacements are 15 to 51 % too small at α ≤ 0.05 on white noise, and up to 30 times "
+    "too small for structures much stiffer than a narrow-band ground"
+)
+CAUTION_RHO, CAUTION_SIGMA, CAUTION_PAIR = (
+    f"Caution: compared with nonlinear simulation, {text}; see 'stochlin charts'."
+    for text in (_OF_RHO, _OF_SIGMA, f"{_OF_RHO}; {_OF_SIGMA}")
 )
 CAUTION_DRIFT = (
     "Compared with nonlinear simulation of 500 random pairs, displacements by the drift closure, which "
     "other simulations calibrate, are off by 0.9 % in the mean and ρ by 0.02; where T < Tg/2 on a "
     "narrow-band ground (ξg < 0.1), by 2 % and 0.03."
 )
-CAUTION_SIGMA = (
-    "Caution: compared with nonlinear simulation, linearized displacements are 15 to 51 % too small "
-    "at α ≤ 0.05 on white noise, and up to 30 times too small for structures much stiffer than a "
-    "narrow-band ground; see 'stochlin charts'."
-)
-
-CAUTION_PAIR = f"{CAUTION_RHO} {CAUTION_SIGMA}"
 
 CONVERGED, ELASTIC_LIMIT, NOT_CONVERGED, INVALID_INPUT, NOT_PHYSICAL, TOO_STRONG, NOT_RESOLVED = range(7)
 STATUS_MEANINGS = (
