@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import cache
 from importlib.metadata import entry_points
 from importlib.util import find_spec
@@ -60,11 +60,14 @@ class Registry(Mapping[str, Thing], Generic[Thing]):
 
         return add
 
-    def named(self, name: object, parameter: str = "name") -> Thing:
-        """The extension of this name, in any case, with ``-`` or ``_``; a ValueError lists all names."""
+    def named(self, name: object, parameter: str = "name", others: Iterable[str] = ()) -> Thing:
+        """The extension of this name, in any case, with ``-`` or ``_``.
+
+        A ValueError lists all names, and the ``others`` that are allowed in its place.
+        """
         key = as_key(name)
         if key not in self:
-            allowed = ", ".join(self)
+            allowed = ", ".join([*self, *others])
             raise ValueError(
                 f"{parameter} = {brief(name)} is not a known {self.kind}; allowed: {allowed}"
             )

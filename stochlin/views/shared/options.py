@@ -113,17 +113,13 @@ def structures(options: dict[str, Any]) -> list[Structure]:
 def ground_of(options: dict[str, Any]) -> Ground:
     """The ground called for by name, with its period and its damping if it has them."""
     from stochlin.models.grounds import GROUNDS, ground_names, named_ground
-    from stochlin.registry import as_key
 
     name = options["ground"]
     chosen = [option for option in ("ground_period", "ground_damping") if options[option]]
     values = {option.removeprefix("ground_"): parameter_of(option, options) for option in chosen}
     if name.strip().lower() in ground_names():
         return named_ground(name, **values)
-    if as_key(name) not in GROUNDS:
-        known = ", ".join([*GROUNDS, *ground_names()])
-        raise ValueError(f"--ground = {brief(name)} is not a known ground; allowed: {known}")
-    kind = GROUNDS[as_key(name)]
+    kind = GROUNDS.named(name, "--ground", ground_names())
     for field in fields(kind):
         if field.default is MISSING and field.name not in values:
             raise ValueError(f"--ground {name} needs --ground-{field.name.replace('_', '-')}")
