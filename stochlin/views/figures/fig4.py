@@ -223,7 +223,7 @@ def errors_in_words(chart: xr.Dataset, name: str) -> str:
     left_out = ""
     if bool(is_slow(chart).any()):
         limit = chart.attrs["longest_memory_s"]
-        left_out = f" Open points, whose plastic drift relaxes in more than {limit:.3g} s, are left out."
+        left_out = f" Simulations whose plastic drift relaxes in more than {limit:.3g} s are left out."
     return f"Mean (largest) error against simulation: {'; '.join(texts)}.{left_out}"
 
 
