@@ -50,6 +50,10 @@ def check_against_counting(pair, count, paths):
     weak = float(table.annual_rate_by_intensity.sel(from_intensity=slice(0, 0.4)).sum())
     both = np.hypot(error, float(table.annual_rate_standard_error))
     assert abs(float(table.annual_rate) - found) < 4 * both + weak
+    for end, sign in (("lower", -1), ("upper", 1)):
+        rate = float(table.annual_rate + sign * 1.96 * table.annual_rate_standard_error)
+        share = float(table[f"probability_in_years_{end}"])
+        assert share == pytest.approx(1 - np.exp(-50 * max(rate, 0.0)), rel=1e-9)
 
 
 def test_rate_of_yielding_structures_is_that_of_counting():

@@ -9,7 +9,6 @@ from functools import partial
 import numpy as np
 import pytest
 import sympy
-import xarray as xr
 
 import stochlin as sl
 from stochlin.solver.tables import labels
@@ -236,15 +235,3 @@ def test_a_structure_that_falls_has_a_status_and_its_neighbours_their_numbers():
     table = verb([GOOD[0], falls], [BESIDE[0]] * 2)
     assert table.status.values.tolist() == [labels.CONVERGED, labels.NOT_CONVERGED]
     check(table, [verb(GOOD[:1], BESIDE[:1])], 1)
-
-
-def test_a_bad_cell_of_a_pair_blanks_its_row_and_nothing_else():
-    rows = xr.DataArray([0.5, -1.0, 2.0], dims="row")
-    columns = xr.DataArray([0.7, 1.0], dims="column")
-    second = sl.Bilinear(columns, 0.05, 0.1, reduction_factor=2)
-    table = sl.correlate(sl.Bilinear(rows, 0.05, 0.1, reduction_factor=2), second, LAKE)
-    clean = sl.correlate(sl.Bilinear(rows[[0, 2]], 0.05, 0.1, reduction_factor=2), second, LAKE)
-    assert np.isnan(table.rho.isel(row=1)).all()
-    assert (table.status.isel(row=1) >= labels.NOT_CONVERGED).all()
-    np.testing.assert_allclose(table.rho.isel(row=[0, 2]), clean.rho, rtol=1e-12)
-    assert not np.isnan(table.displacement_std_2).any()
