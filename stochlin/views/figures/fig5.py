@@ -147,12 +147,12 @@ def amplification_chart(settings: ChartSettings = USUAL, ground: Ground | None =
     runs = [(OF_PEAKS, slice(None), often), *((OF_STD, slice(n, n + 1), seldom) for n in factors)]
     for name, rows, columns in runs:
         place = {"reduction_factor": rows, "period_ratio": columns}
-        cells = structure.isel(place)
+        here = structure.isel(place)
         if name == OF_PEAKS:
-            simulated = amplification(cells, ground, **motion)
+            simulated = amplification(here, ground, **motion)
             made = {f"{name}{end}": simulated[f"amplification{end}"] for end in ENDS}
         else:
-            simulated = correlate(cells, cells, ground, "simulation", **few)
+            simulated = correlate(here, here.isel(dict.fromkeys(place, 0)), ground, "simulation", **few)
             made = {f"{name}{end}": simulated[f"displacement_std{end}_1"] / elastic for end in ENDS}
             made[MEMORY] = simulated[f"{MEMORY}_1"]
         for column, values in made.items():

@@ -217,11 +217,11 @@ def elastic_start(problem: Springs) -> Array:
     Dashpots with an exponent are linearized for the rates without them.
     """
     yielding, constants = problem.system.extensions[problem.yielding], problem.dashpots.copy()
-    constants[:, problem.power] = 0.0
-    _, rates = _elastic_std(problem, constants, problem.linearized)
-    rates = np.maximum(np.log(rates), IDLE)
-    drift, rate = _elastic_std(problem, _dashpots(problem, rates), yielding) / problem.strength
-    sv, sz = np.log(rate), np.log(drift)
+    rates = np.empty((len(constants), problem.power.size))
+    if rates.size:
+        constants[:, problem.power] = 0.0
+        rates = np.maximum(np.log(_elastic_std(problem, constants, problem.linearized)[1]), IDLE)
+    sz, sv = np.log(_elastic_std(problem, _dashpots(problem, rates), yielding) / problem.strength)
     return np.hstack([sv, sz, np.where(np.isnan(sv), np.nan, 0.1), rates]).T
 
 
