@@ -44,8 +44,8 @@ def read_modes(
     Parameters
     ----------
     path : str or path
-        Path of the file: a table in the plain form of stochlin; or tables that ETABS or SAP2000 export,
-        as a workbook, as text, or as a folder with one ``.csv`` for each. The user guide shows what each
+        Path of the file: a table in the plain form of stochlin; or tables that ETABS exports, as a
+        workbook, as text, or as a folder with one ``.csv`` for each. The user guide shows what each
         needs, and a script of OpenSeesPy that writes the plain form. Text is in UTF-8, with ``,``, ``;``
         or tabs between columns.
     direction : {"UX", "UY"}, optional
@@ -116,7 +116,7 @@ def read_modes(
     tables, of_plain = tables_in(sheets), plain_form.sheets_in(sheets)
     readable = [*of_plain, *(table.sheet for table in [*tables.values()][:1])]
     if not readable:
-        begins = f"{plain_form.HEADER} or a line 'TABLE:  {RATIOS}' of ETABS or SAP2000"
+        begins = f"{plain_form.HEADER} or a line 'TABLE:  {RATIOS}' of ETABS"
         raise ValueError(f"{name} is no file of modes that is known; allowed: a file with {begins}")
     check_alone(readable, "modes")
     modes = csi.read(tables, choice) if tables else plain_form.read(readable[0], choice)

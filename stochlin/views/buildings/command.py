@@ -54,8 +54,8 @@ def building(
 ) -> None:
     """Show what files say of a building: periods, masses, shapes, strength, and what is assumed.
 
-    MODES is a file with the modes of a building: a table in plain form, or tables that ETABS or SAP2000
-    export as .xlsx or .csv, in one file or in a folder. A case file takes it as modes = "tower.csv".
+    MODES is a file with the modes of a building: a table in plain form, or tables that ETABS exports
+    as .xlsx or .csv, in one file or in a folder. A case file takes it as modes = "tower.csv".
 
     \b
     Examples:

@@ -1,9 +1,8 @@
-"""Tables of modes that ETABS and SAP2000 export, as text with separators or as a workbook."""
+"""Tables of modes that ETABS exports, as text with separators or as a workbook."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -18,13 +17,11 @@ from stochlin.applications.buildings.mode_files import (
 )
 from stochlin.applications.buildings.mode_files.csi_tables import (
     BASES,
-    COORDINATES,
     HEIGHTS,
     MODE,
     OF_CENTRES,
     OF_DIAPHRAGMS,
     OF_JOINTS,
-    OF_MASSES,
     OF_STORIES,
     PLACES,
     RATIOS,
@@ -42,17 +39,15 @@ from stochlin.models.parameters import NOT_NEGATIVE, PERIODS, POSITIVE, Range
 SHARE = Range(upper=1.0, include_lower=True, include_upper=True)
 LEAST_SHARE = 0.001  # of the mass; programs print ratios to four digits, and less is left out
 AXES = "UX", "UY"
-SAME_LEVEL = 0.01  # largest difference of the levels of joints on one floor [m]
 TOGETHER = 0.1  # share of the largest displacement of a mode from which a floor moves in it
 TURNS = 1e-6  # rotation of a floor that turns [rad]
-ASIDE = 0.02  # largest share of the mass that may be between the floors, or at joints without shapes
 BASE = "base"
 
 
 class Floors(NamedTuple):
     """The floors with their shapes, and the sums of mass times displacement of the whole model."""
 
-    names: pd.Index  # of stories or joints
+    names: pd.Index  # of stories
     levels: Array  # [m]
     masses: Array  # [kg]
     shapes: Array  # (modes, floors)
@@ -71,32 +66,24 @@ class Wanted(NamedTuple):
 
 
 def read(content: Mapping[str, Table], choice: AskedModes) -> ModesOfFile:
-    """The modes of tables of ETABS or SAP2000: a line ``TABLE:  name``, titles, units, and rows.
+    """The modes of tables of ETABS: a line ``TABLE:  name``, titles, units, and rows.
 
-    Needed are Modal Participating Mass Ratios, and besides, of ETABS, Story Definitions,
-    Mass Summary by Story or Centers Of Mass And Rigidity, Diaphragm Center Of Mass Displacements and,
-    for ``points``, Joint Displacements; of SAP2000, Joint Coordinates, Assembled Joint Masses and Joint
-    Displacements. Their order does not matter, and others are left alone. Where the line with the name
-    is missing, the name of the sheet says which table it is.
+    Needed are Modal Participating Mass Ratios, Story Definitions, Mass Summary by Story or Centers Of
+    Mass And Rigidity, Diaphragm Center Of Mass Displacements and, for ``points``, Joint Displacements.
+    Their order does not matter, and others are left alone. Where the line with the name is missing, the
+    name of the sheet says which table it is.
 
     The participation factor of a mode is its effective mass over the sum of mass times displacement of
     the whole model. It holds for floors that turn, for several towers, and for any scale of the shapes.
 
     References
     ----------
-    Computers and Structures, Inc., ETABS and SAP2000, database tables; the names of their fields are
+    Computers and Structures, Inc., ETABS, database tables; the names of their fields are
     those of ``Results.ModalParticipatingMassRatios`` in the CSI application programming interface.
     """
-    etabs = any(spelled(name) in content for name in (HEIGHTS, STORY_DATA, OF_CENTRES, OF_STORIES))
-    if etabs:
-        of_mass = [OF_DIAPHRAGMS, OF_STORIES] if choice.tower else [OF_STORIES, OF_DIAPHRAGMS]
-        groups = [[RATIOS], [HEIGHTS, STORY_DATA], of_mass, [OF_CENTRES]]
-        groups += [[OF_JOINTS]] if choice.points else []
-    elif choice.tower:
-        what = f"tower = {brief(choice.tower)} has no meaning for tables of SAP2000"
-        raise ValueError(f"{what}; name the joints of the building, points=")
-    else:
-        groups = [[RATIOS], [COORDINATES], [OF_MASSES], [OF_JOINTS]]
+    of_mass = [OF_DIAPHRAGMS, OF_STORIES] if choice.tower else [OF_STORIES, OF_DIAPHRAGMS]
+    groups = [[RATIOS], [HEIGHTS, STORY_DATA], of_mass, [OF_CENTRES]]
+    groups += [[OF_JOINTS]] if choice.points else []
     ratios, *others = needed_tables(content, *groups)
     axis = _axis(ratios, choice.direction)
     check_one_case(ratios, "case")
@@ -108,7 +95,7 @@ def read(content: Mapping[str, Table], choice: AskedModes) -> ModesOfFile:
     if moving.empty:
         raise ratios.error(f"has no mode with {LEAST_SHARE:.1%} of the mass along {axis}")
     wanted = Wanted(choice, axis, str(ratios.texts("case").iloc[0]), moving.index)
-    floors = (_of_stories if etabs else _of_joints)(content, others, wanted)
+    floors = _floors(content, others, wanted)
     _check_one_building(floors, others[2])
     effective = moving.to_numpy() * floors.total
     if choice.tower is None:
@@ -190,8 +177,8 @@ def _chosen(places: pd.Index, heights: Table, weights: Table, tower: str | None)
     return chosen
 
 
-def _of_stories(tables: Mapping[str, Table], others: Sequence[Table], wanted: Wanted) -> Floors:
-    """The floors of ETABS, with the shapes of centres of mass or of named joints."""
+def _floors(tables: Mapping[str, Table], others: Sequence[Table], wanted: Wanted) -> Floors:
+    """The floors, with the shapes of centres of mass or of named joints."""
     (heights, weights, centres), choice, axis = others[:3], wanted.choice, wanted.axis.lower()
     names = [name for name in PLACES if name in weights.names and name in centres.names]
     mass = keyed(weights, names, axis, "mass", NOT_NEGATIVE, choice.mass_units)
@@ -217,7 +204,7 @@ def _of_stories(tables: Mapping[str, Table], others: Sequence[Table], wanted: Wa
 
 def _named(table: Table, points: Sequence[str]) -> Table:
     """The lines of the named joints."""
-    titles = [name for name in ("label", "uniquename", "joint") if name in table.names]
+    titles = [name for name in ("label", "uniquename") if name in table.names]
     names = pd.DataFrame({title: table.texts(title) for title in titles})
     known = pd.unique(names.to_numpy().ravel())
     if strange := [point for point in points if point not in known]:
@@ -261,49 +248,6 @@ def _depth(bases: Table, choice: AskedModes) -> float:
     table = _of_tower(bases, choice.tower)
     towers = keyed(table, ["tower"], "bselev", "length", ANY, choice.length_units)
     return max(0.0, -towers.max()) if len(towers) else 0.0
-
-
-def _of_joints(tables: Mapping[str, Table], others: Sequence[Table], wanted: Wanted) -> Floors:
-    """The floors of SAP2000: the levels of the joints that have displacements, or of the named ones."""
-    (places, weights, table), choice, axis = others, wanted.choice, wanted.axis.lower()
-    height = keyed(places, ["joint"], "z", "length", ANY, choice.length_units)
-    level = height - height.min()
-    mass = keyed(weights, ["joint"], axis, "mass", NOT_NEGATIVE, choice.mass_units)
-    mass = mass[(mass > 0) & (level.reindex(mass.index) > SAME_LEVEL)]
-    moves = _moves(table, axis, wanted, ["joint"])
-    if unknown := [*moves.index.difference(level.index)]:
-        raise table.error(f"has joint {listed(unknown)}, which is not in table {COORDINATES}")
-    with_shapes = mass[mass.index.isin(moves.dropna().index)].sum()
-    if not mass.size or with_shapes < (1 - ASIDE) * mass.sum():
-        what = f"has joints with {with_shapes / (mass.sum() or 1):.0%} of the mass"
-        raise table.error(f"{what}; export the modal displacements of all joints with mass")
-    above = moves.index[level[moves.index] > SAME_LEVEL]
-    if strange := [point for point in choice.points if point not in above]:
-        raise table.error(f"has no joint {listed(strange)} above the base, which points names")
-    levels = level[[*choice.points] or above].sort_index().sort_values(kind="stable")
-    for lower, upper in pairwise(levels.index):
-        if levels[upper] - levels[lower] <= SAME_LEVEL:
-            both = f"has joints {lower} and {upper}, both at {levels[lower]:g} m"
-            raise table.error(f"{both}; name one on each floor, points=[{lower!r}, ...]")
-    shapes, moved = _shapes(table, moves, levels.index), moves.reindex(mass.index).to_numpy().T
-    away = np.abs(level[mass.index].to_numpy()[:, None] - levels.to_numpy())
-    floor = away.argmin(axis=1)
-    joints, floors = _moving(moved, moves), _moving(shapes, moves)[floor]
-    here = (joints & floors).any(axis=1) | ~floors.any(axis=1) | np.isnan(moved).any(axis=0)
-    masses = np.bincount(floor[here], mass[here], minlength=levels.size)
-    aside = mass[here & (away.min(axis=1) > SAME_LEVEL)].sum()
-    if aside > ASIDE * masses.sum() or not masses.all():
-        heights = listed(f"{height:g}" for height in levels)
-        what = f"has {aside / masses.sum():.0%} of the mass not at the floors, {heights} m"
-        raise weights.error(f"{what}, or a floor has none; name one joint on each floor with points=")
-    loads, parts = (np.nan_to_num(moved) @ (mass * counted) for counted in (1.0, here))
-    above_ground = (levels + min(0.0, height.min())).to_numpy()
-    return Floors(levels.index, above_ground, masses, shapes, loads, parts, mass.sum())
-
-
-def _moving(shapes: Array, moves: pd.DataFrame) -> Array:
-    """In which modes the places move beside the largest displacements (places, modes)."""
-    return np.abs(shapes.T) >= TOGETHER * np.nanmax(np.abs(moves.to_numpy()), axis=0)
 
 
 def _check_one_building(floors: Floors, table: Table) -> None:

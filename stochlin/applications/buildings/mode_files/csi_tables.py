@@ -1,4 +1,4 @@
-"""Tables as ETABS and SAP2000 export them, with their names above or on their sheets."""
+"""Tables as ETABS exports them, with their names above or on their sheets."""
 
 from __future__ import annotations
 
@@ -18,18 +18,15 @@ RATIOS, OF_JOINTS = "Modal Participating Mass Ratios", "Joint Displacements"
 OF_CENTRES, OF_STORIES = "Diaphragm Center Of Mass Displacements", "Mass Summary by Story"
 OF_DIAPHRAGMS, BASES = "Centers Of Mass And Rigidity", "Tower and Base Story Definitions"
 HEIGHTS, STORY_DATA = "Story Definitions", "Story Data"
-COORDINATES, OF_MASSES = "Joint Coordinates", "Assembled Joint Masses"
-OF_ETABS = RATIOS, OF_JOINTS, OF_CENTRES, OF_STORIES, OF_DIAPHRAGMS, BASES, HEIGHTS, STORY_DATA
-TABLES = *OF_ETABS, COORDINATES, OF_MASSES
-# Names of columns that differ between the programs and their versions.
+TABLES = RATIOS, OF_JOINTS, OF_CENTRES, OF_STORIES, OF_DIAPHRAGMS, BASES, HEIGHTS, STORY_DATA
+# Names of columns that differ between the versions of the program.
 ALIKE = {
     **dict.fromkeys(("outputcase", "loadcase", "loadcasecombo"), "case"),
     **dict.fromkeys(("stepnum", "stepnumber"), "mode"),
-    **{"name": "story", "massx": "ux", "massy": "uy", "u1": "ux", "u2": "uy", "r3": "rz"},
-    "globalz": "z",
+    **{"name": "story", "massx": "ux", "massy": "uy"},
 }
 MODE = "mode"
-PLACES = "tower", "story", "diaphragm", "joint"  # cells of these may be merged over several lines
+PLACES = "tower", "story", "diaphragm"  # cells of these may be merged over several lines
 
 
 def tables_in(sheets: Sequence[Sheet]) -> dict[str, Table]:
