@@ -174,10 +174,7 @@ def test_motions_in_which_a_structure_falls_pound():
     share = float(motions.collapse_probability[0])
     assert 0.1 < share <= 1
     apart = motions.separation[:, 0, 1]
-    last = table.isel(time=-1)
     np.testing.assert_allclose(
-        last.confidence_of_no_pounding_simulated, [float((apart <= gap).mean()) for gap in gaps]
+        table.confidence_of_no_pounding_simulated, [float((apart <= gap).mean()) for gap in gaps]
     )
-    assert np.isposinf(last.required_gap_simulated).all()
-    assert np.isposinf(last.displacement_std_simulated_1)
-    assert np.isfinite(last.displacement_std_simulated_2)
+    assert np.isposinf(table.required_gap_simulated).all()

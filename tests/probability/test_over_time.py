@@ -83,15 +83,6 @@ def test_crossing_rate_that_changes_with_time_is_that_of_the_formula_written_out
 # --- Against simulation ---------------------------------------------------------------------------
 
 
-def test_error_of_a_simulated_standard_deviation_is_that_of_a_gaussian():
-    """``sigma/sqrt(2 n)``; by the fourth moments of ``n`` motions it is uncertain by 1.2/sqrt(n)."""
-    n = 2000
-    table = probability(ONE, TWO, FIRM, 0.1, paths=n).isel(time=slice(20, None))
-    known = table.difference_std_simulated / np.sqrt(2 * n)
-    ratio = table.difference_std_simulated_standard_error / known
-    np.testing.assert_allclose(ratio, 1, rtol=0, atol=5 * 1.2 / np.sqrt(n))
-
-
 @pytest.mark.parametrize(
     ("pair", "lowest", "highest"),
     [((0.9, 1.0), -0.02, 0.07), ((0.5, 2.0), -0.18, 0.02)],

@@ -18,7 +18,6 @@ from stochlin.kernels.simulation.stepping import (
     filter_steps,
     ground_block,
     keep_extremes,
-    turning_points,
 )
 
 pytestmark = pytest.mark.oracle
@@ -315,6 +314,3 @@ def test_a_peak_between_two_steps_is_known_to_1e_5(steps):
         keep_extremes(part, rows_of(np.array([[1.0, -1.0], [0.0, -1.0]])), begin, way, highest, lowest)
     for found, exact in ((highest[0], 4.0), (lowest[0], 0.0), (highest[1], 0.0), (lowest[1], -2.0)):
         np.testing.assert_allclose(found, exact, rtol=1e-5, atol=5e-5)
-    turn = np.empty_like(out)
-    turning_points(out, *np.zeros((2, 2, LANES)), turn)
-    np.testing.assert_allclose(turn.max(axis=0), [[6.0] * LANES, [2.0] * LANES], rtol=1e-5)

@@ -8,8 +8,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.applications.probability.formulas import by_formula
-from stochlin.applications.probability.probability import REFERENCES, PathsIfAny
-from stochlin.applications.probability.simulated import required_gaps
+from stochlin.applications.probability.probability import REFERENCES, PathsIfAny, simulated_columns
 from stochlin.applications.risk.rates import (
     Fragility,
     SeparationsByIntensity,
@@ -35,7 +34,7 @@ from stochlin.solver.tables.checks import check_duration
 from stochlin.solver.tables.lazy import arrays_of
 
 POINTS = 11  # instants of a calculation, of which only the last one is reported
-INTENSITY, SIMULATED = "intensity", "pounding_probability_simulated"
+INTENSITY = "intensity"
 OF_FORMULA = 0.2  # share of the progress that the formulas have beside the simulation
 STATUS = {
     "long_name": "status of the lognormal fragility",
@@ -195,10 +194,8 @@ def _of_motions(
     """Simulated probabilities and required gaps, and the lognormal fragility, for each gap."""
     gap = distance.arrays()["gap"]
     samples = xr.DataArray(motions.separation, dims=("path", INTENSITY))
-    pounding = exceedance(samples, gap).where(distance.valid())
-    columns = {str(n).replace("probability", SIMULATED): array for n, array in pounding.items()}
-    for name, gaps in required_gaps(motions.separation, confidence).items():
-        columns[name] = xr.DataArray(gaps, dims=INTENSITY)
+    shares = exceedance(samples, gap)
+    columns = simulated_columns("pounding_probability", shares, samples, distance, confidence)
     fits = xr.apply_ufunc(
         lambda gap: lognormal_fragility(motions, gap),
         gap,

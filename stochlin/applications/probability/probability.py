@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from functools import reduce
+from collections.abc import Mapping
+from functools import partial, reduce
 from operator import and_
 from typing import Annotated, Any
 
+import numpy as np
 import xarray as xr
 
 from stochlin.applications.probability.formulas import by_formula
 from stochlin.applications.probability.hybrid import hybrid_pounding
-from stochlin.applications.probability.simulated import by_simulation
 from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.messages import refuse
 from stochlin.models.arguments import (
@@ -36,8 +37,13 @@ from stochlin.solver.linearization.transient_systems import (
     course_of,
     over_time,
 )
-from stochlin.solver.simulation.finite_motions import enough_motions
-from stochlin.solver.simulation.simulation import MOTIONS, check_repeated
+from stochlin.solver.simulation.finite_motions import (
+    enough_motions,
+    keeping_apart,
+    pair_separation,
+    quantile_intervals,
+)
+from stochlin.solver.simulation.simulation import MOTIONS, check_repeated, simulate
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.cells import over_cells
 from stochlin.solver.tables.checks import check_duration
@@ -45,6 +51,7 @@ from stochlin.solver.tables.lazy import arrays_of
 
 METHODS = ("evolutionary", "hybrid")
 PathsIfAny = Annotated[int, Whole(0)]  # 0 for no simulation
+STEM, SAMPLES = "confidence_of_no_pounding", ("input_factor",)
 OF_FORMULA = 0.5  # share of the progress that the formula has beside a simulation
 REFERENCES = (
     f"{labels.PAPER} Vanmarcke, E. H. (1975), J. Appl. Mech. 42; Rice, S. O. (1945), Bell Syst. Tech. "
@@ -70,7 +77,7 @@ def pounding_probability(
     seed: Seed = 0,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Probability that two structures pound in a motion of finite duration, over time.
+    """Probability that two structures pound in a motion of finite duration.
 
     The structure ``first`` is on the left; there is pounding when ``u_1 - u_2`` exceeds the gap.
 
@@ -112,17 +119,16 @@ def pounding_probability(
     Returns
     -------
     xarray.Dataset
-        Over ``time`` [s], from rest at 0: ``instantaneous_probability`` [-], the probability
+        By formula over ``time`` [s], from rest at 0: ``instantaneous_probability`` [-], the probability
         ``1 - Phi(gap/s)`` that ``u_1 - u_2`` with the standard deviation ``s`` exceeds the gap, and
         ``confidence_of_no_pounding`` [-], the probability of no pounding so far, with crossings in
-        clumps (Vanmarcke). Further versions of it have the endings ``_poisson``, for independent
-        crossings, and ``_simulated``, with a 95 % interval ``_lower`` and ``_upper``.
-        The standard deviations ``displacement_std_1`` and ``_2`` and ``difference_std`` [m] also have
-        ``_simulated`` versions. Also ``rho`` [-], NaN at rest; ``envelope`` [-]; and
-        ``permanent_set``, a flag that is 1 after the strong shaking.
+        clumps (Vanmarcke), and with the ending ``_poisson`` for independent crossings; the standard
+        deviations ``displacement_std_1`` and ``_2`` and ``difference_std`` [m]; and ``rho`` [-], NaN at
+        rest. Also ``envelope`` [-]; and ``permanent_set``, a flag that is 1 after the strong shaking.
 
-        Without ``time``: ``required_gap`` [m], also ``_simulated``, and ``status``. The variables of
-        ``"hybrid"`` are in the notes.
+        Without ``time``: ``confidence_of_no_pounding_simulated`` [-] for the whole duration, with a 95 %
+        interval ``_lower`` and ``_upper``; ``required_gap`` [m], also ``_simulated`` with its interval;
+        and ``status``. The variables of ``"hybrid"`` are in the notes.
 
     Raises
     ------
@@ -195,6 +201,12 @@ def pounding_probability(
     cells = arrays_of({**models, "distance": distance}).values()
     periods = [_periods(role, usual[role], seconds) for role in ("first", "second")]
     course = course_of(envelope, seconds, min(float(period.min()) for period in periods), points)
+    motion: dict[str, Any] = {
+        "duration": seconds,
+        "envelope": envelope,
+        "scatter": scatter,
+        "seed": seed,
+    }
     begin = most = paths or MOTIONS[1]
     if paths != 0 and not arrays_of(models):
         pair = [usual["first"], usual["second"]]
@@ -213,13 +225,13 @@ def pounding_probability(
         table["status"] = labels.status_where(distance.valid())
         if paths != 0:
             rest = part_of(progress, OF_FORMULA, 1.0)
-
-            def of_motions(count: int) -> xr.Dataset:
-                draws = {"paths": count, "seed": seed, "scatter": float(scatter)}
-                return by_simulation(pair, ground, distance, course, confidence, draws, rest)
-
-            simulated = enough_motions(of_motions, begin, most, _simulated_gaps)
-            table = table.assign(simulated.data_vars).assign_attrs(simulated.attrs)
+            run = partial(simulate, pair, ground, quantiles=[confidence], progress=rest, **motion)
+            motions = enough_motions(lambda count: run(paths=count), begin, most)
+            apart = pair_separation(motions)
+            shares = keeping_apart(apart, distance.arrays()["gap"])
+            table = table.assign(simulated_columns(STEM, shares, apart, distance, confidence))
+            table = table.assign(motions[[name for name in SAMPLES if name in motions]].data_vars)
+            table = table.assign_attrs(paths=motions.sizes["path"], seed=seed)
         yields = any(median_of(structure).yields for structure in pair)
         return table.assign_attrs({"comment": comment} if yields else {})
 
@@ -244,6 +256,23 @@ def _periods(role: str, structure: AnyStructure, duration: float) -> xr.DataArra
     return period.where(structure.valid() & (period <= duration))
 
 
-def _simulated_gaps(table: xr.Dataset) -> list[float]:
-    """The required gap of a table [m], and the ends of its interval."""
-    return [float(table[f"required_gap_simulated{end}"]) for end in labels.VALUE_AND_ENDS]
+def simulated_columns(
+    name: str,
+    shares: Mapping[Any, xr.DataArray],
+    samples: xr.DataArray,
+    distance: Gap,
+    confidence: float,
+) -> dict[str, xr.DataArray]:
+    """Simulated shares of motions with their intervals, and gaps [m] for a confidence with theirs.
+
+    ``samples`` are the separations over ``path`` and the dimensions of the gaps; shares of invalid gaps
+    are NaN.
+    """
+    columns = {
+        f"{name}_simulated{end}": share.where(distance.valid())
+        for end, share in zip(labels.VALUE_AND_ENDS, shares.values(), strict=True)
+    }
+    intervals = quantile_intervals(samples.values, np.array([confidence]))
+    for end, (gaps,) in zip(labels.VALUE_AND_ENDS, intervals, strict=True):
+        columns[f"required_gap_simulated{end}"] = xr.DataArray(gaps, dims=samples.dims[1:])
+    return columns

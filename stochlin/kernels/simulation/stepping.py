@@ -256,26 +256,13 @@ def turned(begin, end, way):
 
 
 @entry
-def turning_points(values, begin, way, turn):
-    """Write `turned` of displacements ``values`` (steps, m, LANES) to ``turn``.
-
-    ``begin`` and ``way`` (m, LANES) are those at the beginning; they are updated.
-    """
-    for s in range(values.shape[0]):
-        for i in range(values.shape[1]):
-            for lane in range(LANES):
-                end = values[s, i, lane]
-                turn[s, i, lane], way[i, lane] = turned(begin[i, lane], end, way[i, lane])
-                begin[i, lane] = end
-
-
-@entry
 def keep_extremes(out, rows, begin, way, highest, lowest):
     """Update the extremes (m, LANES) of weighted sums of displacements by those in ``out``.
 
-    ``begin`` and ``way`` are those of `turning_points`. Values that are NaN are left out. To the
-    extremes so far 0 is added, since the compiler would otherwise write only to the lanes whose extreme
-    changes, and a write to some lanes takes much longer than one to all.
+    ``begin`` is the sum at the end of the step before, and ``way`` as in `turned`; they are updated.
+    Values that are NaN are left out. To the extremes so far 0 is added, since the compiler would
+    otherwise write only to the lanes whose extreme changes, and a write to some lanes takes much longer
+    than one to all.
     """
     value = np.empty(LANES)
     for i in range(len(rows)):

@@ -11,7 +11,7 @@ from scipy.special import bdtrik, betaincinv
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, cores
-from stochlin.kernels.simulation.ensemble import Crowd, Extremes, Links, finite_extremes
+from stochlin.kernels.simulation.ensemble import Extremes, Links, finite_extremes
 from stochlin.kernels.simulation.stepping import LANES, whole_groups
 from stochlin.messages import brief
 from stochlin.models.arguments import checked, is_number
@@ -83,13 +83,6 @@ def check_response(system: Arrangement, finite: Array) -> None:
         )
 
 
-def finite_steps(run: SimulationRun, duration: float, envelope: Envelope | None) -> tuple[Crowd, Array]:
-    """The crowd for finite motions, sampled at each step, and the envelope amid the steps."""
-    dt = run.plan.dt
-    middle = dt * (np.arange(int(np.ceil(duration / dt))) + 0.5)
-    return run.with_plan(every=1, samples=BLOCK).crowd, envelope_at(envelope, middle)
-
-
 def simulate_finite(
     moving: StructuresInMotion,
     run: SimulationRun,
@@ -157,7 +150,6 @@ def extremes_of(
     motion: tuple[float, Envelope | None],
     progress: Progress | None = None,
     *,
-    times: int = 1,
     links: tuple[Array, Array] | None = None,
 ) -> Extremes:
     """Extremes of linear functions (m, w) [m] of all that is watched, and peaks of links.
@@ -165,11 +157,11 @@ def extremes_of(
     The ``motion`` is a duration with its envelope. Raises as `check_finite`.
     """
     matrix, (duration, envelope) = np.concatenate(functions), motion
-    check_finite(run, duration, len(matrix), times)
+    check_finite(run, duration, len(matrix))
     extensions, parameters = links or (np.zeros((0, 1)), np.zeros((0, 5)))
-    crowd, shape = finite_steps(run, duration, envelope)
-    watched = Links(run.rows(extensions), parameters)
-    return finite_extremes(crowd, run.rows(matrix), shape, progress, watched)
+    middle = run.plan.dt * (np.arange(int(np.ceil(duration / run.plan.dt))) + 0.5)  # of the steps
+    crowd, watched = run.with_plan(every=1, samples=BLOCK).crowd, Links(run.rows(extensions), parameters)
+    return finite_extremes(crowd, run.rows(matrix), envelope_at(envelope, middle), progress, watched)
 
 
 def _with_falls(
@@ -341,23 +333,18 @@ def required_gaps(motions: xr.Dataset) -> tuple[float, float, float]:
     return required, lower, upper
 
 
-def enough_motions(
-    simulated: Callable[[int], xr.Dataset],
-    paths: int,
-    most: int,
-    gaps: Callable[[xr.Dataset], Sequence[float]] = required_gaps,
-) -> xr.Dataset:
-    """As many simulated motions as a gap needs, from ``paths`` to ``most``.
+def enough_motions(simulated: Callable[[int], xr.Dataset], paths: int, most: int) -> xr.Dataset:
+    """As many simulated motions as the first quantile needs, from ``paths`` to ``most``.
 
     They are enough if the 95 % interval of the gap is no longer than `PRECISION` times the gap to both
-    sides. ``gaps`` are the gap and the ends of its interval, ``simulated`` the motions for a number.
+    sides. ``simulated`` are the motions for a number.
     """
     motions = simulated(paths)
-    gap, lower, upper = gaps(motions)
+    gap, lower, upper = required_gaps(motions)
     wide = (upper - lower) / (2 * PRECISION * gap) if upper > lower and gap > 0 else 0.0
     if wide <= 1 or paths >= most:
         return motions
-    return enough_motions(simulated, whole_groups(int(min(most, MARGIN * paths * wide**2))), most, gaps)
+    return enough_motions(simulated, whole_groups(int(min(most, MARGIN * paths * wide**2))), most)
 
 
 def _is_alone(motions: xr.Dataset) -> bool:

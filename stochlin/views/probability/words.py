@@ -9,6 +9,7 @@ from stochlin.applications.cases.shaking import doubts
 from stochlin.views.shared.blocks import Table, Text, ViewSection, texts
 from stochlin.views.shared.words import (
     SPACE,
+    along,
     centimetres,
     floors,
     left_out,
@@ -30,13 +31,13 @@ ROWS = 11  # instants that are printed
 STEM = "confidence_of_no_pounding"
 FORMULAS = {"formula": STEM, "Poisson": f"{STEM}_poisson"}
 UNRELIABLE = (
-    "Do not rely on the column formula: for buildings like these it may be far off. The column "
-    "simulated has no such error."
+    "Do not rely on the formula: for buildings like these it may be far off. The simulated confidence "
+    "has no such error."
 )
 
 
 def answer_sections(table: xr.Dataset, case: Case, gap: float) -> list[ViewSection]:
-    """The course of the confidence, then the gap for the wanted one, and cautions."""
+    """The simulated confidence and gap, then the course by formula, and cautions."""
     case = simulated_as(case, table)
     first, second = (building.name for building in pair_of(case))
     duration = f"{case.site.course.duration:.4g}{SPACE}s"
@@ -44,30 +45,29 @@ def answer_sections(table: xr.Dataset, case: Case, gap: float) -> list[ViewSecti
     about = (between, floors(case), *left_out(case), shaking(table, case), scatter(case))
     formulas = {head: name for head, name in FORMULAS.items() if name in table}
     step = max(1, (table.sizes["time"] - 1) // (ROWS - 1))
-    instants = [table.isel(time=n) for n in range(0, table.sizes["time"], step)]
-    heads = ("time [s]", *formulas, "simulated", "95 % interval")
+    rows = [
+        [f"{float(instant.time):.2f}", *(f"{float(instant[name]):.4f}" for name in formulas.values())]
+        for instant in along(table, "time")[::step]
+    ]
     comment = table.attrs.get("comment", "").replace("α", "hardening").replace("≤", "<=")
     return [
         opening(case, doubts(table)),
         ViewSection("", texts([*about, with_uncertainty(case, "the simulated confidence is that")])),
+        ViewSection("", texts([_simulated(table), _wanted(table)])),
         ViewSection(
-            "Confidence of no pounding up to each time",
-            [Table.of(heads, [_row(instant, [*formulas.values()]) for instant in instants])],
+            "By formula, the confidence of no pounding up to each time",
+            [Table.of(("time [s]", *formulas), rows)] if formulas else [],
         ),
-        ViewSection("", texts([_wanted(table), *_cautions(table, case)])),
+        ViewSection("", texts(_cautions(table, case))),
         ViewSection("", [Text(comment)]),
     ]
 
 
-def _row(instant: xr.Dataset, formulas: list[str]) -> list[str]:
-    """The time, and confidences with four decimals."""
-    simulated, low, high = with_interval(instant, f"{STEM}_simulated")
-    shares = [*(float(instant[name]) for name in formulas), simulated]
-    return [
-        f"{float(instant.time):.2f}",
-        *(f"{share:.4f}" for share in shares),
-        f"{low:.4f} to {high:.4f}",
-    ]
+def _simulated(table: xr.Dataset) -> str:
+    """The confidence by simulation, with its interval."""
+    share, low, high = with_interval(table, f"{STEM}_simulated")
+    ends = f"95{SPACE}% interval {low:.4f} to {high:.4f}"
+    return f"Confidence of no pounding, simulated: {share:.4f} ({ends})."
 
 
 def _wanted(table: xr.Dataset) -> str:
@@ -88,7 +88,7 @@ def _cautions(table: xr.Dataset, case: Case) -> list[str]:
             f"The formulas are for the worst height, {float(table.governing_height):.4g} m; the "
             "simulated confidence is for all heights at once."
         )
-    if STEM in table and float(table[STEM][-1] - table[f"{STEM}_simulated_lower"][-1]) > OFF:
+    if STEM in table and float(table[STEM][-1] - table[f"{STEM}_simulated_lower"]) > OFF:
         cautions.append(UNRELIABLE)
     yields = any(building.structure.yields for building in pair_of(case))
     if STEM in table and yields and table.permanent_set.any():
