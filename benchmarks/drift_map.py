@@ -7,11 +7,12 @@ structures that are nearly equal. Takes two hours or so on two cores; a run that
 the parts in FOLDER. Then compares with the derived closure. Times are in ground periods.
 """
 
+import argparse
 import itertools
+from pathlib import Path
 
 import numpy as np
 import xarray as xr
-from arguments import file_and_work
 
 import stochlin as sl
 from stochlin.kernels.correlation.corrections import ENTRIES
@@ -448,7 +449,11 @@ def labelled(signatures, displacement, white, near):
 
 def main():
     stationary_motions.MOST_STEPS = np.inf  # all is simulated that closures are held against
-    options = file_and_work(__doc__)
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("file", type=Path)
+    parser.add_argument("--work", type=Path, required=True)
+    options = parser.parse_args()
+    options.work.mkdir(parents=True, exist_ok=True)
     wanted = itertools.product(ELASTIC_DUCTILITY, HARDENING[::-1], GROUND_DAMPING)
     parts = {point: kept(options.work, *point) for point in wanted if point[:2] != LEFT_OUT}
     simulated, ductility = assembled(parts)

@@ -2,7 +2,6 @@
 
 import pytest
 from hypothesis import settings
-from opensees_models import load_opensees
 
 # Examples follow from the test alone, and a slow machine does not make a test fail.
 settings.register_profile("all", deadline=None, derandomize=True, max_examples=60, database=None)
@@ -31,14 +30,3 @@ def coarse_pictures():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("stochlin.views.shared.style.PRINT", 72)
         yield
-
-
-@pytest.fixture(scope="module")
-def ops():
-    """OpenSeesPy with an empty model; where it does not load the test is skipped, with the reason."""
-    try:
-        module = load_opensees()
-    except ImportError as error:
-        pytest.skip(str(error))
-    yield module
-    module.wipe()

@@ -257,8 +257,6 @@ def _checks(declared: Any, uncertain: bool) -> list[Check]:
     options = list(typing.get_args(declared)) if union else [declared]
     kinds = [option for option in options if option is not types.NoneType]
     checks: list[Check] = [each for kind in kinds for each in getattr(kind, "__metadata__", ())]
-    if checks and len(kinds) > 1:
-        raise TypeError(f"{declared} has checks of one of its kinds; allowed: one kind, or None")
     if all(isinstance(kind, type) and issubclass(kind, Model) for kind in kinds):
         checks = [OfClass(tuple(kinds), uncertain)]
     return [partial(_unless_none, check) for check in checks] if len(kinds) < len(options) else checks

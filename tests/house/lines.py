@@ -2,7 +2,6 @@
 
 import ast
 import io
-import subprocess
 import tokenize
 import tomllib
 from collections import Counter
@@ -64,17 +63,6 @@ def budgets(text: str) -> dict[str, tuple[int, int]]:
         for floor, rooms in floors.items()
         for room, numbers in rooms.items()
     }
-
-
-def earlier() -> dict[str, tuple[int, int]]:
-    """The budgets before the last commit that changed them; empty without a history."""
-    log = ["git", "-C", str(BUDGETS.parent), "log", "-2", "--format=%H", "--", BUDGETS.name]
-    commits = subprocess.run(log, capture_output=True, text=True, check=False).stdout.split()
-    if len(commits) < 2:
-        return {}
-    show = ["git", "-C", str(BUDGETS.parent), "show", f"{commits[1]}:./{BUDGETS.name}"]
-    text = subprocess.run(show, capture_output=True, text=True, check=True).stdout
-    return budgets(text) if "[whole]" in text else {}
 
 
 if __name__ == "__main__":

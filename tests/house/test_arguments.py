@@ -13,7 +13,6 @@ from stochlin.models.arguments import (
     Duration,
     Paths,
     Probability,
-    Scatter,
     checked,
     checks_of,
 )
@@ -100,17 +99,3 @@ def test_an_unknown_argument_is_answered_with_the_nearest() -> None:
         needed.pop(argument, None)
         with pytest.raises(TypeError, match=f"{argument}_ is no argument; did you mean '{argument}'"):
             called(**needed, **{f"{argument}_": None})
-
-
-def test_what_cannot_be_resolved_or_told_is_loud() -> None:
-    def nowhere(scatter: Unheard) -> None:  # type: ignore[name-defined]  # noqa: F821
-        """A function with a type that is not there."""
-
-    with pytest.raises(NameError, match="Unheard"):
-        checked(nowhere)(0.1)  # type: ignore[no-untyped-call]
-
-    def either(scatter: str | Scatter) -> None:
-        """A function with a check of one of two kinds."""
-
-    with pytest.raises(TypeError, match="allowed: one kind, or None"):
-        checked(either)(0.1)

@@ -14,24 +14,6 @@ pytestmark = [
 ]
 
 TESTS = Path(__file__).parents[1]
-FUNCTION = """
-import numpy as np
-from stochlin.kernels.basics.compiled import called_often, entry
-
-@called_often
-def inlined(x, i):
-    return x[i]
-
-@entry
-def function(x, i):
-    return inlined(x, i)
-
-try:
-    # What lies beyond belongs to the array, so that reading it does no harm.
-    print(function(np.arange(10.0)[:3], 5))
-except IndexError as error:
-    print(error)
-"""
 
 
 @pytest.mark.slow
@@ -51,12 +33,3 @@ def test_time_steps_stay_within_their_arrays(files, tmp_path):
     done = process(TESTS.parent, setting, "-m", "pytest", *options, *paths)
     assert done.returncode == 0, done.stdout[-4000:]
     assert int(re.search(r"(\d+) passed", done.stdout).group(1)) > 10
-
-
-@pytest.mark.slow
-def test_an_index_out_of_range_raises_in_checked_code(tmp_path):
-    (tmp_path / "function.py").write_text(FUNCTION)
-    for checked, shown in ((False, "5.0"), (True, "index is out of bounds")):
-        setting = {"NUMBA_CACHE_DIR": str(tmp_path), **({"NUMBA_BOUNDSCHECK": "1"} if checked else {})}
-        assert process(tmp_path, setting, "function.py").stdout.strip() == shown
-    assert len(list((tmp_path / "stochlin").iterdir())) == 2  # both are stored apart

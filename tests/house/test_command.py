@@ -18,16 +18,8 @@ from stochlin.views.command import main
 
 pytestmark = pytest.mark.cli
 
-FORMULAS = ("fig3a", "fig3b", "fig6", "fig7", "fig8")  # of no ground
-OF_MOTIONS = ("fig1", "fig1b", "fig2")
 PAIR = ("--period-1", "0.7s", "--period-2", "1s")
 YIELDING = ("--hardening", 0.05, "--reduction-factor", 4)
-KANAI_TAJIMI = ("--ground", "kanai-tajimi")
-FIGURES = (*FORMULAS, "fig4a", "fig4b", "fig4c", "fig5a", "fig5b")
-# A pair of points and of reduction factors in each, and few motions.
-QUICK_CHARTS = {
-    "charts": {"points": 9, "simulated_points": 2, "paths": 4, "reduction_factors": "4,6"},
-}
 
 
 def test_rho_of_a_pair_is_the_librarys() -> None:
@@ -61,17 +53,6 @@ def test_sweeps_become_dimensions_of_the_saved_table(tmp_path: Path) -> None:
     assert heads.startswith("period_1 [s],rho,")
     assert first.split(",")[heads.split(",").index("status")] == "elastic_limit"
     assert len(others) == 2
-
-
-def test_methods_closures_and_rules_are_options(tmp_path: Path) -> None:
-    first, second = (sl.Bilinear(T, 0.05, 0.05, reduction_factor=4) for T in (0.7, 1.0))
-    for options, of_rho in (
-        (("--closure", "drift"), {"closure": "drift"}),
-        (("--method", "effective", "--rule", "secant"), {"method": "effective", "rule": "secant"}),
-        (("--method", "white_noise"), {"method": "white_noise"}),
-    ):
-        table = sl.correlate(first, second, sl.WhiteNoise(), **of_rho)
-        assert f"{float(table.rho):.6g}" in answered("rho", *PAIR, *YIELDING, *options).output
 
 
 @pytest.mark.slow
@@ -118,19 +99,6 @@ def test_the_package_runs_without_its_script() -> None:
 )
 def test_what_is_wrong_exits_with_2_and_is_named(line: str, says: str) -> None:
     assert says in refused(*line.split())
-
-
-@pytest.mark.slow
-def test_every_chart_is_drawn_beside_its_dataset(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """As on the page of all calls, with fewer points and motions."""
-    monkeypatch.chdir(tmp_path)
-    answered("charts", default_map=QUICK_CHARTS)
-    names = {*FIGURES, *OF_MOTIONS}
-    assert {path.stem for path in Path("figures").glob("*.nc")} == names
-    assert {path.stem for path in Path("figures").glob("*.png")} == names
-    assert not list(Path("figures").glob(".*"))
 
 
 def test_one_chart_with_its_own_parameters(tmp_path: Path) -> None:

@@ -38,7 +38,3 @@ def test_notebook_runs(path: Path, kernel: KernelClient) -> None:
     runner.kc = kernel
     runner.execute()
     assert all(cell.source.strip() for cell in notebook.cells)
-
-
-def test_there_are_notebooks() -> None:
-    assert NOTEBOOKS
