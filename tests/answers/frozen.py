@@ -152,50 +152,36 @@ def _printed(script: Path) -> str:
     return screen.getvalue()
 
 
+def contents(folder: Path) -> dict[str, Any]:
+    """Arrays of floats, and all else as text, by its place in the files of a folder."""
+    parts: dict[str, Any] = {}
+    for path in folder.glob("*"):
+        if path.suffix != ".nc":
+            parts[path.name] = path.read_text(encoding="utf-8")
+            continue
+        table = xr.load_dataset(path)
+        attributes = {path.name: table.attrs}
+        for name, variable in table.variables.items():
+            place, kind = f"{path.name} {name}", variable.dtype.kind
+            attributes[place] = variable.attrs | {"shape": f"{kind} {dict(variable.sizes)}"}
+            parts[place] = variable.values if kind == "f" else "\n".join(map(str, variable.values.flat))
+        for place, values in attributes.items():
+            kept = {key: str(value) for key, value in values.items() if key not in CHANGING}
+            parts |= {f"{place}, {key}": RELEASE.sub("", text) for key, text in kept.items()}
+    return parts
+
+
 def differences(case: Case, results: Path) -> Iterator[Difference]:
     """Of all files, between those that are kept and these; none where they are the same."""
-    old, new = (
-        {path.name: path for path in folder.glob("*")} for folder in (case.folder / EXPECTED, results)
-    )
-    for name in sorted(old | new):
-        if name not in old or name not in new:
-            yield Difference(name, *("there" if name in side else "missing" for side in (old, new)))
-        elif name.endswith(".nc"):
-            before, now = (xr.load_dataset(side[name]) for side in (old, new))
-            yield from _of_datasets(case, name, before, now)
-        else:
-            before, now = (side[name].read_text(encoding="utf-8") for side in (old, new))
-            yield from _of_texts(case, name, before, now)
-
-
-def _of_datasets(case: Case, name: str, old: xr.Dataset, new: xr.Dataset) -> Iterator[Difference]:
-    yield from _of_attributes(case, name, old.attrs, new.attrs)
-    for variable in sorted({*old.variables, *new.variables}, key=str):
-        place = f"{name} {variable}"
-        if variable not in old.variables or variable not in new.variables:
-            yield Difference(
-                place, *("there" if variable in d.variables else "missing" for d in (old, new))
-            )
-            continue
-        before, now = old[variable], new[variable]
-        yield from _of_attributes(case, place, before.attrs, now.attrs)
-        if before.dims != now.dims or before.shape != now.shape or before.dtype.kind != now.dtype.kind:
-            yield Difference(place, *(f"{v.dtype} {dict(v.sizes)}" for v in (before, now)))
-        elif before.dtype.kind == "f":
-            yield from _of_numbers(place, before.values, now.values, case.tolerance_of(str(variable)))
-        else:  # flags, counts, names
-            for a, b in zip(before.values.ravel(), now.values.ravel(), strict=True):
-                if a != b:
-                    yield Difference(place, str(a), str(b))
-                    break
-
-
-def _of_attributes(
-    case: Case, place: str, old: Mapping[Any, Any], new: Mapping[Any, Any]
-) -> Iterator[Difference]:
-    for key in sorted({*old, *new} - CHANGING):
-        before, now = (RELEASE.sub("", str(side.get(key, "missing"))) for side in (old, new))
-        yield from _of_texts(case, f"{place}, {key}", before, now)
+    old, new = contents(case.folder / EXPECTED), contents(results)
+    for place in sorted(old | new):
+        if place not in old or place not in new:
+            yield Difference(place, *("there" if place in side else "missing" for side in (old, new)))
+        elif isinstance(old[place], str) and isinstance(new[place], str):
+            yield from _of_texts(case, place, old[place], new[place])
+        elif np.shape(old[place]) == np.shape(new[place]):  # else the shapes are shown
+            tolerance = case.tolerance_of(place.rpartition(" ")[2])
+            yield from _of_numbers(place, old[place], new[place], tolerance)
 
 
 def _of_numbers(place: str, old: Any, new: Any, tolerance: Tolerance) -> Iterator[Difference]:
@@ -240,11 +226,21 @@ def independent(case: Case) -> dict[str, Any]:
         answer = runpy.run_path(str(case.folder / INDEPENDENT))
     except RuntimeError as error:  # OpenSeesPy without its libraries
         raise ImportError(str(error)) from error
-    return {
-        "program": answer["PROGRAM"],
-        "answers": _as_lists(answer["ANSWERS"]),
-        "numbers": _as_lists(answer["NUMBERS"]),
-    }
+    numbers = {kind.lower(): _as_lists(answer[kind]) for kind in ("ANSWERS", "NUMBERS")}
+    return {"program": answer["PROGRAM"], **numbers}
+
+
+def moved_independent(case: Case, now: Mapping[str, Any]) -> list[str]:
+    """The numbers that are not within the tolerance of what ``independent.py`` found before."""
+    before = kept_independent(case)
+    return [
+        name
+        for kind in ("answers", "numbers")
+        for name in before[kind] | now[kind]
+        if name not in before[kind]
+        or name not in now[kind]
+        or not largest(now[kind][name], before[kind][name]) <= case.verified["within"]
+    ]
 
 
 def _as_lists(numbers: Mapping[str, Any]) -> dict[str, Any]:

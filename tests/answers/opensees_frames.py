@@ -1,4 +1,4 @@
-"""Frames of Steel01 storeys beside each other in OpenSees, without anything of the library."""
+"""Frames of Steel01 storeys and others in OpenSees, without anything of the library."""
 
 from importlib.metadata import version
 from typing import NamedTuple
@@ -31,13 +31,34 @@ class Frame(NamedTuple):
         return sum(2 * xi * np.sqrt(s) * np.outer(m, m) for s, m in zip(squares, modes.T, strict=True))
 
 
+def new_model():
+    """An empty model of one dimension."""
+    ops.wipe()
+    ops.model("basic", "-ndm", 1, "-ndf", 1)
+
+
+def times_of_steps(shaking, step):
+    """Those by Newmark's average acceleration under a motion of the ground, each after it is done."""
+    ops.timeSeries("Path", 1, "-dt", DT, "-values", *shaking, 0.0)
+    ops.pattern("UniformExcitation", 1, 1, "-accel", 1)
+    ops.constraints("Plain")
+    ops.numberer("RCM")
+    ops.system("BandGeneral")
+    ops.test("NormDispIncr", 1e-12, 50)
+    ops.algorithm("Newton")
+    ops.integrator("Newmark", 0.5, 0.25)
+    ops.analysis("Transient")
+    for n in range(1, round((len(shaking) - 1) * DT / step) + 1):
+        assert ops.analyze(1, step) == 0
+        yield n * step
+
+
 def shaken(frames, xi, gap, spring, step, meet):
     """Peaks of the floors of two frames, and the times at which some gap between them closes.
 
     Floors of one number face each other. Peaks are over frames and floors, NaN where a frame has none.
     """
-    ops.wipe()
-    ops.model("basic", "-ndm", 1, "-ndf", 1)
+    new_model()
     for b, frame in enumerate(frames, 1):
         base, damping = 100 * b, frame.modal_damping(xi)
         ops.node(base, 0.0)
@@ -59,23 +80,13 @@ def shaken(frames, xi, gap, spring, step, meet):
         ops.uniaxialMaterial("ElasticPPGap", 1, spring, -1e15, -gap, 0.0)
         for i in facing:
             ops.element("zeroLength", 5001 + i, 101 + i, 201 + i, "-mat", 1, "-dir", 1)
-    ops.timeSeries("Path", 1, "-dt", DT, "-values", *SHAKING, 0.0)
-    ops.pattern("UniformExcitation", 1, 1, "-accel", 1)
-    ops.constraints("Plain")
-    ops.numberer("RCM")
-    ops.system("BandGeneral")
-    ops.test("NormDispIncr", 1e-12, 50)
-    ops.algorithm("Newton")
-    ops.integrator("Newmark", 0.5, 0.25)
-    ops.analysis("Transient")
     floors = [*range(101, 101 + one), *range(201, 201 + two)]
     peaks, times, closed = np.zeros(one + two), [], [False for _ in facing]
-    for n in range(round(SAMPLES[-1] / step)):
-        assert ops.analyze(1, step) == 0
+    for time in times_of_steps(SHAKING, step):
         u = np.array([ops.nodeDisp(floor, 1) for floor in floors])
         peaks = np.maximum(peaks, abs(u))
         now = [bool(u[i] - u[one + i] > gap) for i in facing]
-        times += [(n + 1) * step for i in facing if now[i] and not closed[i]]
+        times += [time for i in facing if now[i] and not closed[i]]
         closed = now
     tallest = max(one, two)
     sides = (peaks[:one], peaks[one:])

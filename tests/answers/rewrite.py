@@ -15,8 +15,7 @@ from answers.frozen import (
     Case,
     differences,
     independent,
-    kept_independent,
-    largest,
+    moved_independent,
     run,
 )
 from answers.manual import PAGE, page
@@ -54,18 +53,8 @@ def _independently(case: Case) -> Iterator[str]:
     except ImportError as error:
         print(f"{case.folder.name}: not recalculated, {error}", file=sys.stderr)
         return
-    if (case.folder / FROZEN).exists():
-        before = kept_independent(case)
-        same = (
-            before["answers"].keys() == now["answers"].keys()
-            and before["numbers"].keys() == now["numbers"].keys()
-        )
-        if same and all(
-            largest(now[kind][name], value) <= case.verified["within"] / 10
-            for kind in ("answers", "numbers")
-            for name, value in before[kind].items()
-        ):
-            return
+    if (case.folder / FROZEN).exists() and not moved_independent(case, now):
+        return
     (case.folder / FROZEN).write_text(json.dumps(now, indent=1) + "\n", encoding="utf-8")
     yield f"{case.folder.name}: the independent answer is written"
 

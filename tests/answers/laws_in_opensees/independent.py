@@ -1,15 +1,15 @@
 """The same oscillators in OpenSees: materials along given turns, and a motion by Newmark's rule."""
 
-from importlib.metadata import version
 from itertools import pairwise
 
 import numpy as np
 import openseespy.opensees as ops
+from answers.opensees_frames import DT, PROGRAM, new_model, times_of_steps
 
-PROGRAM = f"OpenSeesPy {version('openseespy')}"
+__all__ = ["ANSWERS", "NUMBERS", "PROGRAM"]
 
 T, xi, alpha, uy = 0.8, 0.05, 0.05, 0.02
-TURNS, PIECES, DT, STEP = [1.5, -1.5, 3, -3, 1, -4, 4], 20000, 0.02, 0.0001
+TURNS, PIECES, STEP = [1.5, -1.5, 3, -3, 1, -4, 4], 20000, 0.0001
 samples = DT * np.arange(251)
 shaking = 3.0 * np.sin(2 * np.pi * samples * (0.7 + 0.1 * samples)) * np.sin(np.pi * samples / 5)
 k = (2 * np.pi / T) ** 2
@@ -44,8 +44,7 @@ MATERIALS = {
 
 def forces(material):
     """Force at the turns."""
-    ops.wipe()
-    ops.model("basic", "-ndm", 1, "-ndf", 1)
+    new_model()
     ops.uniaxialMaterial(material[0], 1, *material[1:])
     ops.testUniaxialMaterial(1)
     reached = []
@@ -58,8 +57,7 @@ def forces(material):
 
 def peak(material):
     """Largest displacement in the motion."""
-    ops.wipe()
-    ops.model("basic", "-ndm", 1, "-ndf", 1)
+    new_model()
     ops.node(1, 0.0)
     ops.node(2, 0.0)
     ops.fix(1, 1)
@@ -67,20 +65,7 @@ def peak(material):
     ops.uniaxialMaterial(material[0], 1, *material[1:])
     ops.uniaxialMaterial("Viscous", 2, 2 * xi * np.sqrt(k), 1.0)
     ops.element("zeroLength", 1, 1, 2, "-mat", 1, 2, "-dir", 1, 1)
-    ops.timeSeries("Path", 1, "-dt", DT, "-values", *shaking, 0.0)
-    ops.pattern("UniformExcitation", 1, 1, "-accel", 1)
-    ops.constraints("Plain")
-    ops.numberer("Plain")
-    ops.system("FullGeneral")
-    ops.test("NormUnbalance", 1e-10, 100)
-    ops.algorithm("Newton")
-    ops.integrator("Newmark", 0.5, 0.25)
-    ops.analysis("Transient")
-    most = 0.0
-    for _ in range(round(samples[-1] / STEP)):
-        assert ops.analyze(1, STEP) == 0
-        most = max(most, abs(ops.nodeDisp(2, 1)))
-    return most
+    return max(abs(ops.nodeDisp(2, 1)) for _ in times_of_steps(shaking, STEP))
 
 
 ANSWERS = {
