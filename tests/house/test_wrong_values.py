@@ -1,5 +1,6 @@
 """Every public call with wrong values, and every kind of structure: an answer, or one short line."""
 
+import doctest
 import inspect
 import re
 import warnings
@@ -13,21 +14,16 @@ import numpy as np
 import pytest
 import sympy
 import xarray as xr
-from cases import example_case, with_slow
+from cases import with_slow
 
 import stochlin as sl
 
 pytestmark = pytest.mark.invariant
 
-SPECTRUM = "0 .4\n.1 .8\n.2 1\n.4 1\n.8 .5\n1.6 .25"
 LONGEST = 500  # characters, with the list of what is allowed
 TIME = 0.02 * np.arange(200)
 RECORD = xr.DataArray(
     np.sin(9 * TIME) * np.exp(-TIME), dims="time", coords={"time": TIME}, attrs={"units": "m/s^2"}
-)
-ROOF = xr.DataArray([0.0, 0.01, 0.03, 0.06], dims="displacement", attrs={"units": "m"})
-PUSHOVER = xr.DataArray(
-    [0.0, 5e5, 7e5, 7.5e5], coords={"displacement": ROOF}, dims="displacement", attrs={"units": "N"}
 )
 V, Z = sympy.symbols("v z")
 
@@ -64,139 +60,14 @@ INNER = re.compile(
 )
 
 
-@cache
-def usual() -> Mapping[str, Any]:
-    """A value of every parameter that has no default, by its name."""
-    ground = sl.KanaiTajimi(1.0, 0.3, 0.01)
-    first, second = (sl.Bilinear(T, 0.05, 0.05, yield_displacement=0.02, mass=1e6) for T in (0.6, 1.0))
-    pairs = {f"{name}_{n}": value for n in (1, 2) for name, value in SINGLE.items()}
-    models = {
-        "structure": first,
-        "first": first,
-        "second": second,
-        "structures": [first, second],
-        "ground": ground,
-    }
-    contact = sl.Kelvin(1e8, restitution=0.6)
-    return {
-        **SINGLE,
-        **pairs,
-        **models,
-        "record": RECORD,
-        "motion": RECORD,
-        "contact": contact,
-        "gaps": [0.05],
-        "link": sl.Link(damping_constant=1e5),
-        "measures": {"dampers": sl.Measure(added_damping_1=0.1)},
-        "time": [0.0, 1.0, 2.0],
-        "samples": xr.DataArray(np.linspace(0, 1, 20), dims="path"),
-        "intensities": [0.01, 0.02],
-        "intensity": [0.01, 0.02],
-        "law": V - abs(V) * Z,
-        "envelope": sl.AminAng(1.0, 2.0, 0.5),
-        "model": "amin_ang",
-        "c_eq": [-1.0, -1.0],
-        "k_eq": [0.0, 0.0],
-        "space": sl.statespace([sl.Bilinear(1.0, 0.05)], ground, [-1.0], [0.0]),
-        "frequency": [1.0, 2.0],
-        "records": {"a": RECORD, "b": RECORD},
-        "grounds": [ground, sl.KanaiTajimi(0.4, 0.6, 0.01)],
-    }
-
-
-SINGLE = {
-    "period": 0.8,
-    "damping": 0.05,
-    "hardening": 0.05,
-    "ductility": 3.0,
-    "peak": 0.1,
-    "rho": 0.5,
-    "gap": 0.05,
-    "duration": 3.0,
-    "rise_end": 1.0,
-    "strong_end": 2.0,
-    "decay": 0.5,
-    "slow": 0.1,
-    "fast": 1.0,
-    "power": 2.0,
-    "stiffness": 1e8,
-    "restitution": 0.6,
-    "high_pass_period": 5.0,
-    "high_pass_damping": 0.6,
-    "masses": [1e5],
-    "stiffnesses": [1e8],
-    "heights": [3.0],
-    "approach_velocity": 0.5,
-    "velocity_std": 1.0,
-    "z_std": 0.5,
-    "velocity_z_corr": 0.3,
-    "mass": 1e5,
-    "name": "firm",
-    "displacement": [0.03, -0.03],
-}
-DASHPOTS = ("HertzDamp", "ImpactKelvin", "Jankowski", "Kelvin", "NoTensionKelvin")
-HAZARD = sl.HazardCurve([0.1, 8.0], [0.01, 1e-3])
+SMOOTH = {"hardening": 0.1, "law": "bouc_wen", "law_parameters": {"beta": 0.6}}
+# Beside the arguments of their examples, for what these leave out, and for a call that does not last.
 OWN: dict[str, dict[str, Any]] = {
-    "Hysteretic": {"hardening": 0.1, "reduction_factor": 4, "law": V - abs(V) * Z},
-    "read_record": {"dt": 0.02, "units": "g"},
-    "read_records": {"dt": 0.02, "units": "g"},
-    "read_hazard": {"units": "g"},
-    "read_spectrum": {"units": "g"},
-    "eurocode_8": {"ag": 2.0, "soil": "B"},
-    "asce_7": {"sds": 9.8, "sd1": 5.0, "tl": 8.0},
-    "fit_motion": {"filters": 1},
-    "fit_ground": {"target": sl.eurocode_8(2.0, "B"), "duration": 4.0, "filters": 1},
-    "scale_records": {"pga": 1.0},
-    "scale_ground": {"pga": 1.0},
-    "HazardCurve": {"intensities": [1.0, 2.0], "frequencies": [0.01, 0.002]},
-    "PowerLawHazard": {"k0": 0.02, "k": 3.0},
+    "Link": {"damping_exponent": 0.5, "hardening": 0.1, "yield_displacement": 0.01},
+    "ShearBuilding": SMOOTH | {"yield_drifts": 0.01, "dampers": 1e5, "damping_modes": (1, 2)},
+    "ModalBuilding": SMOOTH | {"yield_displacements": 0.01},
     "amplification": {"of": "peak", "duration": 3.0},
-    "pounding_probability": {"duration": 3.0},
-    "Uncertain": {"median": 1.0, "spread": 0.2},
-    "pounding_risk": {"hazard": HAZARD, "duration": 3.0},
-    "required_gap": {"hazard": HAZARD, "duration": 3.0, "risk": 0.002},
-    "ModalBuilding": {
-        "periods": [0.5],
-        "shapes": [[1.0]],
-        "participation": [1.0],
-        "modal_masses": [1e5],
-        "hardening": 0.1,
-        "yield_displacements": 0.01,
-        "law": "bouc_wen",
-        "law_parameters": {"beta": 0.6},
-    },
-    "ShearBuilding": {
-        "masses": [1e5, 1e5],
-        "stiffnesses": [1e8, 1e8],
-        "heights": [3.0, 3.0],
-        "hardening": 0.1,
-        "yield_drifts": 0.01,
-        "dampers": 1e5,
-        "law": "bouc_wen",
-        "law_parameters": {"beta": 0.6},
-        "p_delta": True,
-        "damping_modes": (1, 2),
-    },
-    "ShearBuilding.regular": {
-        "storeys": 3,
-        "storey_height": 3.0,
-        "hardening": 0.1,
-        "base_shear_coefficient": 0.1,
-    },
-    "read_pushover": {"length_units": "mm", "force_units": "kN"},
-    "bilinear_of": {"pushover": PUSHOVER},
-    "Measure": {"added_damping_1": 0.1, "link": [sl.Link(1e6)]},
-    "Link": {
-        "damping_exponent": 0.5,
-        "hardening": 0.1,
-        "yield_displacement": 0.01,
-        "floors": (1, 1),
-        "structures": (1, 2),
-    },
-    "pounding_estimate": {"duration": 3.0, "radius_1": 0.1, "radius_2": 0.2},
-    "code_gaps": {"peak_1": 0.1, "peak_2": 0.1},
-    "pound": {"gaps": [0.05], "contact": sl.Kelvin(1e8, restitution=0.6), "motion": RECORD},
-    **{name: {"restitution": 0.6} for name in DASHPOTS},
+    "fit_motion": {"filters": 1},
 }
 
 
@@ -219,6 +90,7 @@ LONG = {
 }
 ALSO = {"name": "name_rule_model", "yield_displacement": "yield_strength_hardening"}  # said in its place
 ALSO |= {"reduction_factor": "reduction_strength_hardening", "structure": "structure_strength"}
+ALSO |= {"wrapped": "wrapped_dt"}
 
 
 def complaint(call: Callable[..., Any], passed: Mapping[str, Any]) -> BaseException | None:
@@ -232,23 +104,39 @@ def complaint(call: Callable[..., Any], passed: Mapping[str, Any]) -> BaseExcept
     return None
 
 
-def arguments(name: str, tmp: Path) -> dict[str, Any]:
-    passed = dict(usual()) | OWN.get(name, {})
-    parameters = inspect.signature(attrgetter(name)(sl)).parameters
-    chosen = {
-        key: passed.get(key)
-        for key, about in parameters.items()
-        if about.default is about.empty and about.kind not in (about.VAR_KEYWORD, about.VAR_POSITIONAL)
-    }
-    if "path" in parameters:
-        texts = {"read_case": example_case(), "read_spectrum": SPECTRUM}
-        texts["read_pushover"] = "0 0\n10 500\n30 700\n60 750\n"
-        texts["read_modes"] = "mode,,1\nperiod [s],,0.5\nlevel [m],mass [kg],shape\n3,1e5,1\n"
-        texts["read_hazard"] = "0.1,0.01\n0.3,0.001\n"
-        text = texts.get(name, "\n".join(map(str, np.sin(TIME))))
-        (tmp / "file.txt").write_text(text, encoding="utf-8")
-        chosen["path"] = tmp if name == "read_records" else tmp / "file.txt"
-    return chosen | {key: value for key, value in OWN.get(name, {}).items() if key in parameters}
+class Called(BaseException):
+    """The arguments of the first call of a public name in its example."""
+
+    def __init__(self, call: Callable[..., Any], *args: Any, **options: Any) -> None:
+        self.arguments = inspect.signature(call).bind(*args, **options).arguments
+
+
+class Stopped:
+    """A public name that is not called."""
+
+    def __init__(self, thing: Any) -> None:
+        self._thing = thing
+
+    def __call__(self, *args: Any, **options: Any) -> None:
+        raise Called(self._thing, *args, **options)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._thing, name)
+
+
+def arguments(name: str, folder: Path) -> dict[str, Any]:
+    """As in the example of the reference, which writes its files into this folder."""
+    call = attrgetter(name)(sl)
+    holder, _, own = f"sl.{name}".rpartition(".")
+    examples = doctest.DocTestParser().get_examples(inspect.getdoc(call))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("tempfile.tempdir", str(folder))
+        patch.setattr(eval(holder), own, Stopped(call))
+        try:
+            exec("".join(example.source for example in examples), {})
+        except Called as called:
+            return called.arguments | OWN.get(name, {})
+    raise AssertionError(f"the example of {name} does not call it")
 
 
 def is_usual(value: Any, about: inspect.Parameter) -> bool:
@@ -270,7 +158,7 @@ def unfit(error: BaseException | None, parameter: str) -> str:
         "has a name from within": bool(INNER.search(said)),
         "does not name the parameter": bool(said)
         and not isinstance(error, OSError)
-        and "no cell has valid parameters" not in said  # of a table
+        and "parameters" not in said  # of a table
         and not any(word in said for word in words),
     }
     return ", ".join(fault for fault, found in faults.items() if found)
@@ -342,7 +230,6 @@ WAYS: dict[str, list[dict[str, Any]]] = {
     ],
     "linearize_system": [{"links": [sl.Link(1e6, 1e5)]}],
     "simulate": [{"link": sl.Link(1e6, 1e5)}],
-    "amplification": [{"of": "peak"}, {"method": "simulation"}],
     "pounding_probability": [{"method": "hybrid", "record": RECORD[:20], "duration": None}],
     "separation": [{"second": None}, {"records": {"a": RECORD[:20]}}],
     "sensitivity": [{"second": None}],

@@ -135,8 +135,8 @@ class Table(NamedTuple):
 
     def column(self, name: str | int, several: bool = True) -> int:
         """The column of an index or a title, the last of ``several``; a ValueError if there is none."""
-        wanted = spelled(with_unit(name)[0]) if isinstance(name, str) else name
-        exact = [n for n, title in enumerate(self.title_cells) if title == name]
+        wanted = spelled(with_unit(name)[0]) if isinstance(name, str) else None
+        exact = [n for n, title in enumerate(self.title_cells) if wanted is not None and title == name]
         fitting = exact or [n for n, other in enumerate(self.names) if other == wanted]
         if is_whole(name) and 0 <= name < self.width:
             return name

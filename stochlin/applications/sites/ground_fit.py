@@ -159,8 +159,8 @@ def fit_ground(
         refuse("target", "a record", of_spectra)
         return ground_of_record(
             target,
-            model or "kanai_tajimi",
-            estimator or "psd",
+            "kanai_tajimi" if model is None else model,
+            "psd" if estimator is None else estimator,
             part=part,
             frequency_range=frequency_range,
         )

@@ -352,8 +352,10 @@ class ImpactKelvin(WithRatio):
     Examples
     --------
     >>> import stochlin as sl
-    >>> round(sl.ImpactKelvin.restitution(0.5), 4), round(sl.ImpactKelvin.damping_ratio(0.65), 4)
-    (0.5463, 0.3293)
+    >>> round(sl.ImpactKelvin.restitution(0.5), 4)
+    0.5463
+    >>> round(sl.ImpactKelvin(stiffness=1e8, restitution=0.65).damping, 4)
+    0.3293
     """
 
     law: ClassVar[ForceLaw] = ForceLaw(approach_only=True)
