@@ -107,18 +107,6 @@ def with_slow(names: Iterable[Any], long: Collection[Any]) -> list[Any]:
     return [pytest.param(name, marks=pytest.mark.slow) if name in long else name for name in every]
 
 
-def blocks_to_uncomment(start: str) -> list[str]:
-    """Those of the example of a case file whose first line starts so."""
-    blocks = re.findall(r"(?:^#   .*\n)+", example_case(), re.MULTILINE)
-    return [block for block in blocks if block.startswith(f"#   {start}")]
-
-
-def uncommented(block: str) -> str:
-    """The example of a case file with the lines of a block taken in."""
-    text = example_case()
-    return text.replace(block, block.replace("#   ", ""))
-
-
 # Tables of buildings for case files; ``{n}`` is the number of the building.
 BLOCK = """[building_{n}]
 name = "Block {n}"
@@ -149,7 +137,9 @@ def with_buildings(*buildings: str) -> str:
 
 def recorded_example() -> str:
     """The example of a case file with the lines of its first record, ``taft.txt``, taken in."""
-    return uncommented(blocks_to_uncomment("[[site.records]]")[0])
+    text = example_case()
+    block = re.match(r"(?:#   .*\n)+", text[text.index("#   [[site.records]]") :])[0]
+    return text.replace(block, block.replace("#   ", ""))
 
 
 def run_as_printed(line: str, page: Iterable[str]) -> None:

@@ -1,8 +1,10 @@
 """README and documentation: commands and code run as printed, links lead somewhere, the site builds."""
 
+import html
 import importlib.util
 import re
 import runpy
+import shlex
 import shutil
 import subprocess
 import sys
@@ -28,18 +30,27 @@ DOCS = ROOT / "docs"
 SCRIPTS = sorted((DOCS / "gallery").glob("plot_*.py"))
 PAGES = {path: path.read_text(encoding="utf-8") for path in (ROOT / "README.md", *DOCS.glob("*.md"))}
 README, THEORY = PAGES[ROOT / "README.md"], PAGES[DOCS / "theory.md"]
-# Their commands and their code need one another: tests/house/test_worked_case.py and, of a program that
-# is killed, tests/tables/test_large_tables.py
-RUN_HERE = [path for path in PAGES if path.stem not in ("worked_case", "from_tables", "large_tables")]
+# Pages whose commands and code need one another, with the files of their cases.
+WORKED = {
+    "worked_case": [DOCS / "worked_case.toml"],
+    "from_tables": sorted((DOCS / "from_tables").iterdir()),
+}
+# The program of the large tables is killed: tests/tables/test_large_tables.py
+RUN_HERE = [path for path in PAGES if path.stem not in (*WORKED, "large_tables")]
+WRITTEN, NUMBER = {".toml", ".csv", ".html"}, re.compile(r"\d+\.?\d*")
 ELSEWHERE = {
     "stochlin warmup",  # it would compile everything
-    "stochlin charts",  # tests/house/test_command.py
+    "stochlin charts",  # tests/answers/charts_of_every_figure
 }
 
 
+def fenced(text: str) -> list[tuple[str, str]]:
+    """Language and text of every block."""
+    return re.findall(r"^```(\S*)[^\n]*\n(.*?)^```$", text, re.DOTALL | re.MULTILINE)
+
+
 def blocks(text: str, *languages: str) -> list[str]:
-    every = re.findall(r"^```(\w*)\n(.*?)^```$", text, re.DOTALL | re.MULTILINE)
-    return [block for language, block in every if language in languages]
+    return [block for language, block in fenced(text) if language in languages]
 
 
 def command_lines() -> list[str]:
@@ -106,6 +117,36 @@ def test_code_and_case_file_of_the_readme_print_what_it_shows(tmp_path: Path) ->
     Path("case.toml").write_text("".join(blocks(README, "toml")), encoding="utf-8")
     lines = iter(answered("gap", "case.toml", "--details").output.splitlines())
     assert all(line in lines for line in gaps.splitlines())
+
+
+def as_on_a_screen(text: str) -> str:
+    """One line without the ends of lines, marks and the signs of a page that a screen has not."""
+    text = re.sub(r"</?(?:i|sub|sup)>", "", text.replace("<sup>", "^"))
+    text = html.unescape(re.sub(r"<[^>]+>", " ", text)).replace("m²/s³", "m^2/s^3")
+    return " ".join(text.split())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", WORKED)
+def test_a_worked_case_shows_what_its_commands_and_code_print(name: str) -> None:
+    """Numbers in bold are results; the others are input, which the files and the code hold."""
+    page, said, names = PAGES[DOCS / f"{name}.md"], "", {"__name__": name}
+    for file in WORKED[name]:
+        shutil.copy(file, file.name)
+    for language, block in fenced(page):
+        with redirect_stdout(StringIO()) as printed:
+            if language == "python":
+                exec(compile(block, f"{name}.md", "exec"), names)
+            elif language == "console":
+                for line in block.splitlines():
+                    printed.write(answered(*shlex.split(line)[1:]).output)
+        said += printed.getvalue()
+    texts = [path.read_text(encoding="utf-8") for path in Path().iterdir() if path.suffix in WRITTEN]
+    said = as_on_a_screen("\n".join([said, *texts]))
+    shown = "".join(blocks(page, "text")).splitlines()
+    assert [line for line in shown if as_on_a_screen(line) not in said] == []
+    numbers = {number for text in re.findall(r"\*\*(.+?)\*\*", page) for number in NUMBER.findall(text)}
+    assert numbers <= set(NUMBER.findall(said))
 
 
 @pytest.mark.slow
