@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import xarray as xr
-
 from stochlin.messages import brief
 from stochlin.models.links import Link
 from stochlin.models.parameters import NOT_NEGATIVE, Model, expect, parameter
@@ -58,9 +56,6 @@ class Measure(Model):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        for name in self.parameter_names():
-            if isinstance(getattr(self, name), xr.DataArray):
-                raise ValueError(f"Measure: {name} is an array; allowed: a number")
         listed = (self.link,) if isinstance(self.link, Link) else self.link
         if not isinstance(listed, (list, tuple)):
             raise TypeError(f"Measure: link = {brief(self.link)}; allowed: a Link, or a list of them")

@@ -26,6 +26,7 @@ Parameter = (
 """A number, a DataArray (broadcast by dimension name) or a 1-D array (dimension ``case``)."""
 
 CASE = "case"
+LONE = ("float", "float | None", float, float | None)
 ALONE = (
     "one building alone, beside the property line on its right, is taken by separation, existing_gap, "
     "sensitivity, recorded_gap, pounding_risk and required_gap: as first, with None as second"
@@ -47,12 +48,6 @@ class Range:
         low = f"{self.lower:g} {at_least} " if self.lower > -np.inf else ""
         high = f" {at_most} {self.upper:g}" if self.upper < np.inf else ""
         return f"{low}value{high}, finite" + (f" ({self.reason})" if self.reason else "")
-
-    @property
-    def middle(self) -> float:
-        """A value well inside the interval: 1 where the interval contains it, else the midpoint."""
-        low, high = max(self.lower, -1e3), min(self.upper, 1e3)
-        return 1.0 if low < 1 < high else 0.5 * (low + high)
 
     def contains(self, value: Any) -> Any:
         """Elementwise test whether values are allowed; NaN and infinity never are."""
@@ -107,12 +102,14 @@ class Model(metaclass=_Kind):
     def __post_init__(self) -> None:
         prefix = "" if self.of_arguments else f"{type(self).__name__}: "
         several = []
-        for field in self._declared():
+        for field in self._declared():  # those of the type float are no arrays
             value = getattr(self, field.name)
             if value is not None or field.default is not None:
                 checked = check(prefix, field.name, value, field.metadata)
                 object.__setattr__(self, field.name, checked)
                 several += [checked] if isinstance(checked, xr.DataArray) else []
+                if isinstance(checked, xr.DataArray) and field.type in LONE:
+                    raise ValueError(f"{prefix}{field.name} is an array; allowed: a number")
         try:
             if len(several) > 1:
                 xr.align(*several, join="exact", copy=False)

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 import xarray as xr
 
-from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.gaussian import Closure, ClosureInTime
 from stochlin.messages import listed
 from stochlin.models.parameters import PERIODS, POSITIVE, Model, Parameter, Range, parameter
@@ -72,8 +71,6 @@ class Structure(Model):
     def __post_init__(self) -> None:
         super().__post_init__()
         name = type(self).__name__
-        if isinstance(self.mass, xr.DataArray):
-            raise ValueError(f"{name}: mass is an array; allowed: a number")
         if self.yield_displacement is not None and self.reduction_factor is not None:
             what = f"{name}: yield_displacement and reduction_factor are both given"
             raise ValueError(f"{what}; allowed: one of them, since each defines the strength")
@@ -210,12 +207,12 @@ class Structure(Model):
         return law
 
     @cached_property
-    def _examples(self) -> Array:
-        """Some of the valid parameter sets of the law, one in each column."""
+    def _examples(self) -> tuple[tuple[float, ...], ...]:
+        """Some of the valid parameter sets of the law."""
         arrays = xr.broadcast(self.valid(), *self.law_parameters())
         valid, *columns = (array.values.ravel() for array in arrays)
         sets = np.unique(np.array(columns).reshape(len(columns), valid.size)[:, valid], axis=1)
-        return sets[:, :: 1 + sets.shape[1] // CHECKED]
+        return tuple(map(tuple, sets.T[:: 1 + sets.shape[1] // CHECKED].tolist()))
 
 
 @dataclass(frozen=True)

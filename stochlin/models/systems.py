@@ -50,6 +50,10 @@ class Stack(NamedTuple):
         """Whether the structure is an oscillator, which has no height."""
         return bool(np.isnan(self.levels).any())
 
+    def floors(self, number: int) -> list[str]:
+        """Names of the floors, where the structure has this number."""
+        return [str(number)] if self.is_oscillator else numbered(str(number), self.levels.size)
+
     @property
     def coordinates(self) -> int:
         """Number of coordinates, which is also that of the elements."""
@@ -114,26 +118,15 @@ class Arrangement(NamedTuple):
     @property
     def floors(self) -> list[str]:
         """Names of the floors and the storeys below them; 2.3 is the third floor of structure 2."""
-        return [
-            name
-            for s, stack in enumerate(self.stacks, start=1)
-            for name in (
-                [str(s)] if stack.is_oscillator else [f"{s}.{i + 1}" for i in range(stack.levels.size)]
-            )
-        ]
+        return [name for s, stack in enumerate(self.stacks, start=1) for name in stack.floors(s)]
 
     @property
     def coordinates(self) -> list[str]:
         """Names of the coordinates and of their elements: floors and storeys, or modes."""
-        floors, first = self.floors, self.first
         return [
             name
-            for s, stack in enumerate(self.stacks)
-            for name in (
-                [f"mode {s + 1}.{i + 1}" for i in range(stack.coordinates)]
-                if stack.by_modes
-                else floors[first[s] : first[s + 1]]
-            )
+            for s, stack in enumerate(self.stacks, start=1)
+            for name in (numbered(f"mode {s}", stack.coordinates) if stack.by_modes else stack.floors(s))
         ]
 
     @property
@@ -219,12 +212,9 @@ class Arrangement(NamedTuple):
 
         Storeys of a building by its modes have the value ``elastic``, or ``unknown`` if modes yield.
         """
-        weak = np.array([stack.by_modes and bool(stack.yields.any()) for stack in self.stacks])
-        owner = np.repeat(np.arange(len(self.stacks)), np.diff(self.first))
-        blank = np.where(weak[owner], unknown, elastic)
-        blank = np.concatenate([blank, np.zeros(self.yielding_modes.size)])
-        number = self.of_watched
-        return np.where(number >= 0, values[..., number], blank)
+        weak = np.array([bool(stack.yields.any()) for stack in self.stacks])
+        blank = np.where(weak[self.owners], unknown, elastic)
+        return np.where(self.of_watched >= 0, values[..., self.of_watched], blank)
 
     @property
     def storeys(self) -> System:
@@ -241,6 +231,11 @@ class Arrangement(NamedTuple):
         ground = np.zeros_like(shapes[0])
         links = [shapes[t.floor] - (shapes[t.other] if t.other >= 0 else ground) for t in self.ties]
         return np.concatenate([storeys, np.reshape(links, (-1, ground.size))])
+
+
+def numbered(name: str, count: int) -> list[str]:
+    """A name with the numbers from 1 to ``count`` after it."""
+    return [f"{name}.{number}" for number in range(1, count + 1)]
 
 
 def falls_at(post: Array, couple: Array, strength: Array) -> Array:

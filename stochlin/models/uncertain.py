@@ -116,8 +116,24 @@ class Uncertain(metaclass=Named):
         return f"{span(median, units)} ± {100 * self.spread:.4g} %"
 
 
+class WithoutCells:
+    """What is one model, although it may have arrays, so that it adds no dimensions to a result."""
+
+    def over_cells(self) -> dict[str, Any]:
+        """Empty: no parameter has dimensions of a result."""
+        return {}
+
+    def valid(self) -> xr.DataArray:
+        """True: a model with an invalid value cannot be made."""
+        return xr.DataArray(True)
+
+    def isel(self, indexers: Mapping[Any, int | slice]) -> Self:
+        """The model itself."""
+        return self
+
+
 @dataclass(frozen=True)
-class UncertainModel:
+class UncertainModel(WithoutCells):
     """A structure or a ground with uncertain parameters.
 
     It results when an `Uncertain` is given to a model in place of a number. ``build`` makes a sample of
@@ -176,18 +192,6 @@ class UncertainModel:
             return change(self.build(*args, **kwargs))
 
         return replace(self, build=build)
-
-    def over_cells(self) -> dict[str, Any]:
-        """Empty, as for `Model.over_cells`: an uncertain model is one model, without dimensions."""
-        return {}
-
-    def valid(self) -> xr.DataArray:
-        """True: an uncertain model with an invalid value cannot be made."""
-        return xr.DataArray(True)
-
-    def isel(self, indexers: Mapping[Any, int | slice]) -> Self:
-        """The model itself, which has no dimensions."""
-        return self
 
     def describe(self) -> str:
         """The model with its parameters in one line."""

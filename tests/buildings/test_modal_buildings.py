@@ -200,7 +200,10 @@ def test_uncertain_periods_scale_all_modes() -> None:
 WRONG: dict[str, tuple[dict[str, Any], str]] = {
     "not orthogonal": ({"shapes": [[0.62, 1.0], [1.0, 1.0]]}, r"1 and 2 are not orthogonal .*0\.97"),
     "frequencies": ({"periods": [2.0, 5.5]}, r"modes 1 and 2 are 2 and 5\.5 s; .*longest first"),
-    "too many": ({"shapes": [[1.0, 1.0]] * 601}, r"has 601 modes of 2 floors; allowed: 600 modes"),
+    "too many": (
+        {"shapes": [[1.0, 1.0]] * 601, "periods": [1.0] * 601},
+        r"has 601 values; .* at most 600 modes",
+    ),
     "not a table": ({"shapes": [0.6, 1.0]}, r"shapes = .*a list of modes"),
     "NaN": ({"shapes": [[0.62, np.nan], [-1.61, 1.0]]}, r"shapes = nan in mode 1, floor 2"),
     "strength": ({"yield_displacements": [0.01, 0.0], "hardening": 0.1}, r"= 0 in yielding mode 2"),

@@ -18,59 +18,33 @@ KELVINS = [sl.Kelvin, sl.NoTensionKelvin, sl.ImpactKelvin]
 # --- The compiled force ---------------------------------------------------------------------------
 
 
-def linear_law(kind, k, c):
-    laws = {
-        sl.Kelvin: lambda d, v: k * d + c * v,
-        sl.NoTensionKelvin: lambda d, v: k * d + c * v,
-        sl.ImpactKelvin: lambda d, v: k * d + (c * v if v > 0 else 0.0),
-    }
-    ends = {sl.NoTensionKelvin: lambda d, v: d + c / k * v}
-    return laws[kind], ends.get(kind, lambda d, v: d)
-
-
-def hertzian(contact, mass, v0):
-    """Law of the three Hertz contacts, written out."""
-    k, n = contact.stiffness, 1.5 if isinstance(contact, sl.Jankowski) else contact.exponent
-    if isinstance(contact, sl.HertzDamp):
-        return lambda d, v: k * d**n * (1 + contact.damping * v / v0)
-    if isinstance(contact, sl.Jankowski):
-        twice = 2 * contact.damping
-        return lambda d, v: k * d**1.5 + (twice * np.sqrt(k * np.sqrt(d) * mass) * v if v > 0 else 0.0)
-    return lambda d, v: k * d**n
-
-
-CONTACTS = [
-    sl.LinearSpring(3e6),
-    sl.Kelvin(3e6, damping_ratio=0.4),
-    sl.NoTensionKelvin(3e6, damping_ratio=0.4),
-    sl.ImpactKelvin(3e6, damping_ratio=0.4),
-    sl.Hertz(3e6, exponent=1.7),
-    sl.HertzDamp(3e6, damping_factor=0.4, exponent=1.7),
-    sl.Jankowski(3e6, damping_ratio=0.4),
+MASS, V0, K, N, XI = 2e4, 0.7, 3e6, 1.7, 0.4
+C = 2 * XI * np.sqrt(K * MASS)
+FORCES = [
+    (sl.LinearSpring(K), lambda d, v: K * d),
+    (sl.Kelvin(K, damping_ratio=XI), lambda d, v: K * d + C * v),
+    (sl.NoTensionKelvin(K, damping_ratio=XI), lambda d, v: max(K * d + C * v, 0.0)),
+    (sl.ImpactKelvin(K, damping_ratio=XI), lambda d, v: K * d + C * max(v, 0.0)),
+    (sl.Hertz(K, exponent=N), lambda d, v: K * d**N),
+    (sl.HertzDamp(K, damping_factor=XI, exponent=N), lambda d, v: K * d**N * (1 + XI * v / V0)),
+    (
+        sl.Jankowski(K, damping_ratio=XI),
+        lambda d, v: K * d**1.5 + 2 * XI * np.sqrt(K * np.sqrt(d) * MASS) * max(v, 0.0),
+    ),
 ]
 
 
-@pytest.mark.parametrize("contact", CONTACTS, ids=lambda c: type(c).__name__)
-def test_compiled_force_is_the_law(contact):
-    mass, v0 = 2e4, 0.7
-    if hasattr(contact, "exponent") or isinstance(contact, sl.Jankowski):
-        law, leaves = hertzian(contact, mass, v0), lambda d, v: d
-    elif isinstance(contact, sl.LinearSpring):
-        law, leaves = (lambda d, v: 3e6 * d), lambda d, v: d
-    else:
-        law, leaves = linear_law(type(contact), 3e6, 0.8 * np.sqrt(3e6 * mass))
-    law_of_force = contact.force_law(mass)
+@pytest.mark.parametrize(("contact", "law"), FORCES, ids=[type(one).__name__ for one, _ in FORCES])
+def test_compiled_force_is_the_law(contact, law):
+    compiled = contact.force_law(MASS)
     for d in (1e-6, 0.003, 0.2):
         for v in (-0.9, -0.01, 0.0, 0.3):
-            expected = law(d, v)
-            if isinstance(contact, sl.NoTensionKelvin):
-                expected = max(expected, 0.0)
-            found = kernel.force(law_of_force, d, v, v0)
-            assert found == pytest.approx(expected, rel=1e-13)
-            assert float(contact.force(d, v, v0, mass)) == found
-            margin = kernel.separation_margin(law_of_force, d, v)
-            assert margin == pytest.approx(leaves(d, v), rel=1e-13)
-        assert kernel.force(law_of_force, -d, 0.3, v0) == 0
+            found = kernel.force(compiled, d, v, V0)
+            assert found == pytest.approx(law(d, v), rel=1e-13)
+            assert float(contact.force(d, v, V0, MASS)) == found
+            leaves = d + C / K * v if isinstance(contact, sl.NoTensionKelvin) else d
+            assert kernel.separation_margin(compiled, d, v) == pytest.approx(leaves, rel=1e-13)
+        assert kernel.force(compiled, -d, 0.3, V0) == 0
 
 
 def test_force_broadcasts_by_name():
@@ -130,7 +104,7 @@ def test_hertz_damp_to_the_last_digits():
 # --- There and back -------------------------------------------------------------------------------
 
 E = st.floats(1e-12, 1) | st.floats(0.999, 1)
-XI = st.floats(0, 0.9) | st.floats(0, 50) | st.floats(0.999, 1.001)
+RATIO = st.floats(0, 0.9) | st.floats(0, 50) | st.floats(0.999, 1.001)
 DAMPED = [*KELVINS, sl.Jankowski]
 
 
@@ -145,7 +119,7 @@ def test_restitution_of_its_damping_ratio(kind, e):
 
 
 @pytest.mark.parametrize("kind", DAMPED)
-@given(XI)
+@given(RATIO)
 def test_damping_ratio_of_its_restitution(kind, xi):
     e = kind.restitution(xi)
     if e > 0:  # Kelvin's inverse stays below 1

@@ -33,23 +33,6 @@ def test_impact_keeps_momentum_and_turns_the_relative_velocity(v1, v2, m1, m2, e
 
 # --- Eqs. (14) to (16) ----------------------------------------------------------------------------
 
-STIFFNESS, REDUCED, RATIO = 3e7, 4e4, 0.2
-DASHPOT = 2 * RATIO * np.sqrt(STIFFNESS * REDUCED)  # eq. (15) with the stiffness that print lost
-D, V = 0.004, np.array([-0.9, -0.1, 0.0, 0.1, 0.9])
-
-
-def force(kind, d, v):
-    contact = kind(stiffness=STIFFNESS, damping_ratio=RATIO)
-    return contact.force(d, v, 1.0, REDUCED).values
-
-
-def test_dashpot_opposes_the_approach():
-    for kind in KELVINS:
-        assert force(kind, D, 0.5) > STIFFNESS * D
-    assert force(sl.Kelvin, D, -0.9) < 0  # it pulls
-    assert force(sl.NoTensionKelvin, D, -0.9) == 0
-    assert force(sl.ImpactKelvin, D, -0.9) == STIFFNESS * D
-
 
 @given(st.floats(1e-12, 1))
 def test_eq15_is_the_kelvin_element_s(e):

@@ -89,16 +89,6 @@ def test_an_oscillator_on_a_record_follows_an_ode_solver():
     np.testing.assert_allclose(ends.hysteretic_energy_per_mass + stored, spent, rtol=2e-3)
 
 
-def test_the_storey_of_a_building_has_the_law():
-    record = sl.simulated_motions(GROUND, 6.0, paths=2, seed=3)[0]
-    storey = [1e5], [4e7], [3.0], 0.05, 0.1, 0.01
-    building = sl.ShearBuilding(*storey, law="bouc_wen_baber_noori", law_parameters=WORN)
-    first = building.oscillator()
-    assert isinstance(first, sl.BoucWenBaberNoori)
-    peaks = [float(abs(sl.respond(each, record).displacement).max()) for each in (building, first)]
-    np.testing.assert_allclose(*peaks, rtol=1e-6)
-
-
 @pytest.mark.parametrize(
     ("changed", "message"),
     [

@@ -4,7 +4,6 @@ import cases
 import mpmath
 import numpy as np
 import pytest
-import sympy
 
 from stochlin.models.laws import bilinear, bouc_wen
 
@@ -30,36 +29,6 @@ def random_latent(count, seed):
         ],
         axis=1,
     )
-
-
-def gauss(borders):
-    """Gauss-Legendre nodes and weights on every piece between the borders: exact for a Gaussian bell."""
-    x, w = np.polynomial.legendre.leggauss(120)
-    half, middle = np.diff(borders)[:, None] / 2, (np.array(borders)[1:] + borders[:-1])[:, None] / 2
-    return (middle + half * x).ravel(), (half * w).ravel()
-
-
-@pytest.mark.parametrize(("latent", "c_e", "k_e"), cases.KNOWN_COEFFICIENTS)
-def test_coefficients_are_the_expected_derivatives_of_the_symbolic_law(latent, c_e, k_e):
-    """For Gaussian ``(v, z)``: ``c_e = -E[dG/dv]``, ``k_e = -E[dG/dz]``; sympy differentiates G."""
-    v, z = sympy.symbols("v z", real=True)
-    sv, sz, r = (sympy.Rational(str(x)) for x in latent)
-    q2 = 1 - r * r
-    density = sympy.exp(-((v / sv) ** 2 - 2 * r * v * z / (sv * sz) + (z / sz) ** 2) / (2 * q2))
-    density /= 2 * sympy.pi * sv * sz * sympy.sqrt(q2)
-    by_v, by_z = (sympy.expand(bilinear.symbolic().diff(x)) for x in (v, z))
-    at_yield = sympy.integrate(sympy.expand(by_z * density), (z, -sympy.oo, sympy.oo))
-    # In dG/dv the impulses stand as v DiracDelta(v), which is nothing.
-    smooth = sympy.expand(by_v.replace(sympy.DiracDelta, lambda *_: sympy.Integer(0)))
-    sliding = sympy.lambdify((v, z), smooth * density, ["scipy", "numpy"])
-    kick = sympy.lambdify(v, at_yield, ["scipy", "numpy"])
-    far_v, far_z = cases.REACH * latent[0], cases.REACH * latent[1]
-    rate, rate_weight = gauss([-far_v, 0, far_v])
-    level, level_weight = gauss(np.unique([-far_z, -1, 0, 1, far_z]))
-    slip = rate_weight @ sliding(rate[:, None], level) @ level_weight
-    relaxation = -rate_weight @ kick(rate)
-    assert float(-slip) == pytest.approx(c_e, abs=1e-10)
-    assert float(relaxation) == pytest.approx(k_e, abs=1e-10)
 
 
 def test_bilinear_coefficients_agree_with_quadrature():

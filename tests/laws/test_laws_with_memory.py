@@ -3,13 +3,8 @@
 import numpy as np
 import pytest
 import sympy
-from scipy.integrate import solve_ivp
 
 import stochlin as sl
-from stochlin.kernels.simulation import moving as moves
-from stochlin.kernels.simulation.stepping import LANES
-from stochlin.models.systems import arrangement_of
-from stochlin.solver.simulation.connected_structures import connected_groups
 
 pytestmark = pytest.mark.oracle
 
@@ -43,47 +38,17 @@ def baber_noori(beta, gamma, n, d_nu, d_eta, zeta_s, p, q, psi, d_psi, share):
     return {"z": h / eta * (V - slip), "e": Z * V}
 
 
-def rates_of(v, z, e, *, beta, gamma, n, d_nu, d_eta, zeta_s, p, q, psi, d_psi, share):
-    """The same by numpy; loading and unloading apart."""
-    wear = 1 + d_nu * e
-    softening = np.where(z * v > 0, beta + gamma, gamma - beta) * wear * np.abs(z) ** n
-    pinched = zeta_s * -np.expm1(-p * e)
-    peak = q / (wear * (beta + gamma)) ** (1 / n)
-    width = (psi + d_psi * e) * (share + pinched)
-    h = 1 - pinched / np.exp(((np.where(v > 0, z, -z) - peak) / width) ** 2)
-    return np.array([h * v * (1 - softening) / (1 + d_eta * e), z * v])
-
-
 def hysteretic(law=None, **changed):
     return sl.Hysteretic(**GIVEN | changed, law=law or baber_noori(**PINCHING))
 
 
-def test_an_oscillator_follows_an_ode_solver():
-    """The error of the displacement falls with the square of the step, that of the trapezoidal rule."""
-    structure, w = hysteretic(), 2 * np.pi / GIVEN["period"]
-    uy, xi, alpha = GIVEN["yield_displacement"], GIVEN["damping"], GIVEN["hardening"]
-
-    def forcing(t):
-        return 6 * np.sin(9 * t) * np.sin(1.3 * t)
-
-    def slopes(t, x):
-        u, v, z, e = x
-        force = 2 * xi * w * v + alpha * w**2 * u + (1 - alpha) * w**2 * uy * z
-        return [v, forcing(t) - force, *rates_of(v / uy, z, e, **PINCHING)]
-
-    exact = solve_ivp(slopes, (0, 3), np.zeros(4), rtol=1e-9, atol=1e-11, max_step=2e-3).y[:, -1]
-    part = connected_groups(arrangement_of([structure]))[0].part
-    errors = []
-    for steps in (600, 1200, 2400):
-        t = np.linspace(0, 3, steps + 1)
-        mean = 0.5 * (forcing(t[1:]) + forcing(t[:-1]))
-        f, x, out = np.repeat(mean[:, None], LANES, axis=1), part.at_rest(), np.empty((1, 1, LANES))
-        part.block(3 / steps)(f, x, steps, out)
-        state = [x.elements[0, moves.Z, 0] / uy, x.memory[0, 0, 0]]
-        errors.append(np.abs([(out[0, 0, 0] - exact[0]) / uy, *(state - exact[2:])]).max())
-    assert exact[3] > 10  # it yields and wears
-    assert errors[0] < 0.1
-    assert errors[2] < 0.4 * errors[1] < 0.16 * errors[0]
+def test_it_is_the_law_that_is_known_by_its_name():
+    own = {"exponent": "n", "strength_decay": "d_nu", "stiffness_decay": "d_eta", "pinching": "zeta_s"}
+    own |= {"pinching_rate": "p", "pinching_start": "q", "pinching_width": "psi"}
+    own |= {"beta": "beta", "pinching_spread": "d_psi", "pinching_coupling": "share"}
+    known = sl.BoucWenBaberNoori(**GIVEN, **{name: PINCHING[key] for name, key in own.items()})
+    peaks = sl.simulate([hysteretic(), known], GROUND, paths=32, duration=5.0).peak
+    np.testing.assert_allclose(peaks[:, 0], peaks[:, 1], rtol=1e-9)
 
 
 def building(law):

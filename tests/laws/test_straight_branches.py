@@ -143,25 +143,6 @@ def test_any_backbone_from_branch_to_branch():
             assert found[n, 0, lane] == pytest.approx(law.z, abs=1e-12)
 
 
-def test_the_first_loading_follows_its_corners():
-    """Cracking, yielding, cap and what is left, in one motion and on both sides."""
-    structure = sl.ModifiedClough(**GIVEN, **CRACKS, **CAPPED)
-    mu = np.array([0.16, 0.58, 1.0, 1.7, 2.0, 3.0, 4.5, 9.0])
-    for sign in (1.0, -1.0):
-        loop = sl.hysteresis_loop(structure, sign * mu * GIVEN["yield_displacement"], refine=1)
-        expected = [0.0, 0.4, 0.7, 1.0, 1.0, 1.0, 0.7, 0.25, 0.25]
-        np.testing.assert_allclose(loop.z, sign * np.array(expected), atol=1e-12)
-
-
-def test_without_hysteresis_or_yield_it_is_elastic():
-    weak = {"structures": [sl.Bilinear(0.5, 0.05)], "ground": GROUND, "paths": 32, "duration": 6.0}
-    elastic = sl.simulate(**weak).peak
-    for kind in (sl.Flag, sl.ModifiedClough):
-        strong = kind(**GIVEN | {"yield_displacement": 2.0})
-        same = sl.simulate(**weak | {"structures": [strong]}).peak
-        np.testing.assert_allclose(same, elastic, rtol=1e-6)
-
-
 @pytest.mark.parametrize(
     "structure", [LAWS[1], LAWS[4], LAWS[8]], ids=["modified Clough", "flag", "backbone"]
 )

@@ -8,7 +8,7 @@ from scipy.integrate import dblquad
 
 import stochlin as sl
 from stochlin.models.laws import bilinear, bouc_wen
-from stochlin.models.symbolic import SymbolicLaw
+from stochlin.models.symbolic import compiled
 
 pytestmark = pytest.mark.oracle
 
@@ -101,7 +101,7 @@ def test_law_is_regressed_under_the_gaussian_density(law, function, latent):
     by_v = gaussian_average(lambda v, z: (v - function(v, z)) * v, *latent)
     by_z = gaussian_average(lambda v, z: (v - function(v, z)) * z, *latent)
     expected = cases.regressed((by_v, by_z), sv * sv, sz * sz, r * sv * sz)
-    found = SymbolicLaw(law).gaussian(np.array(latent)[:, None], np.empty((0, 1))).coefficients[:, 0]
+    found = compiled(law).gaussian(np.array(latent)[:, None], np.empty((0, 1))).coefficients[:, 0]
     np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-10)  # ACCURACY of the law's own check
 
 
@@ -149,6 +149,6 @@ def test_linearization_refuses_a_law_whose_expectations_are_not_accurate(law, ca
 
 def test_parameters_of_a_law_are_named_with_their_values_where_it_is_refused():
     beta, limit = sympy.symbols("beta limit")
-    law = SymbolicLaw(V - beta * V * sympy.Max(abs(Z) - limit, 0) ** 0.1, ("beta", "limit"))
+    law = compiled(V - beta * V * sympy.Max(abs(Z) - limit, 0) ** 0.1, ("beta", "limit"))
     with pytest.raises(ArithmeticError, match=r"with beta = 0.5, limit = 0.7 "):
-        law.check_expectations(np.array([[0.5], [0.7]]))
+        law.check_expectations(((0.5, 0.7),))

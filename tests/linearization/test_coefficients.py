@@ -30,15 +30,6 @@ def test_bouc_wen_coefficients(exponent, c_eq, k_eq):
     assert float(found.k_eq) == pytest.approx(k_eq, abs=5.1e-11)
 
 
-def test_the_loop_of_linearize_ends_where_they_agree():
-    structure = sl.Bilinear(1.0, 0.05, [0.02, 0.1, 0.5, 0.1], reduction_factor=[1.0, 4.0, 30.0, 300.0])
-    solved = sl.linearize(structure, sl.KanaiTajimi(0.7, 0.3))
-    rate = solved.velocity_std / solved.yield_displacement
-    found = sl.equivalent_coefficients(rate, solved.z_std, solved.velocity_z_corr)
-    np.testing.assert_allclose(found.c_eq, solved.c_eq, rtol=1e-9)
-    np.testing.assert_allclose(found.k_eq, solved.k_eq, rtol=1e-8)
-
-
 def test_tables_by_dimension_name_and_cells_that_cannot_be():
     z_std = xr.DataArray([0.3, 0.9, 1.2, -1.0], dims="z")
     corr = xr.DataArray([0.1, 0.999], dims="corr")
@@ -62,8 +53,8 @@ def test_tables_by_dimension_name_and_cells_that_cannot_be():
         ({"law": V * Z**2}, r"law = v\*z\*\*2 leaves z at 0, .*; allowed: G\(v, 0\) = v"),
         ({"law": V * sympy.Integral(sympy.cos(Z), (Z, 0, Z))}, "has 'Integral.*, which has no numeric"),
         ({"law": V * sympy.besselj(0, Z)}, r"has 'besselj\(0, z\)', which has no numeric form; allowed"),
-        ({"law": V * sympy.Integer(10) ** 400}, "has the number '1000"),
-        ({"law": V * sympy.oo}, "has the number 'oo'; allowed: numbers below"),
+        ({"law": V * sympy.Integer(10) ** 400}, "has '1000"),
+        ({"law": V * sympy.oo}, "has 'oo', which has no numeric form; allowed: numbers below"),
         ({"exponent": 2.0}, "the law has no exponent; allowed: none"),
         ({"law": "bouc_wen", "exponent": 0.5}, "exponent = 0.5 is out of range"),
     ],

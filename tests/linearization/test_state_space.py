@@ -1,4 +1,4 @@
-"""The fast path, block by block and in closed form, against the augmented state matrix it replaces."""
+"""The augmented state matrix, entry by entry against the equations of motion."""
 
 import cases
 import numpy as np
@@ -9,85 +9,6 @@ import stochlin as sl
 pytestmark = pytest.mark.oracle
 
 TAU = 2 * np.pi
-
-
-def full_covariance(structures, ground):
-    """Linearize each structure alone, then solve all of them in one Lyapunov equation."""
-    tables = [sl.linearize(structure, ground) for structure in structures]
-    space = sl.statespace(
-        structures, ground, [float(t.c_eq) for t in tables], [float(t.k_eq) for t in tables]
-    )
-    return tables, sl.stationary_covariance(space)
-
-
-def check(structures, ground, tolerance=1e-10):
-    """Every moment of every structure, and the correlation of every pair.
-
-    The general solver's own error, which grows as 1/k_eq, is the larger one here.
-    """
-    tables, x = full_covariance(structures, ground)
-
-    def moment(a, b):
-        return float(x.sel(state=a, state_2=b))
-
-    def correlation(a, b):
-        return moment(a, b) / np.sqrt(moment(a, a) * moment(b, b))
-
-    for i, table in enumerate(tables, start=1):
-        assert float(table.displacement_std) ** 2 == pytest.approx(
-            moment(f"u_{i}", f"u_{i}"), rel=tolerance
-        )
-        assert float(table.velocity_std) ** 2 == pytest.approx(moment(f"v_{i}", f"v_{i}"), rel=tolerance)
-        if int(table.status) == 0:
-            z = float(table.z_std * table.yield_displacement)
-            assert z**2 == pytest.approx(moment(f"z_{i}", f"z_{i}"), rel=tolerance)
-            found = float(table.velocity_z_corr)
-            assert found == pytest.approx(correlation(f"v_{i}", f"z_{i}"), abs=tolerance)
-    for i, first in enumerate(structures, start=1):
-        for j, second in enumerate(structures[i:], start=i + 1):
-            rho = float(sl.correlate(first, second, ground).rho)
-            assert rho == pytest.approx(correlation(f"u_{i}", f"u_{j}"), abs=tolerance)
-
-
-def draw_ground(rng, kind):
-    soil = cases.draw_ground(rng, cases.PRACTICE) | {"intensity": cases.log_uniform(rng, (1e-3, 10))}
-    if kind is sl.WhiteNoise:
-        return sl.WhiteNoise(soil["intensity"])
-    if kind is sl.KanaiTajimi:
-        return sl.KanaiTajimi(**soil)
-    high_pass = {
-        "high_pass_period": cases.log_uniform(rng, (2, 20)),
-        "high_pass_damping": rng.uniform(0.1, 1.2),
-    }
-    return sl.CloughPenzien(**soil, **high_pass)
-
-
-@pytest.mark.parametrize("seed", range(8))
-@pytest.mark.parametrize("kind", [sl.WhiteNoise, sl.KanaiTajimi, sl.CloughPenzien])
-def test_three_structures_at_once(kind, seed):
-    """Two yielding ones and an elastic one between them."""
-    rng = np.random.default_rng([30, seed])
-    yielding = [sl.Bilinear(**cases.draw_structure(rng, cases.PRACTICE)) for _ in range(2)]
-    elastic = sl.Bilinear(period=cases.log_uniform(rng, (0.15, 4.0)), damping=rng.uniform(0.01, 0.1))
-    check([yielding[0], elastic, yielding[1]], draw_ground(rng, kind))
-
-
-def test_oscillator_tuned_to_the_ground_is_defective_and_no_trouble():
-    """Equal period and damping of structure and soil leave the state matrix short of eigenvectors."""
-    tuned = sl.Bilinear(period=2.0, damping=0.05)
-    ground = sl.KanaiTajimi(period=2.0, damping=0.05)
-    space = sl.statespace([tuned], ground, [-1], [0])
-    assert np.linalg.cond(np.linalg.eig(space.state_matrix.values).eigenvectors) > 1e6
-    check([tuned, sl.Bilinear(period=1.3, damping=0.02)], ground)
-    check([tuned, sl.Bilinear(2.0, 0.05, hardening=0.1, reduction_factor=3)], ground)
-
-
-@pytest.mark.parametrize("strength", [{}, {"hardening": 0.05, "reduction_factor": 4.0}])
-def test_two_identical_structures_move_as_one(strength):
-    twins = [sl.Bilinear(period=0.7, damping=0.05, **strength) for _ in range(2)]
-    ground = sl.KanaiTajimi(period=0.7, damping=0.05)
-    check(twins, ground)
-    assert float(sl.correlate(*twins, ground).rho) == pytest.approx(1, abs=1e-12)
 
 
 @pytest.mark.parametrize("link", [(), (sl.Link(1e6, 1e4, hardening=0.1, yield_displacement=1e-3),)])

@@ -8,7 +8,7 @@ from cases import augmented_system, with_slow
 
 import stochlin as sl
 from stochlin.applications.probability.formulas import moments_of_pair
-from stochlin.models.systems import arrangement_of
+from stochlin.solver.linearization.systems.state_space import models_of, problem_of
 from stochlin.solver.linearization.transient_systems import course_of
 
 pytestmark = pytest.mark.oracle
@@ -70,7 +70,8 @@ def test_linear_pair_follows_the_lyapunov_differential_equation(name):
     pair = sl.Bilinear(1.0, 0.05), sl.Bilinear(0.6, 0.02)
     course = course_of(QUAKE, DURATION, 0.6, 11)
     x = direct(pair, ground, course.times)
-    moments = moments_of_pair(arrangement_of(pair), ground, np.array([np.nan]), course, 0.6)
+    problem = problem_of(models_of(pair, ground), in_time=True)
+    moments = moments_of_pair(*problem, np.array([np.nan]), course, 0.6)
     d = np.array([1.0, 0.0, -1.0, 0.0])
     v = np.array([0.0, 1.0, 0.0, -1.0])
     d_d, v_v = d @ x @ d, v @ x @ v

@@ -16,12 +16,11 @@ from stochlin.kernels.linearization.systems.springs import Springs
 from stochlin.kernels.linearization.systems.substitution import Linear, response_of
 from stochlin.kernels.linearization.transient import TransientMoments
 from stochlin.kernels.probability import accumulated, exceeding, hazards
-from stochlin.models.grounds import Ground
 from stochlin.models.structures import Gap
 from stochlin.models.systems import Arrangement, first_period
 from stochlin.models.uncertain import median_of
 from stochlin.solver.linearization.strength import strength_in_metres
-from stochlin.solver.linearization.systems.state_space import springs_of, system_of
+from stochlin.solver.linearization.systems.state_space import models_of, problem_of
 from stochlin.solver.linearization.transient_systems import TIME, TimeGrid, solve_course
 from stochlin.solver.simulation.structures_in_motion import at_height, meeting_heights
 from stochlin.solver.tables import labels
@@ -75,14 +74,13 @@ class PairMoments(NamedTuple):
 
 def moments_of_pair(
     system: Arrangement,
-    ground: Ground,
+    problem: Springs,
     heights: Array,
     course: TimeGrid,
     shortest: float,
     progress: Progress | None = None,
 ) -> PairMoments:
     """Moments of two structures with this shortest period [s] by transient linearization."""
-    problem = springs_of(system, ground, in_time=True)
     floors = [[at_height(system, number, height) for height in heights] for number in (0, 1)]
     first, second = np.array(floors) @ problem.system.shapes
     rows = np.concatenate([first, second, first - second])
@@ -193,10 +191,10 @@ def by_formula(
     factors, weights = strengths(scatter)
     motions = xr.DataArray(np.outer(intensities, factors**2).ravel(), dims=MOTION)
     ground = replace(ground, intensity=motions)
-    system = system_of(pair, ground)
+    system, problem = problem_of(models_of(pair, ground), in_time=True)
     heights = meeting_heights(*system.stacks)
     shortest = min(float(first_period(structure)) for structure in pair)
-    moments = moments_of_pair(system, ground, heights, course, shortest, progress)
+    moments = moments_of_pair(system, problem, heights, course, shortest, progress)
     return [
         _table(RelativeMotion(PairMoments(*parts), course, weights), heights, distance, confidence)
         for parts in zip(*(np.split(each, intensities.size, axis=1) for each in moments), strict=True)

@@ -19,21 +19,25 @@ from stochlin.models.laws.hysteretic import Hysteretic, law_of
 from stochlin.models.parameters import CASE, Model, as_array
 from stochlin.models.states import in_words
 from stochlin.models.structures import HARDENING, Structure
+from stochlin.models.uncertain import WithoutCells
 
 if TYPE_CHECKING:
     import sympy
 
-STOREY, MODE, FLOOR = "storey", "mode", "floor"
+STOREY, MODE, FLOOR, YIELDING = "storey", "mode", "floor", "yielding mode"
 MOVES = "1", "displacement of the floor over that of the oscillator"
 MOST_STOREYS = 200
+MOST = {STOREY: MOST_STOREYS, FLOOR: MOST_STOREYS}
+MOST |= dict.fromkeys((MODE, YIELDING), 3 * MOST_STOREYS)  # as a rigid floor has three motions
 PERIOD_OFF = 0.1  # of the first period, by which a pushover curve may differ
 GRAVITY = scipy.constants.g
 
 
-class MultistoreyBuilding(Model):
+class MultistoreyBuilding(WithoutCells, Model):
     """Base of the buildings with floors: `ShearBuilding` and `ModalBuilding`.
 
-    The elements of a building have one hysteresis law: they are its storeys, or its modes.
+    The elements of a building have one hysteresis law: they are its storeys, or its modes. Its arrays
+    are over these.
     """
 
     instead = (
@@ -63,6 +67,10 @@ class MultistoreyBuilding(Model):
                 what = f"{name}{field} has {array.size} values, and {other} has {size}"
                 raise ValueError(f"{what}; allowed: one for each {dimension} in both")
             object.__setattr__(self, field, array)
+        for dimension, (size, field) in sizes.items():
+            if size > (most := MOST[dimension]):
+                what = f"{name}{field} has {size} values; allowed: one for each of at most {most}"
+                raise ValueError(f"{what} {dimension}s")
         super().__post_init__()
         check_ranges(self, name)
         if self.yields and self.hardening is None:
@@ -78,18 +86,6 @@ class MultistoreyBuilding(Model):
     @abstractmethod
     def _check(self, name: str) -> None:
         """Raise a ValueError for values that do not fit together; ``name`` begins messages."""
-
-    def over_cells(self) -> dict[str, xr.DataArray]:
-        """Empty: arrays of one building are over its storeys, and are not dimensions of a result."""
-        return {}
-
-    def valid(self) -> xr.DataArray:
-        """True: a building with an invalid value cannot be made."""
-        return xr.DataArray(True)
-
-    def isel(self, indexers: Mapping[Any, int | slice]) -> Self:
-        """The building itself, which has no dimensions of a result."""
-        return self
 
     @property
     def yields(self) -> bool:

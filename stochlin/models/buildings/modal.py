@@ -17,9 +17,9 @@ from stochlin.messages import DoubtfulInput, brief, listed
 from stochlin.models.buildings.base import (
     FLOOR,
     MODE,
-    MOST_STOREYS,
     MOVES,
     STOREY,
+    YIELDING,
     MultistoreyBuilding,
     numbered,
 )
@@ -33,9 +33,7 @@ if TYPE_CHECKING:
 ANY = Range(lower=-np.inf)
 ORTHOGONAL = 0.02  # largest modal mass that two modes share, over the root of those of both
 LEAST_MASS = 1e-6  # share of the mass below which a mode does not move along the gap
-MOST_MODES = 3 * MOST_STOREYS  # as a rigid floor has three motions
 ENOUGH_MASS = 0.9  # share of the mass that codes ask of the modes together
-YIELDING = "yielding mode"
 DIMENSIONS = {
     **dict.fromkeys(("periods", "damping", "participation", "modal_masses"), MODE),
     **dict.fromkeys(("hardening", "yield_displacements"), YIELDING),
@@ -386,10 +384,6 @@ def _table(label: str, value: Any) -> xr.DataArray:
     if array.ndim != 2 or not array.size or array.dtype.kind not in "iuf":
         allowed = "a list of modes, each with one number for every floor"
         raise ValueError(f"{label} = {brief(value)}; allowed: {allowed}")
-    modes, floors = array.shape
-    if modes > MOST_MODES or floors > MOST_STOREYS:
-        most = f"{MOST_MODES} modes of {MOST_STOREYS} floors at most"
-        raise ValueError(f"{label} has {modes} modes of {floors} floors; allowed: {most}")
     return xr.DataArray(array, dims=(MODE, FLOOR))
 
 

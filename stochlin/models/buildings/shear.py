@@ -14,7 +14,7 @@ import xarray as xr
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.systems import System
 from stochlin.messages import brief
-from stochlin.models.arguments import Whole
+from stochlin.models.arguments import Whole, check_truth
 from stochlin.models.buildings.base import (
     FLOOR,
     GRAVITY,
@@ -54,18 +54,15 @@ class RegularBuilding(Model):
 
     of_arguments = True
 
-    period: Parameter = parameter("s", "period of the first mode", PERIODS)
+    period: float = parameter("s", "period of the first mode", PERIODS)
     storey_height: Parameter = parameter("m", "height of each storey", POSITIVE)
-    mass: Parameter = parameter("kg", "mass of each floor", POSITIVE)
-    base_shear_coefficient: Parameter | None = parameter(
+    mass: float = parameter("kg", "mass of each floor", POSITIVE)
+    base_shear_coefficient: float | None = parameter(
         "1", "base shear at yield relative to the weight", SHEAR, None
     )
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        for name, value in self.cells().items():
-            if isinstance(value, xr.DataArray) and name != "storey_height":
-                raise ValueError(f"{name} is an array; allowed: one number for the building")
         check_ranges(self, "")
 
 
@@ -143,8 +140,8 @@ class ShearBuilding(MultistoreyBuilding):
     masses: Parameter = parameter("kg", "mass of the floor", POSITIVE)
     stiffnesses: Parameter = parameter("N/m", "stiffness of the storey", POSITIVE)
     heights: Parameter = parameter("m", "height of the storey", POSITIVE)
-    damping: Parameter = parameter("1", "damping ratio", DAMPING)
-    hardening: Parameter | None = parameter("1", "hardening ratio", HARDENING, None)
+    damping: float = parameter("1", "damping ratio", DAMPING)
+    hardening: float | None = parameter("1", "hardening ratio", HARDENING, None)
     yield_drifts: Parameter | None = parameter("m", "drift at yield", POSITIVE, None)
     _: KW_ONLY
     dampers: Parameter | None = parameter("N s/m", "damping constant of the storey", NOT_NEGATIVE, None)
@@ -154,14 +151,7 @@ class ShearBuilding(MultistoreyBuilding):
     damping_modes: tuple[int, int] | None = None
 
     def _check(self, name: str) -> None:
-        if self.storeys > MOST_STOREYS:
-            allowed = f"one for each of at most {MOST_STOREYS} storeys"
-            raise ValueError(f"{name}masses has {self.storeys} values; allowed: {allowed}")
-        for field in ("damping", "hardening"):
-            if isinstance(getattr(self, field), xr.DataArray):
-                raise ValueError(f"{name}{field} is an array; allowed: one number for the building")
-        if not isinstance(self.p_delta, bool):
-            raise TypeError(f"{name}p_delta = {brief(self.p_delta)}; allowed: True or False")
+        check_truth(f"{name}p_delta", self.p_delta)
         self._check_weight()
         if self.damping_modes is not None:
             self._check_damping_modes()
@@ -263,45 +253,39 @@ class ShearBuilding(MultistoreyBuilding):
         They provide the closures, the time steps and the parameters of the law. Their periods are those
         of each floor alone on its own storey.
         """
-        values = self._over_all
-        periods = 2 * np.pi * np.sqrt(values["masses"] / values["stiffnesses"])
+        periods = 2 * np.pi * np.sqrt(self._numbers("masses") / self._numbers("stiffnesses"))
         periods = np.clip(periods, PERIODS.lower, PERIODS.upper)  # beyond, the modes are refused
         strength: dict[str, Any] = {}
         if self.yields:
-            drifts = xr.DataArray(values["yield_drifts"], dims=STOREY)
+            drifts = xr.DataArray(self._numbers("yield_drifts"), dims=STOREY)
             strength = {"hardening": self.hardening, "yield_displacement": drifts}
         return self._law(period=xr.DataArray(periods, dims=STOREY), damping=self.damping, **strength)
 
     def system(self) -> System:
         """The building as a chain: coordinates are the displacements of the floors."""
-        n, values = self.storeys, self._over_all
-        k = values["stiffnesses"]
+        n, k = self.storeys, self._numbers("stiffnesses")
         hardening = float(self.cells()["hardening"]) if self.yields else 1.0
         return System(
-            mass=values["masses"],
+            mass=self._numbers("masses"),
             damping=self.damping_matrix(),
             extensions=np.eye(n) - np.eye(n, k=-1),
             shapes=np.eye(n),
             post=hardening * k - self.geometric_stiffness(),
             couple=(1 - hardening) * k,
-            strength=values.get("yield_drifts", np.full(n, np.inf)),
+            strength=self._numbers("yield_drifts", np.inf),
         )
 
     def shear_shares(self) -> Array:
         """The identity: the force of a storey is its shear (storeys, storeys)."""
         return np.eye(self.storeys)
 
-    def stiffened(self, factor: float) -> Self:
-        """The building with the elastic stiffness of all storeys multiplied by a factor."""
-        return replace(self, stiffnesses=self.arrays()["stiffnesses"] * factor)
-
     def _of_first_mode(self, period: float, yield_displacement: float, hardening: float) -> Self:
         if self.p_delta:
             allowed = "False with a pushover curve, which contains the effect of the weight"
             raise ValueError(f"{type(self).__name__}: p_delta = True; allowed: {allowed}")
         drifts = yield_displacement * np.diff(self.participation(), prepend=0.0)
-        stiffer = self.stiffened((float(self.periods()[0]) / period) ** 2)
-        return replace(stiffer, hardening=hardening, yield_drifts=drifts)
+        stiffer = self._numbers("stiffnesses") * (float(self.periods()[0]) / period) ** 2
+        return replace(self, stiffnesses=stiffer, hardening=hardening, yield_drifts=drifts)
 
     def periods(self) -> xr.DataArray:
         """Periods of the elastic building [s] over ``mode``, which is counted from 1, longest first."""
@@ -312,7 +296,7 @@ class ShearBuilding(MultistoreyBuilding):
 
         It is the participation factor ``phi' M 1/(phi' M phi)`` times the mode shape ``phi``.
         """
-        mass, shape = self._over_all["masses"], self._modes()[1][:, 0]
+        mass, shape = self._numbers("masses"), self._modes()[1][:, 0]
         return numbered((mass @ shape) * shape, FLOOR, *MOVES)
 
     mode_periods = periods  # names that all buildings have
@@ -338,11 +322,11 @@ class ShearBuilding(MultistoreyBuilding):
         >>> round(first.period, 3), round(first.yield_displacement, 4), round(first.mass / 6e5, 3)
         (0.316, 0.0184, 0.914)
         """
-        mass, shape = self._over_all["masses"], self._modes()[1][:, 0]
+        mass, shape = self._numbers("masses"), self._modes()[1][:, 0]
         moves = self.participation().to_numpy()
         weakest, strength = 0, dict[str, float]()
         if self.yields:
-            at_yield = self._over_all["yield_drifts"] / np.abs(np.diff(moves, prepend=0.0))
+            at_yield = self._numbers("yield_drifts") / np.abs(np.diff(moves, prepend=0.0))
             weakest = int(np.argmin(at_yield))
             strength["yield_displacement"] = float(at_yield[weakest])
         return self._as_oscillator(
@@ -355,8 +339,7 @@ class ShearBuilding(MultistoreyBuilding):
 
     def doubts(self) -> Iterator[str]:
         """Text on the storey that yields at the largest drift, if that is implausible for its height."""
-        heights = self._over_all["heights"]
-        drifts = self._over_all.get("yield_drifts", 0 * heights)
+        heights, drifts = self._numbers("heights"), self._numbers("yield_drifts", 0.0)
         worst = int(np.argmax(drifts / heights))
         drift, height = drifts[worst], heights[worst]
         if drift > DRIFT_LIMIT * height and PLAUSIBLE["heights"].holds(height):
@@ -370,7 +353,7 @@ class ShearBuilding(MultistoreyBuilding):
         """
         if not self.p_delta:
             return np.zeros(self.storeys)
-        above = self._over_all["masses"][::-1].cumsum()[::-1]
+        above = self._numbers("masses")[::-1].cumsum()[::-1]
         return GRAVITY * above / self._numbers("heights")
 
     def damping_ratios(self) -> xr.DataArray:
@@ -402,11 +385,10 @@ class ShearBuilding(MultistoreyBuilding):
     def damping_matrix(self) -> Array:
         """Damping matrix of the floors [N s/m], (storeys, storeys)."""
         w, shapes = self._modes()
-        values = self._over_all
-        modal = values["masses"][:, None] * shapes
+        modal = self._numbers("masses")[:, None] * shapes
         drifts = np.eye(w.size) - np.eye(w.size, k=-1)
         by_modes = (modal * (2 * self._ratios(w) * w)) @ modal.T
-        return by_modes + (drifts.T * values.get("dampers", np.zeros(w.size))) @ drifts
+        return by_modes + (drifts.T * self._numbers("dampers", 0.0)) @ drifts
 
     def further(self) -> list[str]:
         """The law, and what changes the stiffness and the damping."""
@@ -415,17 +397,12 @@ class ShearBuilding(MultistoreyBuilding):
         parts += [f"damping of modes {modes[0]} and {modes[1]}" if modes else ""]
         return [part for part in parts if part]
 
-    @cached_property
-    def _over_all(self) -> dict[str, Array]:
-        """Parameters of the storeys by name, each as an array (storeys,)."""
-        values = {name: value for name, value in self.cells().items() if name in OF_STOREYS}
-        return {
-            name: value.values if isinstance(value, xr.DataArray) else np.full(self.storeys, value)
-            for name, value in values.items()
-        }
+    def _numbers(self, name: str, otherwise: float = np.nan) -> Array:
+        """A parameter of the storeys as an array (storeys,); another number if it is not set."""
+        return np.full(self.storeys, self.cells().get(name, otherwise), float)
 
     def _check_weight(self) -> None:
-        stiffness, taken = self._over_all["stiffnesses"], self.geometric_stiffness()
+        stiffness, taken = self._numbers("stiffnesses"), self.geometric_stiffness()
         if self.p_delta and (stiffness <= taken).any():
             worst = int(np.argmin(stiffness - taken))
             what = f"the weight above takes {taken[worst]:g} N/m from storey {worst + 1}"
@@ -445,8 +422,8 @@ class ShearBuilding(MultistoreyBuilding):
 
     def _modes(self) -> tuple[Array, Array]:
         """Circular frequencies [rad/s] of the modes, and mode shapes of unit modal mass as columns."""
-        values = self._over_all
-        root, k = np.sqrt(values["masses"]), values["stiffnesses"] - self.geometric_stiffness()
+        root = np.sqrt(self._numbers("masses"))
+        k = self._numbers("stiffnesses") - self.geometric_stiffness()
         with np.errstate(all="ignore"):
             diagonal = (k + np.append(k[1:], 0.0)) / root**2
             beside = -k[1:] / (root[:-1] * root[1:])

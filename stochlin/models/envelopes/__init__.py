@@ -18,12 +18,6 @@ ENVELOPES: Registry[type[Envelope]] = Registry("envelope", "stochlin.models.enve
 class Envelope(Model):
     """Base of the envelopes: functions of time [s], from 0 to 1, that multiply a stationary motion."""
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        for name, value in self.arrays().items():
-            if value.ndim:
-                raise ValueError(f"{type(self).__name__}: {name} is an array; allowed: a number")
-
     def at(self, time: Array) -> Array:
         """Values of the envelope [-] at times [s] from 0 on, in the same shape."""
         raise NotImplementedError

@@ -14,7 +14,7 @@ from stochlin.models.grounds import Ground
 from stochlin.models.parameters import Model
 from stochlin.models.structures import Structure
 from stochlin.solver.linearization.equivalent_systems import solve_elastic
-from stochlin.solver.linearization.systems.state_space import springs_of, system_of
+from stochlin.solver.linearization.systems.state_space import problem_of
 from stochlin.solver.linearization.transient_systems import (
     POINTS,
     TIME,
@@ -142,8 +142,7 @@ def _of_cells(
     cells = flat({"structure": structure, "ground": ground}, settled=False)
     if not cells.where.size:
         raise ValueError("no structure has valid parameters; correct those that are out of range")
-    system = system_of([cells.models["structure"]], cells.models["ground"])
-    problem = springs_of(system, cells.models["ground"], in_time=True)
+    system, problem = problem_of(cells.models, in_time=True)
     shortest = float(np.min(cells.models["structure"].arrays()["period"]))
     course = course_of(envelope, seconds, shortest, points)
     moments = solve_course(system, problem, np.eye(1), course, shortest)

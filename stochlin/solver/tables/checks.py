@@ -27,7 +27,7 @@ def as_path(name: str, value: object) -> Path:
 
 def check_scalars(model: Model, role: str, allowed: str) -> None:
     """Raise a ValueError if a parameter of the model is an array."""
-    if arrays := [name for name, value in model.arrays().items() if value.ndim]:
+    if arrays := [name for name, value in model.over_cells().items() if value.ndim]:
         raise ValueError(f"{role}: {', '.join(arrays)} is an array; allowed: {allowed}")
 
 

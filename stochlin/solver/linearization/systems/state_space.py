@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -21,7 +21,6 @@ from stochlin.kernels.linearization.systems.springs import Law, Springs
 from stochlin.kernels.linearization.systems.state_space import StateSpace, state_space
 from stochlin.messages import brief
 from stochlin.models.arguments import as_numbers, checked
-from stochlin.models.buildings import MultistoreyBuilding
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
 from stochlin.models.parameters import Model, expect
@@ -37,19 +36,21 @@ from stochlin.solver.linearization.strength import strength_in_metres
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_scalars
 
+LINK = "link_"
 ONE_SYSTEM = "a scalar, since this describes one system"
 
 
-def system_of(
-    structures: Sequence[AnyStructure], ground: Ground, links: Sequence[Link | None] = ()
-) -> Arrangement:
-    """Structures and links as one system, with all strengths in metres."""
-    return arrangement_of([strength_in_metres(structure, ground) for structure in structures], links)
+def problem_of(models: Mapping[str, Any], *, in_time: bool = False) -> tuple[Arrangement, Springs]:
+    """The `models_of` a system, or all their cells, with strengths in metres; and what is linearized.
 
-
-def springs_of(system: Arrangement, ground: Ground, *, in_time: bool = False) -> Springs:
-    """Structures, links and ground in all cells; in time, their laws may have further states."""
-    values, links = ground.arrays(), [_of_link(tie.link) for tie in system.ties]
+    In time, laws may have further states.
+    """
+    ground, values = models["ground"], models["ground"].arrays()
+    structures = [strength_in_metres(m, ground) for m in models.values() if isinstance(m, STRUCTURES)]
+    numbers = [int(role.removeprefix(LINK)) for role in models if role.startswith(LINK)]
+    ties = [models.get(f"{LINK}{n}") for n in range(1, 1 + max(numbers, default=0))]
+    system = arrangement_of(structures, ties)
+    links = [_of_link(tie.link) for tie in system.ties]
     shapes = [stack.system.mass.shape[:-1] for stack in system.stacks]
     shapes += [np.shape(value) for value in (*sum(links, ()), *values.values())]
     cells = math.prod(np.broadcast_shapes(*shapes))
@@ -66,7 +67,8 @@ def springs_of(system: Arrangement, ground: Ground, *, in_time: bool = False) ->
     dashpots, exponents = columns[3:]
     power = np.flatnonzero(((exponents != 1) & (dashpots > 0)).any(axis=0))
     laws = _laws_of(system, cells, yielding.size, in_time)
-    return Springs(springs, soil, yielding, laws, dashpots, exponents, power, np.zeros(cells))
+    level = np.zeros(cells)
+    return system, Springs(springs, soil, yielding, laws, dashpots, exponents, power, level)
 
 
 def _of_link(link: Link) -> tuple[Any, ...]:
@@ -96,29 +98,19 @@ def state_names(system: Arrangement, problem: Springs) -> list[str]:
     return [*names, *(f"z_{system.springs[spring]}" for spring in problem.yielding)]
 
 
-def checked_system(
-    structures: Sequence[AnyStructure], ground: Ground, links: Sequence[Link | None]
-) -> tuple[Link | None, ...]:
-    """The links; raises if an argument is of the wrong kind."""
+def models_of(
+    structures: Sequence[AnyStructure], ground: Ground, links: Sequence[Link | None] = ()
+) -> dict[str, Model]:
+    """Structures, ground and links by name; raises if an argument is of the wrong kind."""
     if not isinstance(structures, (list, tuple)):
         raise TypeError(f"structures = {brief(structures)}; allowed: a list of structures")
     if not structures:
         raise ValueError("structures = []; allowed: at least one structure")
     for number, structure in enumerate(structures, start=1):
         expect(structure, STRUCTURES, f"structures, number {number}")
-    return check_links("links", links, len(structures))
-
-
-def check_one_system(
-    structures: Sequence[AnyStructure], ground: Ground, links: Sequence[Link | None]
-) -> None:
-    """Raise a ValueError if a parameter of an oscillator, the ground or a link is an array."""
-    models: list[tuple[Model, str]] = [(ground, "ground")]
-    models += [(s, f"structures, number {n}") for n, s in enumerate(structures, start=1)]
-    models += [(link, f"links, number {n}") for n, link in enumerate(links, start=1) if link is not None]
-    for model, role in models:
-        if not isinstance(model, MultistoreyBuilding):
-            check_scalars(model, role, ONE_SYSTEM)
+    models: dict[str, Model] = {f"structure_{n}": s for n, s in enumerate(structures, start=1)}
+    ties = enumerate(check_links("links", links, len(structures)), start=1)
+    return models | {"ground": ground} | {f"{LINK}{n}": link for n, link in ties if link is not None}
 
 
 @checked
@@ -199,16 +191,15 @@ def statespace(
     >>> bool(abs(rho - sl.correlate(*pair, ground).rho) < 1e-9)
     True
     """
-    links = checked_system(structures, ground, links)
-    check_one_system(structures, ground, links)
-    for number, link in enumerate(links, start=1):
-        if link is not None and link.is_power_law:
+    models = models_of(structures, ground, links)
+    for role, model in models.items():
+        check_scalars(model, role, ONE_SYSTEM)
+        if isinstance(model, Link) and model.is_power_law:
             raise ValueError(
-                f"links, number {number}: damping_exponent = {link.exponent:g}; allowed: 1, since this "
-                "is a linear system. Give the link the equivalent_damping_constant of linearize_system"
+                f"{role}: damping_exponent = {model.exponent:g}; allowed: 1, since this is a linear "
+                "system. Give the link the equivalent_damping_constant of linearize_system"
             )
-    system = system_of(structures, ground, links)
-    problem = springs_of(system, ground)
+    system, problem = problem_of(models)
     elements = [*system.watched, *(system.springs[link] for link in system.yielding_links)]
     numbers = np.concatenate([system.of_watched, system.yielding_links])
     coefficients = np.tile([[-1.0], [0.0]], len(system.springs))
@@ -239,12 +230,11 @@ def statespace(
         },
         coords={"state": names, "state_2": names, "spring": system.springs, "element": elements},
     )
-    models = {f"structure_{n}": s for n, s in enumerate(structures, start=1)} | {"ground": ground}
     return labels.with_run_information(
         space,
         f"State space of {len(structures)} linearized structures, {ground.name} ground",
         "statespace()",
-        models | {f"link_{n}": link for n, link in enumerate(links, start=1) if link is not None},
+        models,
     )
 
 

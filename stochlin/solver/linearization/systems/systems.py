@@ -25,7 +25,7 @@ from stochlin.kernels.linearization.systems.substitution import (
 from stochlin.models.arguments import Number, OneOf, checked
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
-from stochlin.models.parameters import Model, Range
+from stochlin.models.parameters import Range
 from stochlin.models.systems import (
     AnyStructure,
     Arrangement,
@@ -34,11 +34,10 @@ from stochlin.models.systems import (
 )
 from stochlin.solver.linearization.equivalent_systems import ELASTIC, STRONG
 from stochlin.solver.linearization.systems.state_space import (
-    checked_system,
     in_elements,
-    springs_of,
+    models_of,
+    problem_of,
     state_names,
-    system_of,
 )
 from stochlin.solver.linearization.tolerance import USUAL, Tolerance
 from stochlin.solver.tables import labels
@@ -167,21 +166,15 @@ def linearize_system(
     >>> int(table.status), bool(table.rho.sel(floor="1.2", floor_2="2") > 0)
     (0, True)
     """
-    links = checked_system(structures, ground, links)
+    models = models_of(structures, ground, links)
     tolerance = Tolerance(rtol, max_iterations)
     depth = ITERATIONS[iteration]
-    models: dict[str, Model] = {f"structure_{n}": s for n, s in enumerate(structures, start=1)}
-    models |= {"ground": ground}
-    models |= {f"link_{n}": link for n, link in enumerate(links, start=1) if link is not None}
     cells = flat(models)
     _check_iteration(cells.where.size, structures)
     check_names((*cells.shape.dims, *cells.shape.coords), OWN)
     if not cells.where.size:
         raise ValueError(NONE_VALID)
-    rows = [cells.models[f"structure_{n}"] for n, _ in enumerate(structures, start=1)]
-    of_links = [cells.models.get(f"link_{n}") for n, _ in enumerate(links, start=1)]
-    system = system_of(rows, cells.models["ground"], of_links)
-    problem = springs_of(system, cells.models["ground"])
+    system, problem = problem_of(cells.models)
     solution = solve_system(system, problem, tolerance, depth, relaxation)
     table = labels.label(solution_table(cells, system, problem, solution))
     described = ", ".join(structure.describe() for structure in structures)
@@ -249,8 +242,7 @@ def linearized_motion(
     structures: Sequence[AnyStructure], ground: Ground, links: Sequence[Link | None] = ()
 ) -> StationaryResponse:
     """Response of the equivalent linear system, with its covariance; an ArithmeticError if it fails."""
-    system = system_of(structures, ground, links)
-    problem = springs_of(system, ground)
+    system, problem = problem_of(models_of(structures, ground, links))
     solution = solve_system(system, problem, USUAL)
     if solution.status[0] >= labels.NOT_CONVERGED:
         meaning = labels.STATUS_MEANINGS[solution.status[0]].replace("_", " ")
