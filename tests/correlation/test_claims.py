@@ -227,15 +227,6 @@ def test_the_ground_s_period_decides_on_narrow_band():
     )
 
 
-def test_eq_4_grows_with_damping_and_falls_as_periods_part():
-    """Fig. 3a."""
-    ratio = xr.DataArray(2.0 ** np.linspace(0, 2, 33), dims="ratio")
-    damping = xr.DataArray([0.02, 0.05, 0.1, 0.2], dims="damping")
-    rho = sl.rho_white_noise(ratio, 1.0, damping, damping).rho
-    assert (rho.isel(ratio=slice(1, None)).diff("damping") > 0).all()
-    assert (rho.diff("ratio") < 0).all()
-
-
 def test_gaussian_z_leaves_the_range_of_the_law():
     """Eqs. (9), (10) take z as Gaussian; bounded by 1, it cannot be."""
     structures = yielding(1.0, xr.DataArray([2.0, 4.0, 6.0], dims="factor"))

@@ -82,26 +82,3 @@ def test_yielding_pair_at_period_ratio_seven_tenths(ground, rho):
     w_2 = 0.5
     pair = oscillator(w_2 / 0.7, 0.05, **strength), oscillator(w_2, 0.05, **strength)
     assert float(sl.correlate(*pair, ground).rho) == pytest.approx(rho, abs=5.01e-9)
-
-
-def test_correlation_is_negative_where_the_ground_period_lies_between_the_structures():
-    """Below its frequency one oscillator follows the ground, above it the other opposes it."""
-    ground = kanai_tajimi(1.0, 0.05)
-    between = [
-        float(sl.correlate(oscillator(w, 0.05), oscillator(1 / w, 0.05), ground).rho)
-        for w in (1.3, 1.6, 2.0)
-    ]
-    assert max(between) < 0
-    same_side = float(sl.correlate(oscillator(1.5, 0.05), oscillator(2, 0.05), ground).rho)
-    assert same_side > 0.8
-
-
-@pytest.mark.parametrize(
-    ("ratio", "rho"),
-    [(0.5, 0.515), (0.7, 0.706), (0.9, 0.887), (1.2, 0.571), (1.5, 0.284), (2.0, 0.178)],
-)
-def test_linearized_correlation_on_a_narrow_band_over_the_period_ratio(ratio, rho):
-    strength = {"damping": 0.05, "hardening": 0.05, "reduction_factor": 4.0}
-    pair = sl.Bilinear(period=ratio, **strength), sl.Bilinear(period=1.0, **strength)
-    table = sl.correlate(*pair, sl.KanaiTajimi(period=1.0, damping=0.05))
-    assert float(table.rho) == pytest.approx(rho, abs=5.01e-4)

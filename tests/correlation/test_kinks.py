@@ -38,15 +38,6 @@ def test_correlation_over_the_period_ratio(ground, second):
 
 
 @pytest.mark.parametrize("ground", GROUNDS)
-def test_correlation_over_the_periods(ground):
-    """Rows of Fig. 5a; formerly 1.3 and 1.0."""
-    ratio, x = periods(0.1)
-    second = xr.DataArray([0.3, 0.6, 1.2, 2.0, 3.4, 6.0], dims="second")
-    table = sl.correlate(building(2 * ratio, 4.0), building(second, 4.0), ground, closure="drift")
-    assert largest_kink(table.rho, x) < 0.12
-
-
-@pytest.mark.parametrize("ground", GROUNDS)
 def test_amplification(ground):
     """The logarithm of Fig. 5b; formerly 1.1 and 0.3."""
     ratio, x = periods(0.1)

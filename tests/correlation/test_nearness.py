@@ -10,7 +10,7 @@ from stochlin.kernels.correlation.corrections import (
     Nearness,
     by_nearness,
 )
-from stochlin.solver.correlation.signatures import eased, matrix_of
+from stochlin.solver.correlation.signatures import matrix_of
 
 pytestmark = pytest.mark.oracle
 
@@ -28,11 +28,3 @@ def test_the_weight_of_the_form_falls_from_one_to_nothing():
         mixed, share = by_nearness(rho, one, other, 0.0)
     np.testing.assert_allclose(share, [0.0, 0.45, 0.25, 0.05, 0.0], rtol=0, atol=1e-14)
     np.testing.assert_allclose(mixed[[0, -1]], 0.4, rtol=0, atol=1e-14)
-
-
-def test_a_share_rises_smoothly():
-    share = np.linspace(-0.5, 1.5, 2001)
-    rise = eased(share)
-    assert rise[share <= 0].max() == 0
-    assert rise[share >= 1].min() == rise[share == 0.5] * 2 == 1
-    assert np.abs(np.diff(rise, 2)).max() < 7 * (share[1] - share[0]) ** 2  # 6 by its second derivative

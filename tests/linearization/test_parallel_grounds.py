@@ -52,14 +52,6 @@ def test_covariances_of_linear_structures_add(grounds):
 
 
 @pytest.mark.oracle
-def test_the_loop_on_the_state_space_finds_what_the_fast_path_finds():
-    yielding = sl.Bilinear(1.0, 0.05, 0.05, yield_displacement=0.03)
-    fast = sl.correlate(yielding, TWO, BOTH)
-    loop = sl.linearize_system([yielding, TWO], BOTH)
-    np.testing.assert_allclose(loop.rho[0, 1], fast.rho, atol=1e-9)
-
-
-@pytest.mark.oracle
 def test_moments_are_those_of_simulated_motions():
     table = sl.simulate([ONE, TWO], BOTH, paths=256, seed=3)
     exact = sl.correlate(ONE, TWO, BOTH)

@@ -6,12 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-import stochlin as sl
 from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing, linear_system
 from stochlin.kernels.linearization.filters import Filter
 from stochlin.kernels.linearization.spectral_moments import displacement_moments
-from stochlin.solver.linearization.equivalent_systems import solved_together
-from stochlin.solver.linearization.peaks import response_moments
 
 pytestmark = [pytest.mark.oracle, pytest.mark.extreme]
 
@@ -121,24 +118,3 @@ def test_white_noise_has_a_closed_form(damping):
     l0, l1, _ = displacement_moments(system, forcing(system, parameters), filter_of(parameters))
     ratio = (2 / np.pi) * np.arccos(damping) / np.sqrt(1 - damping**2)
     np.testing.assert_allclose(l1, 2.0 * l0 * ratio, rtol=2e-12)
-
-
-structures = st.fixed_dictionaries(
-    {
-        "period": st.floats(0.1, 5),
-        "damping": st.floats(0.005, 0.2),
-        "hardening": st.floats(0.02, 0.8),
-        "reduction_factor": st.floats(0.5, 8),
-    }
-)
-grounds = st.builds(sl.KanaiTajimi, st.floats(0.2, 4), st.floats(0.03, 0.9))
-
-
-@given(structures, grounds)
-def test_moments_are_those_of_a_spectrum(structure, ground):
-    """Positive, ``l1^2 <= l0 l2``, and the variances that the covariances give."""
-    solved = solved_together((sl.Bilinear(**structure),), ground, "gaussian")
-    l0, l1, l2 = (float(x) for x in response_moments(solved))
-    assert 0 < l1 <= np.sqrt(l0 * l2)
-    assert np.sqrt(l0) == pytest.approx(solved.values["displacement_std"].item(), rel=1e-12)
-    assert np.sqrt(l2) == pytest.approx(solved.values["velocity_std"].item(), rel=1e-12)

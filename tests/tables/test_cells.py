@@ -111,9 +111,3 @@ def test_file_gives_back_what_was_written(result):
         for name in table.data_vars:
             for key, value in table[name].attrs.items():
                 np.testing.assert_array_equal(back[name].attrs[key], value)
-
-
-def test_coordinate_named_as_its_parameter_gets_the_units():
-    table = sl.linearize(sl.Bilinear(axis("period", [1.0, 2.0]), axis("damping", [0.02, 0.05])), GROUND)
-    assert table.period.attrs["units"] == "s"
-    assert table.damping.attrs["units"] == "1"

@@ -18,7 +18,7 @@ from stochlin.kernels.linearization.covariance import (
     pair_covariance,
     stable,
 )
-from stochlin.kernels.linearization.gaussian import gaussian_of_numbers, owens_t_of_numbers
+from stochlin.kernels.linearization.gaussian import gaussian_of_numbers
 from stochlin.kernels.linearization.grounds import clough_penzien, kanai_tajimi
 from stochlin.kernels.linearization.single_structures import (
     ALONG,
@@ -33,8 +33,7 @@ for _module in (covariance, grounds):
     for _formula in vars(_module).values():
         if isfunction(_formula) and _formula.__module__ == _module.__name__:
             called_often(_formula)
-for _formula in owens_t_of_numbers, gaussian_of_numbers:
-    compiled(_formula)
+compiled(gaussian_of_numbers)
 
 
 @overload(choose, jit_options=OFTEN)

@@ -87,10 +87,8 @@ def drift_of(system: EquivalentSystem, latent: Array, ground: Filter) -> Drift:
 
 def _relaxation(system: EquivalentSystem, latent: Array, slip: SlipQuadrant) -> Array:
     """Relaxation rate of the drift [1/s], eq. (4), from the derivatives of the mean slip rate."""
-    sv, _, r = latent
-    h, q = slip.h, slip.q
     by_velocity = 2 * slip.probability
-    by_z = 2 * sv * h * (r * h * slip.edge + q * slip.corner) / erf(h / np.sqrt(2))
+    by_z = 2 * latent[0] * slip.h * slip.flow / erf(slip.h / np.sqrt(2))
     w2, d, coupling = system.stiffness, system.damping, system.coupling
     return (w2 - coupling) * by_z / (w2 - coupling * by_velocity + d * by_z)
 
@@ -195,15 +193,6 @@ class DriftingSide(NamedTuple):
     unit: Array  # std of the velocity under white noise of the intensity 1
     rate: Array  # relaxation rate of the drift [1/s]
     kicks: Array  # (ORDERS + 1, n) square roots of the intensities of the drift by order
-
-    @classmethod
-    def of(
-        cls, system: EquivalentSystem, forcing: Forcing, std: Array, rate: Array, shares: Array
-    ) -> DriftingSide:
-        """A structure whose drift has this standard deviation, relaxation rate, and shares of orders."""
-        total = np.sqrt(own_covariance(system, forcing).mu_mu + std**2)
-        unit = np.sqrt(own_covariance(system, NOISE).v_v)
-        return cls(system, forcing, total, unit, rate, std * np.sqrt(2 * rate * shares))
 
 
 def innovation_coherence(first: DriftingSide, second: DriftingSide) -> Array:

@@ -117,16 +117,15 @@ class Filter:
         if not self.states:
             return np.ones_like(frequency, float)
         if self.oscillators:
-            each, square = self.oscillators, frequency**2
-            soil, *layer = zip(each[::2], each[1::2], strict=True)
-            ratio, spread = _ratio_and_spread(soil, square)
-            share = (1 + spread) / ((1 - ratio) ** 2 + spread)
-            for oscillator in layer:
-                ratio, spread = _ratio_and_spread(oscillator, square)
-                share = share * ratio**2 / ((1 - ratio) ** 2 + spread)
+            share: Array | float = 1.0
+            for stiffness, damping in zip(self.oscillators[::2], self.oscillators[1::2], strict=True):
+                ratio = frequency**2 / stiffness
+                spread = damping**2 / stiffness * ratio
+                passed = 1 + spread if stiffness is self.oscillators[0] else ratio**2
+                share = share * passed / ((1 - ratio) ** 2 + spread)
             return share
         matrix, noise, output = self.arrays
-        resolved = _resolvent(1j * np.asarray(frequency, float), matrix, noise)
+        resolved = resolvent(1j * np.asarray(frequency, float), matrix, noise)
         return np.abs((output * resolved).sum(axis=-1)) ** 2
 
     def forcing(self, system: EquivalentSystem) -> Forcing:
@@ -148,7 +147,7 @@ class Filter:
         if not self.states:
             return np.zeros_like(s)
         matrix, _, output = self.arrays
-        return (output * _resolvent(s, matrix, self.correlations(system)[0])).sum(axis=-1)
+        return (output * resolvent(s, matrix, self.correlations(system)[0])).sum(axis=-1)
 
     def _solved(self, system: EquivalentSystem) -> tuple[grounds.Signal, *tuple[grounds.Rows, ...]]:
         """Signal of the ground of oscillators, and rows with each of these."""
@@ -192,17 +191,10 @@ def _at(entry: Any, cells: Any) -> Any:
     return entry[cells] if np.ndim(entry) else entry
 
 
-def _resolvent(s: Array, matrix: Array, right: Array) -> Array:
+def resolvent(s: Array, matrix: Array, right: Array) -> Array:
     """``(s - matrix)^-1 right``, for each cell and each ``s``."""
     left = s[..., None, None] * np.eye(matrix.shape[-1]) - matrix
     return np.linalg.solve(left, np.broadcast_to(right, left.shape[:-1])[..., None])[..., 0]
-
-
-def _ratio_and_spread(oscillator: tuple[Entry, ...], square: Array) -> tuple[Array, Array]:
-    """``(w/w0)^2`` and ``4 xi^2 (w/w0)^2`` of an oscillator for squares of frequencies."""
-    stiffness, damping = oscillator
-    ratio = square / stiffness
-    return ratio, damping**2 / stiffness * ratio
 
 
 def stationary(matrix: Array, noise: Array) -> Array:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
+from functools import reduce
 
 import numpy as np
 from numpy.polynomial import polynomial
 from scipy.linalg import block_diag
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.linearization.filters import Filter
+from stochlin.kernels.linearization.filters import Filter, resolvent
 
 _ZERO = 1e-12  # coefficients smaller than this share of the largest are rounding errors
 
@@ -45,11 +46,12 @@ def in_parallel(filters: Sequence[Filter]) -> Filter:
     total: Array = np.zeros(1)
     for i, (component, part) in enumerate(zip(filters, parts, strict=True)):
         own = _numerator(part.matrix / scale, part.noise, part.output, poles[i]) / scale
-        both = _product([own, *poles[:i], *poles[i + 1 :]])
-        total = polynomial.polyadd(total, float(component.intensity) * _square(both))
+        both = reduce(polynomial.polymul, [own, *poles[:i], *poles[i + 1 :]])
+        square = polynomial.polymul(both, both * (-1.0) ** np.arange(both.size))[::2]  # in s^2
+        total = polynomial.polyadd(total, float(component.intensity) * square)
     matrix = block_diag(*(part.matrix for part in parts))
     noise = np.concatenate([part.noise for part in parts])
-    output = _output(matrix / scale, noise, _factor(total), _product(poles)) * scale
+    output = _output(matrix / scale, noise, _factor(total), reduce(polynomial.polymul, poles)) * scale
     states = tuple(f"{name}_{i}" for i, component in enumerate(filters, 1) for name in component.states)
     return Filter(1.0, states, matrix.tolist(), noise.tolist(), output.tolist())
 
@@ -60,27 +62,10 @@ def _numerator(matrix: Array, noise: Array, output: Array, poles: Array) -> Arra
     It is found from the Markov parameters ``output matrix^k noise``.
     """
     size = len(noise)
-    markov, moved = [], noise
-    for _ in range(size):
-        markov.append(output @ moved)
-        moved = matrix @ moved
+    markov = np.array([output @ np.linalg.matrix_power(matrix, k) @ noise for k in range(size)])
     # The numerator is poles(s) (m0/s + m1/s^2 + ...) with the Markov parameters m; here the power s^k.
-    coefficients = np.array([poles[k + 1 :] @ np.array(markov)[: size - k] for k in range(size)])
+    coefficients = np.array([poles[k + 1 :] @ markov[: size - k] for k in range(size)])
     return np.where(np.abs(coefficients) > _ZERO * np.abs(coefficients).max(), coefficients, 0.0)
-
-
-def _product(factors: Iterable[Array]) -> Array:
-    """Product of polynomials."""
-    total: Array = np.ones(1)
-    for factor in factors:
-        total = polynomial.polymul(total, factor)
-    return total
-
-
-def _square(values: Array) -> Array:
-    """``p(s) p(-s)`` as a polynomial in ``s^2``."""
-    mirrored = values * (-1.0) ** np.arange(values.size)
-    return polynomial.polymul(values, mirrored)[::2]
 
 
 def _factor(square: Array) -> Array:
@@ -95,11 +80,8 @@ def _factor(square: Array) -> Array:
 
 def _output(matrix: Array, noise: Array, numerator: Array, denominator: Array) -> Array:
     """Output row of a filter with this transfer function, by least squares on the imaginary axis."""
-    size = len(noise)
-    s = 1j * np.geomspace(1e-2, 1e2, 8 * size)
-    states = np.linalg.solve(
-        s[:, None, None] * np.eye(size) - matrix, np.broadcast_to(noise, (s.size, size))[..., None]
-    )[..., 0]
+    s = 1j * np.geomspace(1e-2, 1e2, 8 * len(noise))
+    states = resolvent(s, matrix, noise)
     target = polynomial.polyval(s, numerator) / polynomial.polyval(s, denominator)
     weight = 1 / np.abs(target)
     left, right = states * weight[:, None], target * weight

@@ -1,7 +1,8 @@
 """Newton's method for single structures, whose stationary covariances have closed forms.
 
 The unknowns and the mismatch ``F`` are those of `iteration`. Steps follow from
-``(c |F| - dF/dy) step = F`` with slopes by differences. This is pseudo-transient continuation (Kelley
+``(c |F| - dF/dy) step = F``. The slopes ``dF/dy`` are those of the closure times those of the response
+by both coefficients, which are differences. This is pseudo-transient continuation (Kelley
 and Keyes 1998, SIAM J. Numer. Anal. 35), which becomes Newton's method as ``F`` falls. Where it fails,
 or where a law may have several solutions, the solution is followed from weak to full shaking.
 """
@@ -20,9 +21,10 @@ from stochlin.kernels.linearization.iteration import FixedPoint, add, elastic_li
 
 AT_LEVEL = 12  # iterations at one level of shaking
 ALONG = 1e-6  # step of the differences for the slopes
-MOVED = ALONG * np.eye(3, 4, 1)  # no step, and one of each unknown
+MOVED = np.eye(2, 3, 1)[..., None]  # no change, and one of each coefficient
 DAMPING = 0.5  # c, with which the bilinear law needs 6 steps on average and at most 16
 LARGEST_STEP = 1.0  # largest step in log(sigma) and atanh(corr)
+STUCK = 24  # steps after which a cell takes a largest one, out of a least mismatch that is not zero
 LARGEST_MISMATCH = 1e-6  # largest norm of the mismatch of a converged cell
 
 
@@ -45,31 +47,44 @@ class SingleStructures(NamedTuple):
             level=self.level[cells],
         )
 
-    def mismatch(self, unknowns: Array) -> Array:
-        """Mismatch (3, k, n) of the unknowns.
+    def closed(self, unknowns: Array) -> tuple[Array, Array]:
+        """Coefficients and covariance (5, n) of the closure, and their slopes (5, 3, n)."""
+        coefficients, covariance, slopes = self.closure(moments_of(unknowns), self.parameters)
+        values = np.concatenate([coefficients, covariance])
+        if slopes is None:
+            steps = moments_of(unknowns[:, None] + ALONG * np.eye(3)[..., None]).reshape(3, -1)
+            moved = np.concatenate(self.closure(steps, np.tile(self.parameters, 3))[:2])
+            slopes = (moved.reshape(5, 3, -1) - values[:, None]) / ALONG
+        return values, slopes
+
+    def mismatch(self, unknowns: Array) -> tuple[Array, Array]:
+        """Mismatch (3, n) of the unknowns, and its slopes (3, 3, n).
 
         It is NaN for systems that are not stable. This is checked by the criterion of Routh and Hurwitz,
         since on filtered ground the formulas can also give a valid covariance there.
         """
-        rows, shape = moments_of(unknowns).reshape(3, -1), unknowns.shape[1:]
-        coefficients, assumed = self.closure(rows, np.tile(self.parameters, shape[0]))
-        assumed = assumed.reshape(3, *shape)
-        system = EquivalentSystem(*self.structure, *coefficients.reshape(2, *shape))
+        values, slopes = self.closed(unknowns)
+        by = ALONG * np.array([0 * self.structure[0] + 1, np.sqrt(self.structure[0])])
+        # The response also after small changes of both coefficients.
+        system = EquivalentSystem(*self.structure, *(values[:2, None] + by[:, None] * MOVED))
         own = own_covariance(system, self.ground.forcing(system))
         v_v = np.where(stable(*system) & (own.mu_mu > 0), own.v_v, np.nan)
-        response = np.array([v_v, own.z_z, own.v_z])
+        response, assumed = np.array([v_v, own.z_z, own.v_z]), values[2:, None]
         corr, r = correlation(response), correlation(assumed)
         scales = 0.5 * np.log(response[:2] / assumed[:2]) + self.level
-        return np.array([*scales, np.arctanh((corr - r) / (1 - corr * r))])
+        off = np.array([*scales, np.arctanh((corr - r) / (1 - corr * r))])
+        of_scales = slopes[2:4] / (2 * assumed[:2])
+        of_corr = slopes[4] / np.sqrt(assumed[0] * assumed[1]) - r * of_scales.sum(axis=0)
+        by_slip, by_relaxation = ((off[:, 1:] - off[:, :1]) / by).swapaxes(0, 1)[:, :, None]
+        of_response = by_slip * slopes[0] + by_relaxation * slopes[1]
+        return off[:, 0], of_response - np.array([*of_scales, of_corr / (1 - r * r)])
 
     def step(self, unknowns: Array) -> tuple[Array, Array, Array]:
         """Step (3, n) from these unknowns, norm of their mismatch, and whether they are a solution."""
-        off, *moved = self.mismatch(unknowns[:, None] + MOVED[..., None]).swapaxes(0, 1)
+        off, slopes = self.mismatch(unknowns)
         norm = np.sqrt((off * off).sum(axis=0))
-        (a, b, c), (d, e, f), (g, h, i) = (off[:, None] - np.stack(moved, axis=1)) / ALONG
-        slow = DAMPING * norm
-        matrix = (slow + a, b, c), (d, slow + e, f), (g, h, slow + i)
-        step = np.array(solve_3x3(matrix, [*off]))
+        matrix = DAMPING * norm * np.eye(3)[..., None] - slopes
+        step = np.array(solve_3x3(matrix, off))
         step /= np.maximum(1.0, np.abs(step).max(axis=0) / LARGEST_STEP)
         change = np.abs([step[0], step[1], step[2] / np.cosh(unknowns[2]) ** 2]).max(axis=0)
         return step, norm, (change <= self.rtol) & (norm <= LARGEST_MISMATCH)
@@ -113,9 +128,11 @@ def iterate(problem: SingleStructures, start: Array, most: int) -> FixedPoint:
     n = start.shape[1]
     solution = FixedPoint(start.copy(), np.zeros(n, np.int32), np.full(n, np.inf), np.zeros(n, bool))
     base, cells = start, np.arange(n)
-    for _ in range(most):
+    for number in range(1, most + 1):
         unknowns, before = solution.unknowns[:, cells], solution.residual[cells]
         step, norm, done = problem.step(unknowns)
+        if number % STUCK == 0:
+            step /= np.where(done, LARGEST_STEP, np.abs(step).max(axis=0)) / LARGEST_STEP
         valid = np.isfinite(norm + step.sum(axis=0))
         more_elastic = unknowns - np.array([0 * norm, 0 * norm + 1.0, 0.5 * unknowns[2]])
         shorter = np.where(np.isinf(before), more_elastic, base + 0.25 * (unknowns - base))

@@ -21,8 +21,8 @@ from stochlin.kernels.basics.slabs import in_ranges
 from stochlin.kernels.correlation.corrections import AXES, ENTRIES, LEFT, Nearness, Signature
 from stochlin.kernels.correlation.errors import BOUNDS
 from stochlin.kernels.correlation.pairs import Drifting, over_pairs
-from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing
-from stochlin.kernels.linearization.drift import DriftingSide, drifting_correlation
+from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing, own_covariance
+from stochlin.kernels.linearization.drift import NOISE, DriftingSide, drifting_correlation
 from stochlin.models.grounds import Ground, WhiteNoise
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.structures import DRIFT
@@ -68,8 +68,10 @@ def drifting_side(values: Mapping[str, Array]) -> DriftingSide:
     """Structures of `solve_oscillators` by the drift closure."""
     system, forcing = EquivalentSystem(*values["system"]), Forcing(*values["forcing"])
     with np.errstate(all="ignore"):  # failed cells are NaN
-        drift = values["drift_std"], values["drift_rate"], values["drift_shares"]
-        return DriftingSide.of(system, forcing, *drift)
+        std, rate = values["drift_std"], values["drift_rate"]
+        total = np.sqrt(own_covariance(system, forcing).mu_mu + std**2)
+        unit, kicks = own_covariance(system, NOISE).v_v, std * np.sqrt(2 * rate * values["drift_shares"])
+        return DriftingSide(system, forcing, total, np.sqrt(unit), rate, kicks)
 
 
 def solved_references(

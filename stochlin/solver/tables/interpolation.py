@@ -7,7 +7,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline, make_interp_spline
+from scipy.interpolate import CubicHermiteSpline, PPoly
 
 from stochlin.kernels.basics.arrays import Array
 
@@ -20,7 +20,8 @@ Weights = Callable[[Array], Array]
 
 def linear(points: Array) -> Weights:
     """Linear interpolation on an axis."""
-    return make_interp_spline(points, np.eye(points.size), k=1)
+    ends = np.eye(points.size)
+    return PPoly([np.diff(ends, axis=0) / np.diff(points)[:, None], ends[:-1]], points)
 
 
 def smooth(points: Array) -> Weights:
