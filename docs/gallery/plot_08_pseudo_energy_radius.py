@@ -10,6 +10,7 @@ the circle of its largest radius. The motion is synthetic; to use a record, read
 import matplotlib.pyplot as plt
 import numpy as np
 import xarray as xr
+from matplotlib.patches import Circle
 
 from stochlin.charts import STYLE, portrait_chart
 
@@ -23,8 +24,9 @@ chart = portrait_chart(record, period=1.0, damping=0.05)
 
 figure, axes = plt.subplots(figsize=(4.6, 5.0), layout="constrained")
 axes.plot(chart.displacement, chart.velocity_over_frequency, color="0.45", lw=0.8, label="trace")
-circle = chart.circle_displacement, chart.circle_velocity_over_frequency
-axes.plot(*circle, "k--", lw=1.4, label=f"$r_{{PER}}$ = {float(chart.pseudo_energy_radius):.3f} m")
+radius = float(chart.pseudo_energy_radius)
+circle = Circle((0, 0), radius, fill=False, ls="--", lw=1.4, label=f"$r_{{PER}}$ = {radius:.3f} m")
+axes.add_patch(circle)
 axes.set(xlabel="$u$ [m]", ylabel=r"$\dot u/\omega$ [m]", aspect="equal")
 axes.set_title("period 1 s, damping 0.05, synthetic motion", size=9)
 figure.legend(loc="outside lower center", ncols=2)

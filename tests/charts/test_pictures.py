@@ -26,12 +26,9 @@ def test_every_kind_of_picture_belongs_to_a_chart():
 
 
 def test_what_is_no_chart_is_refused_with_the_kinds_there_are():
-    with pytest.raises(ValueError, match=r"no attribute chart; allowed: .*curves.*, plane"):
-        sl.charts.draw(xr.Dataset({"a": ("b", [1.0])}))
-    with pytest.raises(
-        ValueError, match=r"attribute chart = 'pie' is not a known chart; allowed: .*curves"
-    ):
-        sl.charts.draw(xr.Dataset(attrs={"chart": "pie"}))
+    for attrs in ({}, {"chart": "pie"}):
+        with pytest.raises(ValueError, match=r"attribute chart = .* known chart; allowed: .*curves"):
+            sl.charts.draw(xr.Dataset(attrs=attrs))
 
 
 @pytest.mark.parametrize(

@@ -33,10 +33,7 @@ APPLY = (
 )
 GIVEN, BY_SPECTRUM = "given", "by the first mode under the design spectrum"
 EC8 = "eurocode_8"  # name of its rule and of its spectrum
-LIMITED = (
-    "design spectrum of 3.2.2.5 with its branch below TB and its lower bound 0.2 ag; q times its "
-    "displacement is not taken above that of the elastic spectrum (4.3.4)"
-)
+LIMITED = "that of 3.2.2.5, and q times its displacement at most that of the elastic spectrum (4.3.4)"
 
 
 def with_applied_codes(case: Case, table: xr.Dataset) -> xr.Dataset:
@@ -82,7 +79,7 @@ def _applied(case: Case, rule: CodeRule, table: xr.Dataset) -> Rule:
         # The behaviour factor has no effect on displacements of the spectrum that it divides first.
         known[f"{rule.multiplies}_{n}"] = factors.get(rule.multiplies, 1.0)
     row = code_row(rule, site.with_arrays(known))
-    return replace(row, name=name, assumptions=f"{row.assumptions}; {_stated(case, rule)}")
+    return replace(row, name=name, assumptions=f"{row.assumptions}; {stated(case, rule)}")
 
 
 def design_displacements(case: Case, building: Building, rule: CodeRule) -> Array:
@@ -119,12 +116,11 @@ def _reduces(case: Case, building: Building, rule: CodeRule) -> bool:
     return by_spectrum and rule.name == EC8 == code
 
 
-def _stated(case: Case, rule: CodeRule) -> str:
+def stated(case: Case, rule: CodeRule) -> str:
     """The displacements of the buildings and the factors of the code, in words."""
     buildings = one_or_two(case)
     where = (GIVEN if each.form.displacements else BY_SPECTRUM for each in buildings)
-    both = (f"of {each.name} {words}" for each, words in zip(buildings, where, strict=True))
-    sentences = [f"displacements: {', '.join(both)}"]
+    sentences = [f"displacements {' and '.join(dict.fromkeys(where))}"]
     if any(_reduces(case, building, rule) for building in buildings):
         sentences.append(LIMITED)
     for name in (rule.multiplies, *([IMPORTANCE] if rule.over_importance else [])):

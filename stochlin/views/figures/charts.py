@@ -42,13 +42,11 @@ SIMULATED_INTENSITY, SIMULATED_STEP = 0.004, 0.02  # m^2/s^3, s
 BANDS = {NARROW_BAND_DAMPING: "narrow band, ", BROAD_BAND_DAMPING: "broad band, "}
 
 
-def each(check: Number) -> Callable[[str, Sequence[float]], None]:
+def each(check: Number) -> Callable[[str, Sequence[Any]], None]:
     """A check of all values of a list, which must not be empty."""
 
-    def check_all(name: str, values: Sequence[float]) -> None:
-        if not values:
-            raise ValueError(f"{name} is empty; allowed: at least one value")
-        for value in values:
+    def check_all(name: str, values: Sequence[Any]) -> None:
+        for value in values or [None]:
             check(name, value)
 
     return check_all
@@ -136,11 +134,7 @@ class ChartSettings(metaclass=Named):
         ground = KanaiTajimi(self.ground_period, self.ground_dampings[0], SIMULATED_INTENSITY)
         chosen: Any = {"paths": 2, "seed": self.seed, "step": SIMULATED_STEP}
         motion = simulated_motions(ground, duration, envelope, **chosen)[0]
-        about = (
-            f"Motion simulated with seed {self.seed}: {ground_caption(ground)}, S0 = "
-            f"{SIMULATED_INTENSITY:g} m²/s³; {envelope_caption(duration, envelope)}"
-        )
-        return motion.assign_attrs(source="a simulated motion", about=about)
+        return motion.assign_attrs(source=f"a simulated motion of {duration:g} s, seed {self.seed}")
 
     @property
     def fine_points(self) -> int:
@@ -213,26 +207,6 @@ def rounded(values: np.ndarray) -> np.ndarray:
 def design_motion(period: float) -> tuple[float, AminAng]:
     """Duration [s] and envelope of the finite motions on a ground of this period."""
     return DURATION * period, AminAng(RISE_END * period, STRONG_END * period, DECAY / period)
-
-
-def envelope_caption(duration: float, envelope: AminAng) -> str:
-    """Duration and envelope, for the caption of a picture."""
-    return (
-        f"{duration:.3g} s of motion, Amin-Ang envelope: rise to {envelope.rise_end:.3g} s, strong to "
-        f"{envelope.strong_end:.3g} s, decay {envelope.decay:.3g} 1/s"
-    )
-
-
-def ground_caption(ground: Ground) -> str:
-    """Name and parameters of a ground, for the caption of a picture."""
-    symbols = {"period": "Tg = {} s", "damping": "ξg = {}"}
-    symbols |= {f"high_pass_{name}": text.replace("g", "f") for name, text in symbols.items()}
-    texts = [
-        text.format(" and ".join(f"{value:.3g}" for value in ground.arrays()[name].values.ravel()))
-        for name, text in symbols.items()
-        if name in ground.arrays()
-    ]
-    return f"{ground.name} ground, {', '.join(texts)}"
 
 
 def longest_memory(ground: Ground) -> float:

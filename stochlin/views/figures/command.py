@@ -7,7 +7,6 @@ from typing import Any
 
 import click
 
-from stochlin.messages import brief
 from stochlin.views.shared.options import Numbers, QuantityType, as_option, together
 from stochlin.views.shared.screen import COMMANDS, PICTURES, bad_input, check_target, progress_bar
 
@@ -62,7 +61,8 @@ def charts(name: str | None, comparison: bool, **options: Any) -> None:
       stochlin charts fig4b --print-width 84mm --format pdf --out out
       stochlin charts fig5a --damping 0.02 --hardening 0.1 --format pdf --out out
     """
-    from stochlin.views.figures.charts import ChartSettings, chart_functions
+    from stochlin.registry import as_key
+    from stochlin.views.figures.charts import CHARTS, ChartSettings, chart_functions
     from stochlin.views.figures.pictures import width_in_print
 
     with bad_input():
@@ -71,12 +71,11 @@ def charts(name: str | None, comparison: bool, **options: Any) -> None:
             chosen["curves"] = options["curves"].split(",")
         lists = {key: tuple(value) for key, value in chosen.items() if isinstance(value, list)}
         functions = chart_functions(ChartSettings(**chosen | lists))
-        if name is not None and name not in functions:
-            raise ValueError(f"NAME = {brief(name)} is no chart; allowed: {', '.join(functions)}")
+        names = [*functions] if name is None else [as_key(name)]
+        CHARTS.named(names[0], "NAME")
         width_in_print(options["print_width"])
         out: Path = options["out"]
         out.mkdir(parents=True, exist_ok=True)
-        names = list(functions) if name is None else [name]
         for stem in names:
             for ending in (".nc", f".{options['format']}"):
                 check_target("--out", out / f"{stem}{ending}", (ending,))

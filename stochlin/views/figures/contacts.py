@@ -165,24 +165,14 @@ def _histories(
     """Contacts of these elements from their beginning to their end."""
     names = [type(model).__name__ for model in models]
     motions = [_motion(model, settings.fine_points) for model in models]
-    columns = ("scaled_time", "scaled_deformation", "scaled_velocity", "scaled_force")
-    chart = xr.Dataset(
-        {
-            name: (("element", "point"), np.stack(rows))
-            for name, rows in zip(columns, zip(*motions, strict=True), strict=True)
-        },
-        coords={"element": _elements(names)},
-    )
-    chart["scaled_contact_time"] = chart.scaled_time.isel(point=-1)
-    chart["restitution"] = ("element", [model.e for model in models])
-    chart["contact_damping"] = ("element", [getattr(model, "damping", 0.0) for model in models])
-    described = dict(zip(names, models, strict=True))
+    chart = xr.concat(motions, _elements(names))
     chart.attrs |= {"chart": picture, "caption": SCALES, "comment": DIFFERENCES}
+    described = dict(zip(names, models, strict=True))
     return labels.with_run_information(labels.label(chart, VARIABLES), title, call, described)
 
 
-def _motion(model: Element, points: int) -> tuple[Array, Array, Array, Array]:
-    """Time, deformation, velocity and force up to the instant at which the bodies separate."""
+def _motion(model: Element, points: int) -> xr.Dataset:
+    """The contact up to the instant at which the bodies separate."""
     law = model.force_law(1.0)
 
     def rates(_: float, state: Array) -> tuple[float, float]:
@@ -196,16 +186,21 @@ def _motion(model: Element, points: int) -> tuple[Array, Array, Array, Array]:
     solved = solve_ivp(
         rates, span, (0.0, 1.0), method="DOP853", events=margin, dense_output=True, **TOLERANCE
     )
-    time = np.linspace(0, solved.t_events[0][0], points)
+    end = solved.t_events[0][0]
+    time = np.linspace(0, end, points)
     deformation, velocity = solved.sol(time)
     # At both ends the force is that of the dashpot, although the deformation is 0.
-    within = np.maximum(deformation, np.finfo(float).tiny)
-    return time, deformation, velocity, kernel.forces(law, within, velocity, 1.0)
+    force = kernel.forces(law, np.maximum(deformation, np.finfo(float).tiny), velocity, 1.0)
+    over_time = {"time": time, "deformation": deformation, "velocity": velocity, "force": force}
+    motion = xr.Dataset({f"scaled_{name}": ("point", values) for name, values in over_time.items()})
+    numbers = {"restitution": model.e, "contact_damping": getattr(model, "damping", 0.0)}
+    return motion.assign(scaled_contact_time=end, **numbers)
 
 
 def _elements(names: list[str]) -> xr.DataArray:
-    attrs = {"long_name": "contact element"}
-    return xr.DataArray(names, dims="element", coords={"element": names}, name="element", attrs=attrs)
+    return xr.DataArray(
+        names, {"element": names}, "element", "element", {"long_name": "contact element"}
+    )
 
 
 @PICTURES.register("contact_loops")
@@ -217,22 +212,16 @@ def draw_loops(figure: Figure, dataset: xr.Dataset) -> None:
     for axes, sketch in zip((first, second), SKETCHES, strict=True):
         _sketch(axes, *sketch)
     _curves(loops, dataset, "scaled_deformation", "scaled_force")
-    loops.axhline(0, color="0.4", lw=0.6)
-    loops.set(xlim=(0, None), xlabel=quantity(dataset.scaled_deformation))
-    loops.set_ylabel(quantity(dataset.scaled_force))
 
 
 @PICTURES.register("contact_histories")
 def draw_histories(figure: Figure, dataset: xr.Dataset) -> None:
     """Deformation and force over time, from the beginning to the end of each contact."""
-    upper, lower = panels(figure, 2, 1, 2.0)
-    for axes, variable in ((upper, "scaled_deformation"), (lower, "scaled_force")):
-        _curves(axes, dataset, "scaled_time", variable, marker="o", ms=3.5, markevery=[-1])
-        axes.axhline(0, color="0.4", lw=0.6)
-        axes.set(xlim=(0, None), ylabel=quantity(dataset[variable]))
-        axes.set_xlabel(quantity(dataset.scaled_time))
+    for axes, variable in zip(panels(figure, 2, 1, 2.0), ("deformation", "force"), strict=True):
+        end: Any = {"marker": "o", "ms": 3.5, "markevery": [-1]}
+        _curves(axes, dataset, "scaled_time", f"scaled_{variable}", **end)
         axes.label_outer()
-    lower.plot([], [], color="0.3", marker="o", ms=3.5, ls="", label="end of the contact")
+    axes.plot([], [], color="0.3", marker="o", ms=3.5, ls="", label="end of the contact")
 
 
 @PICTURES.register("restitution")
@@ -240,8 +229,7 @@ def draw_restitution(figure: Figure, dataset: xr.Dataset) -> None:
     """Coefficient of restitution over the damping ratio."""
     [axes] = in_a_row(figure, 1, 3.4)
     _curves(axes, dataset, "damping_ratio", "restitution")
-    axes.set(xlim=(float(dataset.damping_ratio[0]), float(dataset.damping_ratio[-1])), ylim=(0, 1))
-    axes.set(xlabel=quantity(dataset.damping_ratio), ylabel=quantity(dataset.restitution))
+    axes.set(xlim=(0, 1), ylim=(0, 1))
 
 
 def _curves(axes: Axes, dataset: xr.Dataset, x: str, y: str, **style: Any) -> None:
@@ -249,6 +237,8 @@ def _curves(axes: Axes, dataset: xr.Dataset, x: str, y: str, **style: Any) -> No
     for (name, label), (color, dash) in zip(OF_PAPER.items(), CURVES, strict=False):
         element = dataset.sel(element=name)
         axes.plot(element[x], element[y], color=color, linestyle=dash, label=label, **style)
+    axes.axhline(0, color="0.4", lw=0.6)
+    axes.set(xlim=(0, None), xlabel=quantity(dataset[x]), ylabel=quantity(dataset[y]))
 
 
 def _sketch(axes: Axes, title: str, law: str, note: str) -> None:

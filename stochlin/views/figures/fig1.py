@@ -15,20 +15,18 @@ from stochlin.solver.tables import labels
 from stochlin.views.figures.charts import ChartSettings, register_chart
 from stochlin.views.figures.pictures import PANEL, PICTURES, SQUARE, in_a_row, in_cm
 from stochlin.views.shared.style import CURVES, quantity
+from stochlin.views.shared.words import roles_in_words
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 POINTS_PER_PERIOD = 32  # for a smooth phase portrait
-CIRCLE_POINTS = 181
 PERIODS = (0.1, 5.0)  # first and last period of an axis [s]
 ENERGIES = ("input", "viscous", "hysteretic")
 TRACE: Any = {"color": "0.35", "lw": 0.7}
-CIRCLE: Any = {"color": "#8c2d04", "linestyle": (0, (6, 1.5))}
+PEAK: Any = {"color": "#8c2d04", "linestyle": (0, (6, 1.5))}
 VARIABLES = {
     "velocity_over_frequency": ("m", "velocity over circular frequency"),
-    "circle_displacement": ("m", "displacement on the circle of r_PER"),
-    "circle_velocity_over_frequency": ("m", "velocity over frequency on the circle of r_PER"),
     **{f"{kind}_energy_radius": ("m", f"radius of the {kind} energy so far") for kind in ENERGIES},
     "significant_begin": ("s", "time of 5 % of the energy of the record"),
     "significant_end": ("s", "time of 95 % of the energy of the record"),
@@ -48,7 +46,7 @@ def _fig1b(settings: ChartSettings) -> xr.Dataset:
 
 @checked
 def portrait_chart(record: xr.DataArray, period: float, damping: float) -> xr.Dataset:
-    """Fig. 1a: phase portrait ``u'/w`` over ``u``, and the circle with the pseudo energy radius.
+    """Fig. 1a: phase portrait ``u'/w`` over ``u``, and the pseudo energy radius.
 
     Parameters
     ----------
@@ -60,9 +58,8 @@ def portrait_chart(record: xr.DataArray, period: float, damping: float) -> xr.Da
     Returns
     -------
     xarray.Dataset
-        ``displacement``, ``velocity_over_frequency`` and ``radius`` [m] over ``time``;
-        ``pseudo_energy_radius`` [m]; ``circle_displacement`` and ``circle_velocity_over_frequency`` [m]
-        over ``angle`` [rad].
+        ``displacement``, ``velocity_over_frequency`` and ``radius`` [m] over ``time``, and
+        ``pseudo_energy_radius`` [m].
 
     Raises
     ------
@@ -86,12 +83,9 @@ def portrait_chart(record: xr.DataArray, period: float, damping: float) -> xr.Da
     peak = pseudo_energy_radius(record, period, damping).pseudo_energy_radius
     refine = _refine(record, period, POINTS_PER_PERIOD)
     motion = respond(Bilinear(period, damping), record, refine=refine)
-    angle = labels.axis("angle", "angle", np.linspace(0, 2 * np.pi, CIRCLE_POINTS), "rad")
     chart = motion[["displacement", "radius"]].assign(
         velocity_over_frequency=motion.velocity * period / (2 * np.pi),
         pseudo_energy_radius=peak,
-        circle_displacement=float(peak) * np.cos(angle),
-        circle_velocity_over_frequency=float(peak) * np.sin(angle),
     )
     return labels.label(chart, VARIABLES).assign_attrs(
         chart="portrait",
@@ -104,15 +98,17 @@ def portrait_chart(record: xr.DataArray, period: float, damping: float) -> xr.Da
 @PICTURES.register("portrait")
 def draw_portrait(figure: Figure, dataset: xr.Dataset) -> None:
     """Phase portrait with the circle of the pseudo energy radius, and the radius over time."""
+    from matplotlib.patches import Circle
+
     plane, history = in_a_row(figure, 2, SQUARE)
     states = [in_cm(dataset[name]) for name in ("displacement", "velocity_over_frequency")]
     radius, largest = in_cm(dataset.radius), in_cm(dataset.pseudo_energy_radius)
     plane.plot(*states, **TRACE)
-    plane.plot(*(in_cm(dataset[f"circle_{state.name}"]) for state in states), **CIRCLE)
+    plane.add_patch(Circle((0, 0), float(largest), fill=False, lw=1.6, **PEAK))
     plane.set_aspect("equal", adjustable="datalim")
     plane.set(xlabel=quantity(states[0]), ylabel=quantity(states[1]))
     history.plot(dataset.time, radius, label=quantity(radius), **TRACE)
-    history.axhline(float(largest), label=quantity(largest), **CIRCLE)
+    history.axhline(float(largest), label=quantity(largest), **PEAK)
     history.set(xlim=(float(dataset.time[0]), float(dataset.time[-1])), ylim=(0, 1.06 * float(largest)))
     history.set(xlabel=quantity(dataset.time), ylabel=quantity(radius))
 
@@ -220,5 +216,5 @@ def source_of(record: xr.DataArray) -> str:
 
 
 def about(record: xr.DataArray) -> str:
-    """A line that says how a motion was simulated; empty for a record."""
-    return f"\n{record.attrs['about']}" if "about" in record.attrs else ""
+    """Lines that say how a motion was simulated; empty for a record."""
+    return "".join(f"\n{line}" for line in roles_in_words(record.attrs, "ground", "envelope"))

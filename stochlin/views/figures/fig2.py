@@ -96,8 +96,9 @@ def draw_critical_gap(figure: Figure, dataset: xr.Dataset) -> None:
 
 def _levels(highest: float) -> np.ndarray:
     """Levels 0 and 1, 2, 3, 5, 10, ... from a thousandth of the highest value to beyond it."""
-    decade = np.floor(np.log10(highest))
-    series = np.array([m * 10.0 ** (decade + n) for n in (-3, -2, -1, 0, 1) for m in (1, 2, 3, 5)])
-    end = int(np.searchsorted(series, highest))
-    chosen = series[: end + 1]
-    return np.array([0.0, *chosen[chosen >= highest / 1000]])
+    from matplotlib.ticker import LogLocator
+
+    lowest = highest / 1000
+    series = np.asarray(LogLocator(subs=(1, 2, 3, 5), numticks=10).tick_values(lowest, 10 * highest))
+    series = series[series >= lowest]
+    return np.array([0.0, *series[: np.searchsorted(series, highest) + 1]])

@@ -7,9 +7,9 @@ of the ground is arbitrary.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from functools import partial
+from functools import partial, reduce
 from typing import Any
 
 import numpy as np
@@ -29,7 +29,6 @@ from stochlin.views.figures.charts import (
     USUAL,
     ChartSettings,
     design_motion,
-    ground_caption,
     longest_memory,
     register_chart,
 )
@@ -111,7 +110,8 @@ def period_ratio_chart(
     times = "" if frequency_ratio == 1 else f"{frequency_ratio:g} "
     title = f"Stationary correlation of bilinear structures, ω2 = {times}ωg"
     chart.attrs |= words(settings, ground, title, f"; T2 = {second_period:.3g} s")
-    return with_errors(chart.assign_attrs(chart="curves", comparison="compared_curves"), settings)
+    chart.attrs |= {"chart": "curves", "comparison": "compared_curves"}
+    return with_errors(chart, "rho", [SIMULATED, IN_MOTIONS], settings)
 
 
 for _letter, _ratio in (("a", 0.5), ("b", 1.0), ("c", 2.0)):
@@ -124,10 +124,9 @@ def _groups(settings: ChartSettings, size: int) -> list[Place]:
     The longest memory of a group determines the duration of its simulation, and the shortest period its
     time step: each reduction factor and each half of a curve is a group.
     """
-    count = number_of_points(settings, SIMULATED_POINTS)
-    if not count:
+    step = simulated_step(settings, size, SIMULATED_POINTS)
+    if not step:
         return []
-    step = max(1, round((size - 1) / (count - 1)))
     middle = step * -(-size // (2 * step))
     halves = slice(0, middle, step), slice(middle, None, step)
     rows = [slice(n, n + 1) for n in range(len(settings.reduction_factors))]
@@ -137,94 +136,83 @@ def _groups(settings: ChartSettings, size: int) -> list[Place]:
 def with_truth(
     chart: xr.Dataset, pair: Pair, ground: Ground, settings: ChartSettings, places: Iterable[Place]
 ) -> xr.Dataset:
-    """A chart of ``rho`` with the drift closure and, at some places, nonlinear simulation.
-
-    ``rho_simulated``, ``rho_standard_error`` and ``drift_memory`` are NaN elsewhere.
-    """
+    """A chart of ``rho`` with the drift closure and, at some places, nonlinear simulation."""
     drift = correlate(*pair, ground, closure=DRIFT, bias=False).rho
     chart["rho_drift"] = drift.transpose(*chart.rho.dims)
     options: Any = {"paths": settings.paths, "seed": settings.seed}
+    tables = []
     for place in places:
         first, second = (structure.isel(place) for structure in pair)
         table = correlate(first, second, ground, "simulation", **options)
         table[MEMORY] = np.maximum(table[f"{MEMORY}_1"], table[f"{MEMORY}_2"])
-        for name, source in ((SIMULATED, "rho"), (ERROR, ERROR), (MEMORY, MEMORY)):
-            if name not in chart:
-                chart[name] = xr.full_like(chart.rho, np.nan).assign_attrs(table[source].attrs)
-            chart[name][place] = table[source].transpose(*chart.rho.dims).values
-    if SIMULATED in chart:
+        tables.append(table[["rho", ERROR, MEMORY]].rename(rho=SIMULATED))
+    chart = labels.label(with_points(chart, tables), VARIABLES)
+    if tables:
         chart[SIMULATED].attrs["ancillary_variables"] = f"{ERROR} {MEMORY}"
-    chart = labels.label(chart, VARIABLES).assign_attrs(longest_memory_s=longest_memory(ground))
     chart.rho.attrs["curve_label"] = "ρ, linearized"
-    return chart
+    return chart.assign_attrs(longest_memory_s=longest_memory(ground))
+
+
+def with_points(chart: xr.Dataset, tables: Sequence[xr.Dataset]) -> xr.Dataset:
+    """A chart with the variables of these tables of some of its cells, NaN in all others."""
+    if not tables:
+        return chart
+    known = reduce(xr.Dataset.combine_first, tables).reindex_like(chart)
+    return chart.merge(known.transpose(*chart.status.dims))
 
 
 def _with_motions(chart: xr.Dataset, pair: Pair, ground: Ground, settings: ChartSettings) -> xr.Dataset:
     """A chart with the mean correlation in finite motions where the drift has a long memory."""
-    period = ground_period(ground)
-    motion: Any = dict(zip(("duration", "envelope"), design_motion(period), strict=True))
-    motion |= {"paths": max(2, settings.paths), "seed": settings.seed, "step": period / STEPS}
-    usual: dict[str, Any] = {"intensity": SIMULATED_INTENSITY}
-    ground = replace(ground, **usual)
-    slow = is_slow(chart)
-    for end in ("", "_standard_error"):
-        chart[f"{IN_MOTIONS}{end}"] = xr.full_like(chart.rho, np.nan)
+    period, error = ground_period(ground), f"{IN_MOTIONS}_standard_error"
+    duration, envelope = design_motion(period)
+    motion: Any = {"paths": max(2, settings.paths), "seed": settings.seed, "step": period / STEPS}
+    strong: dict[str, Any] = {"intensity": SIMULATED_INTENSITY}
+    step = simulated_step(settings, chart.sizes["period_ratio"], SIMULATED_POINTS)
+    columns, tables = {"period_ratio": slice(None, None, step)}, []
     for number in range(chart.sizes.get("ground", 1)):
-        here = {"ground": number} if "ground" in chart.dims else {}
-        soil, where = ground.isel(here), slow.isel(here).values
-        if where.any():
-            first, second = (_strong(each, soil, slow.isel(here)) for each in pair)
-            rho = recorded_gap(first, second, list(simulated_motions(soil, **motion))).rho
-            chart[IN_MOTIONS][here].values[where] = rho.mean("record")
-            error = rho.std("record", ddof=1) / np.sqrt(rho.sizes["record"])
-            chart[f"{IN_MOTIONS}_standard_error"][here].values[where] = error
-    chart = labels.label(chart, VARIABLES)
-    chart[IN_MOTIONS].attrs |= {
-        "ancillary_variables": f"{IN_MOTIONS}_standard_error",
-        "long_name": f"ρ in motions of {motion['duration']:.3g} s",
-    }
+        soil = replace(ground, **strong).isel({"ground": number})
+        first, second = (_with_strength(each.isel(columns), soil) for each in pair)
+        rho = recorded_gap(
+            first, second, list(simulated_motions(soil, duration, envelope, **motion))
+        ).rho
+        spread = rho.std("record", ddof=1) / np.sqrt(rho.sizes["record"])
+        tables.append(xr.Dataset({IN_MOTIONS: rho.mean("record"), error: spread}))
+    table = xr.concat(tables, chart.ground) if "ground" in chart.dims else tables[0]
+    chart = labels.label(with_points(chart, [table.where(is_slow(chart))]), VARIABLES)
+    name = f"ρ in motions of {duration:.3g} s"
+    chart[IN_MOTIONS].attrs |= {"ancillary_variables": error, "long_name": name}
     return chart
 
 
-def _strong(structure: Bilinear, ground: Ground, where: xr.DataArray) -> Bilinear:
-    """The structures of these cells in a row, with their yield displacements in metres."""
-    each = structure.arrays()["period"], linearize(structure, ground).yield_displacement
-    whole = (array.broadcast_like(where).transpose(*where.dims).values for array in each)
-    period, strength = (xr.DataArray(values[where.values], dims="point") for values in whole)
-    return replace(structure, period=period, yield_displacement=strength, reduction_factor=None)
+def _with_strength(structure: Bilinear, ground: Ground) -> Bilinear:
+    """Structures with their yield displacements in metres on this ground."""
+    strength = linearize(structure, ground).yield_displacement
+    return replace(structure, yield_displacement=strength, reduction_factor=None)
 
 
-def with_errors(chart: xr.Dataset, settings: ChartSettings) -> xr.Dataset:
-    """A chart of ``rho`` that states its errors against simulation, or else the caution."""
-    chart.attrs["shows"] = "rho"
-    if SIMULATED not in chart:
-        return chart.assign_attrs(comment=labels.CAUTION_RHO)
-    comment = (
-        f"Simulated on {settings.paths} paths, standard error at most {float(chart[ERROR].max()):.2g}. "
-        f"{errors_in_words(chart, 'rho')}"
-    )
-    points = [SIMULATED, *[IN_MOTIONS] * (IN_MOTIONS in chart)]
-    return chart.assign_attrs(points=" ".join(points), comment=comment)
+def with_errors(
+    chart: xr.Dataset, name: str, points: Sequence[str], settings: ChartSettings
+) -> xr.Dataset:
+    """A chart of this variable that states its errors against simulation, or else the caution.
 
-
-def errors_in_words(chart: xr.Dataset, name: str) -> str:
-    """Mean and largest errors against simulation, ground by ground, where the drift is not slow.
-
-    The errors of ``rho`` are differences, all others are in per cent.
+    They are without those points whose drift is slow, which are not those of motions of finite length.
     """
+    chart.attrs |= {"shows": name, "points": " ".join(point for point in points if point in chart)}
+    of_rho = name == "rho"
+    if f"{name}_simulated" not in chart:
+        return chart.assign_attrs(comment=labels.CAUTION_RHO if of_rho else labels.CAUTION_SIGMA)
     simulated = chart[f"{name}_simulated"].where(~is_slow(chart))
-    scale, unit = (1.0, "") if name == "rho" else (100 / abs(simulated), " %")
     texts = []
-    for variable, method in ((name, "linearized"), (f"{name}_drift", "drift closure")):
-        off = scale * abs(chart[variable] - simulated)
-        each = [np.atleast_1d(of(simulated.dims[-2:])) for of in (off.mean, off.max)]
-        errors = [f"{m:.2g}{unit} ({n:.2g}{unit})" for m, n in zip(*each, strict=True)]
-        texts.append(f"{method} {' and '.join(errors)}")
-    left_out = ""
-    if bool(is_slow(chart).any()):
-        limit = chart.attrs["longest_memory_s"]
-        left_out = f" Simulations whose plastic drift relaxes in more than {limit:.3g} s are left out."
-    return f"Mean (largest) error against simulation: {'; '.join(texts)}.{left_out}"
+    for method, values in (("linearized", chart[name]), ("drift closure", chart[f"{name}_drift"])):
+        off = abs(values - simulated) / (1.0 if of_rho else simulated)
+        each = (np.atleast_1d(of(simulated.dims[-2:])) for of in (off.mean, off.max))
+        of_grounds = (f"{mean:.2g} ({most:.2g})" for mean, most in zip(*each, strict=True))
+        texts.append(f"{method} {' and '.join(of_grounds)}")
+    comment = (
+        f"Mean (largest) {'' if of_rho else 'relative '}error against simulation on {settings.paths} "
+        f"paths, where plastic drifts relax within {chart.longest_memory_s:.3g} s: {'; '.join(texts)}."
+    )
+    return chart.assign_attrs(comment=comment)
 
 
 def ground_period(ground: Ground) -> float:
@@ -242,15 +230,17 @@ def bilinear(settings: ChartSettings, period: Any, reduction_factor: Any) -> Bil
     return Bilinear(period, settings.damping, settings.hardening, reduction_factor=reduction_factor)
 
 
-def number_of_points(settings: ChartSettings, usual: int) -> int:
-    """Number of simulated points along a curve or an axis."""
-    return usual if settings.simulated_points is None else settings.simulated_points
+def simulated_step(settings: ChartSettings, size: int, usual: int) -> int:
+    """The step from a simulated point to the next along a curve or an axis; 0 for none."""
+    count = usual if settings.simulated_points is None else settings.simulated_points
+    return max(1, round((size - 1) / (count - 1))) if count else 0
 
 
 def words(settings: ChartSettings, ground: Ground, title: str, where: str = "") -> dict[str, str]:
-    """Title and caption of a chart of linearized structures."""
+    """Title and caption of a chart of linearized structures; the ground's strength is no matter."""
+    stated = ", ".join(text for text in ground.stated() if not text.startswith("intensity"))
     caption = (
-        f"{ground_caption(ground)}{where}\nBilinear structures: ξ = "
-        f"{settings.damping:g}, α = {settings.hardening:g}, R = 3 σel/uy; linearized, Gaussian closure"
+        f"{ground.name} ground, {stated}{where}\nBilinear structures: ξ = {settings.damping:g}, "
+        f"α = {settings.hardening:g}, R = 3 σel/uy; linearized, Gaussian closure"
     )
     return {"title": title, "caption": caption}

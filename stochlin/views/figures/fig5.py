@@ -17,17 +17,17 @@ from stochlin.views.figures.charts import (
     USUAL,
     ChartSettings,
     design_motion,
-    envelope_caption,
     longest_memory,
     register_chart,
 )
 from stochlin.views.figures.fig4 import (
+    SIMULATED,
     bilinear,
-    errors_in_words,
     ground_period,
-    number_of_points,
     reduction_factors,
+    simulated_step,
     with_errors,
+    with_points,
     with_truth,
     words,
 )
@@ -36,7 +36,6 @@ from stochlin.views.figures.pictures import MEMORY
 RATIOS = (0.1, 4.0)  # first and last period of an axis, over that of the ground
 SIMULATED_POINTS = 41  # along an axis of Fig. 5a
 STD_INTERVALS, PEAK_INTERVALS = 8, 32  # intervals between simulated periods of Fig. 5b
-STD_PATHS = 64  # paths for standard deviations, whose simulations are long
 SLOWEST_DRIFT = 2.0  # smallest reduction factor whose standard deviation is simulated within minutes
 OF_PEAKS, OF_STD = "amplification_of_peaks", "amplification_simulated"
 ENDS = "", "_standard_error"
@@ -88,14 +87,13 @@ def period_plane_chart(settings: ChartSettings = USUAL, ground: Ground | None = 
     first, second = (bilinear(settings, ratio * period, factor) for ratio in axes)
     chart = correlate(first, second, ground, bias=False)[["rho", "status"]]
     chart = chart.transpose(..., "period_ratio_1", "period_ratio_2")
-    places = []
-    if count := number_of_points(settings, SIMULATED_POINTS):
-        step = max(1, round((settings.points - 1) / (count - 1)))
-        places = [{f"period_ratio_{n}": slice(None, None, step) for n in (1, 2)}]
+    step = simulated_step(settings, settings.points, SIMULATED_POINTS)
+    places = [{f"period_ratio_{n}": slice(None, None, step) for n in (1, 2)}] if step else []
     chart = with_truth(chart, (first, second), ground, settings, places)
     title = f"Stationary correlation of bilinear structures, R = {factor:g}"
     chart.attrs |= words(settings, ground, title)
-    return with_errors(chart.assign_attrs(chart="plane", comparison="compared_planes"), settings)
+    chart.attrs |= {"chart": "plane", "comparison": "compared_planes"}
+    return with_errors(chart, "rho", [SIMULATED], settings)
 
 
 @register_chart("fig5b", place=50)
@@ -139,48 +137,31 @@ def amplification_chart(settings: ChartSettings = USUAL, ground: Ground | None =
     drift = amplification(structure, ground, closure=DRIFT).amplification
     chart["amplification_drift"] = drift.transpose(*chart.amplification.dims)
     duration, envelope = design_motion(period)
-    few: dict[str, Any] = {"paths": min(settings.paths, STD_PATHS), "seed": settings.seed}
-    motion = few | {"of": "peak", "duration": duration, "envelope": envelope, "paths": settings.paths}
+    paths: dict[str, Any] = {"paths": settings.paths, "seed": settings.seed}
+    motion = paths | {"of": "peak", "duration": duration, "envelope": envelope}
     elastic, last = table.displacement_std / table.amplification, settings.points - 1
     seldom, often = (slice(None, None, max(1, last // n)) for n in (STD_INTERVALS, PEAK_INTERVALS))
-    factors = [n for n, factor in enumerate(settings.reduction_factors) if factor >= SLOWEST_DRIFT]
-    runs = [(OF_PEAKS, slice(None), often), *((OF_STD, slice(n, n + 1), seldom) for n in factors)]
-    for name, rows, columns in runs:
-        place = {"reduction_factor": rows, "period_ratio": columns}
-        here = structure.isel(place)
-        if name == OF_PEAKS:
-            simulated = amplification(here, ground, **motion)
-            made = {f"{name}{end}": simulated[f"amplification{end}"] for end in ENDS}
-        else:
-            simulated = correlate(here, here.isel(dict.fromkeys(place, 0)), ground, "simulation", **few)
-            made = {f"{name}{end}": simulated[f"displacement_std{end}_1"] / elastic for end in ENDS}
-            made[MEMORY] = simulated[f"{MEMORY}_1"]
-        for column, values in made.items():
-            if column not in chart:
-                chart[column] = xr.full_like(chart.amplification, np.nan)
-            chart[column][place] = values.transpose(*chart[column].dims).values
-        chart[name].attrs["ancillary_variables"] = " ".join([*made][1:])
-    chart = labels.label(chart, VARIABLES).assign_attrs(longest_memory_s=longest_memory(ground))
+    peaks = amplification(structure.isel({"period_ratio": often}), ground, **motion)
+    names = {f"amplification{end}": f"{OF_PEAKS}{end}" for end in ENDS}
+    tables = [peaks[[*names]].rename(names)]
+    names = {f"displacement_std{end}_1": f"{OF_STD}{end}" for end in ENDS}
+    for n, factor in enumerate(settings.reduction_factors):
+        if factor >= SLOWEST_DRIFT:
+            place = {"reduction_factor": slice(n, n + 1), "period_ratio": seldom}
+            here = structure.isel(place)
+            simulated = correlate(
+                here, here.isel(dict.fromkeys(place, 0)), ground, "simulation", **paths
+            )
+            stds = simulated[[*names]].rename(names) / elastic
+            tables.append(stds.assign({MEMORY: simulated[f"{MEMORY}_1"]}))
+    chart = labels.label(with_points(chart, tables), VARIABLES)
+    for name, beside in ((OF_PEAKS, ""), (OF_STD, f" {MEMORY}")):
+        if name in chart:
+            chart[name].attrs["ancillary_variables"] = f"{name}_standard_error{beside}"
     chart.amplification.attrs["curve_label"] = "D of standard deviations, linearized"
     title = "Amplification by yielding: of stationary standard deviations, and of maxima in a motion"
     chart.attrs |= words(settings, ground, title)
-    chart.attrs["caption"] += f"\nMaxima: {envelope_caption(duration, envelope)}"
-    return chart.assign_attrs(
-        chart="curves",
-        comparison="compared_curves",
-        shows="amplification",
-        points=OF_PEAKS,
-        comment=_errors(chart),
-    )
-
-
-def _errors(chart: xr.Dataset) -> str:
-    """The largest standard errors of the simulations, and the errors of the curves against them."""
-    simulated = {OF_PEAKS: "maxima", OF_STD: f"standard deviations (R ≥ {SLOWEST_DRIFT:g})"}
-    errors = [
-        f"{text} {100 * float((chart[f'{name}_standard_error'] / chart[name]).max()):.2g} %"
-        for name, text in simulated.items()
-        if name in chart
-    ]
-    against = f" {errors_in_words(chart, 'amplification')}" if OF_STD in chart else ""
-    return f"Largest standard error of the simulated {', '.join(errors)}.{against}"
+    chart.attrs["caption"] += f"\nMaxima: {duration:.3g} s of motion, {envelope.describe()}"
+    chart.attrs |= {"chart": "curves", "comparison": "compared_curves"}
+    chart.attrs["longest_memory_s"] = longest_memory(ground)
+    return with_errors(chart, "amplification", [OF_PEAKS], settings)

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Callable, Hashable, Iterator, Sequence
-from functools import partial
 from itertools import cycle, product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
 
-from stochlin.messages import brief
+from stochlin.models.arguments import Number
+from stochlin.models.parameters import Range
 from stochlin.registry import Registry
 from stochlin.views.shared.style import (
     CURVES,
@@ -28,13 +28,17 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.contour import ContourSet
     from matplotlib.figure import Figure
+    from matplotlib.tri import Triangulation
 
 # Functions that draw the axes of a dataset into a figure, by its attribute ``chart`` or ``comparison``.
 PICTURES: Registry[Callable[[Figure, xr.Dataset], None]] = Registry("chart", "stochlin.views.figures")
 INCH, CENTIMETRES = 0.0254, 100.0  # in metres, in a metre
 WIDTH = 7.2  # inches, of a picture on the screen
 NARROW = 5.0  # inches, below which panels stand in one column
-PRINT_WIDTHS = 0.08, 0.25  # m, the range
+PRINT_WIDTHS = Number(  # m
+    Range(0.08, 0.25, True, True),
+    "0.08 to 0.25 m, such as 0.084 and 0.174 for one and two columns",
+)
 WIDE_PANEL, PANEL, SMALL_PANEL, SQUARE = 3.4, 2.7, 1.75, 3.1  # inches, heights
 # Of a picture in print, where no text is below 7 points; on the screen it is 8 to 10.
 PRINT_STYLE: Any = {"font.size": 8, "axes.titlesize": 8, "axes.linewidth": 0.6, "lines.linewidth": 1.2}
@@ -45,7 +49,7 @@ SYMBOLS = {"damping": r"$\xi$", "reduction_factor": "R"}
 MEMORY = "drift_memory"  # variable with the memory of plastic drifts [s]
 MARKERS = "os^Dvp", "xXP*14"  # of the simulated points of each curve, and of those in finite motions
 TWICE = 1.96  # half a 95 % interval, in standard errors
-POINT: Any = {"ls": "none", "ms": 3.6, "mew": 0.8}
+POINT: Any = {"ms": 3.6, "mew": 0.8, "elinewidth": 0.8, "zorder": 4}
 OPEN = "simulated, slow drift"  # label of open points
 EDGE = 0.05  # of an axis, in which no contour has its number
 PLANES = {"rho": "linearized", "rho_drift": "drift closure", "rho_simulated": "simulated"}
@@ -80,13 +84,8 @@ def draw(dataset: xr.Dataset, *, comparison: bool = False, print_width: float | 
     from matplotlib.figure import Figure
     from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-    if "chart" not in dataset.attrs:
-        dimensions, allowed = tuple(dataset.dims), ", ".join(PICTURES)
-        raise ValueError(f"dataset over {dimensions} has no attribute chart; allowed: {allowed}")
-    if comparison and "comparison" not in dataset.attrs:
-        raise ValueError("comparison = True; allowed: False, since this chart has no second picture")
-    kind = dataset.attrs["comparison" if comparison else "chart"]
-    draw_axes = PICTURES.named(kind, "attribute chart")
+    kind = "comparison" if comparison else "chart"
+    draw_axes = PICTURES.named(dataset.attrs.get(kind), f"attribute {kind}")
     numbers = [array for array in dataset.data_vars.values() if array.dtype.kind == "f"]
     if numbers and not any(bool(np.isfinite(array).any()) for array in numbers):
         raise ValueError(
@@ -106,12 +105,7 @@ def width_in_print(print_width: float | None) -> float:
     """Width of a picture in inches; on the screen without a width [m] in print."""
     if print_width is None:
         return WIDTH
-    low, high = PRINT_WIDTHS
-    if not isinstance(print_width, int | float) or not low <= print_width <= high:
-        raise ValueError(
-            f"print_width = {brief(print_width)} is out of range; allowed: {low:g} to {high:g} m, such "
-            "as 0.084 and 0.174 for one and two columns"
-        )
+    PRINT_WIDTHS("print_width", print_width)
     return float(print_width) / INCH
 
 
@@ -178,6 +172,11 @@ def title_of(dim: Hashable, value: Any) -> str:
     return f"{SYMBOLS.get(str(dim), dim)} = {value:g}"
 
 
+def curve_label(values: xr.DataArray) -> str:
+    """What curves of a variable are called in a legend, if not by its name."""
+    return typeset(values.attrs.get("curve_label", values.long_name))
+
+
 def in_cm(table: xr.DataArray) -> xr.DataArray:
     """A length in centimetres."""
     return (CENTIMETRES * table).assign_attrs(table.attrs | {"units": "cm"}).rename(table.name)
@@ -211,15 +210,12 @@ def draw_curves(figure: Figure, dataset: xr.Dataset) -> None:
             style: Any = {"color": color, "linestyle": dash, "label": label or quantity(table)}
             if points:  # on no point of the curve, but in the legend
                 style |= {"marker": markers[0], "markevery": [], "ms": POINT["ms"]}
-            for values, marker in zip(points, markers, strict=False):
-                draw_points(axes, dataset.sel({**place, **along}), values, marker, color)
+            for values, marker, all_markers in zip(points, markers, MARKERS, strict=False):
+                draw_points(axes, dataset.sel({**place, **along}), values, marker, color, all_markers[0])
             axes.plot(row[row.dims[-1]], row, **style)
     set_axes(every, table, [table, *points])
     if points:
-        text = typeset(table.attrs.get("curve_label", quantity(table)))
-        every[0].plot([], [], color="0.1", label=text)
-    for values, markers_of in zip(points, MARKERS, strict=False):
-        draw_points(every[0], dataset, values, markers_of[0], "0.1", legend=True)
+        every[0].plot([], [], color="0.1", label=curve_label(table))
 
 
 @PICTURES.register("compared_curves")
@@ -231,51 +227,42 @@ def compare_curves(figure: Figure, dataset: xr.Dataset) -> None:
         if str(name).startswith(str(table.name)) and not str(name).endswith("_error")
     ]  # fmt: skip
     every_place = list(places(table, 1))
-    columns = dataset.sizes.get("ground", 2)
-    rows = -(-len(every_place) // columns)
-    every = panels(figure, rows, columns, SMALL_PANEL, shared=True)
-    for axes, (title, place) in zip(every, every_place, strict=False):
+    columns = dataset.sizes.get("ground", 1)
+    every = panels(figure, len(every_place) // columns, columns, SMALL_PANEL, shared=True)
+    for axes, (title, place) in zip(every, every_place, strict=True):
         axes.set_title(title.replace(", ", "\n") if is_narrow(figure) else title, loc="left")
         looks, markers = iter(cycle(CURVES)), iter("o^x")
         here = dataset.sel(place)
         for values in methods:
             if "ancillary_variables" in values.attrs:
                 marker = next(markers)
-                draw_points(axes, here, values, marker, "0.1")
-                draw_points(axes, here, values, marker, "0.1", legend=True)
+                draw_points(axes, here, values, marker, "0.1", marker)
             else:
                 color, dash = next(looks)
                 curve = here[values.name]
-                label = typeset(values.attrs.get("curve_label", quantity(values)))
-                axes.plot(curve[curve.dims[-1]], curve, label=label, color=color, ls=dash)
-    for axes in every[len(every_place) :]:
-        axes.remove()
-    set_axes(every[: len(every_place)], table, methods)
+                axes.plot(curve[curve.dims[-1]], curve, label=curve_label(values), color=color, ls=dash)
+    set_axes(every, table, methods)
     figure.supylabel(quantity(table), size="medium")
-    for axes in every[: len(every_place)]:
+    for axes in every:
         axes.set_ylabel("")
 
 
 def draw_points(
-    axes: Axes, dataset: xr.Dataset, points: xr.DataArray, marker: str, color: str, legend: bool = False
+    axes: Axes, dataset: xr.Dataset, points: xr.DataArray, marker: str, color: str, in_legend: str
 ) -> None:
     """Simulated points with 95 % intervals, open where their plastic drift has a long memory.
 
-    For the ``legend``, their names in place of the points.
+    In the legend they are black, and have the marker ``in_legend``.
     """
     error, *memory = points.attrs["ancillary_variables"].split()
     values = dataset[points.name]
     slow = is_slow(dataset) if memory else xr.zeros_like(values, bool)
-    for label, where, face in ((quantity(points), ~slow, color), (OPEN, slow, "w")):
+    for label, where, inside in ((quantity(points), ~slow, None), (OPEN, slow, "w")):
         part = values.where(where)
-        if not bool(part.notnull().any()):
-            continue
-        look: Any = {"marker": marker, "color": color, "mfc": face, **POINT}
-        if legend:
-            axes.plot([], [], label=label, **look)
-        else:
+        if bool(part.notnull().any()):
             bars = TWICE * dataset[error].values
-            axes.errorbar(part[part.dims[-1]], part, bars, lw=0.8, zorder=4, **look)
+            axes.errorbar(part[part.dims[-1]], part, bars, fmt=marker, color=color, mfc=inside, **POINT)
+            axes.errorbar([], [], [], fmt=in_legend, color="0.1", mfc=inside, label=label, **POINT)
 
 
 def set_axes(every: Sequence[Axes], table: xr.DataArray, drawn: Sequence[xr.DataArray]) -> None:
@@ -306,12 +293,12 @@ def compare_planes(figure: Figure, dataset: xr.Dataset) -> None:
     """A column of planes for each ground; that of simulation is white where the drift is slow."""
     tables = {text: dataset[name] for name, text in PLANES.items() if name in dataset}
     if MEMORY in dataset:
-        simulated = tables["simulated"]
-        for dim in simulated.dims[-2:]:
-            simulated = simulated.dropna(dim, how="all")
-        tables["simulated"] = simulated.where(~is_slow(dataset))
+        first, second = tables["simulated"].dims[-2:]
+        known = tables["simulated"].dropna(first, how="all").dropna(second, how="all")
+        tables["simulated"] = known.where(~is_slow(dataset))
+    apart = "\n" if is_narrow(figure) else ", "
     named = [
-        (f"{title}\n{text}".strip().replace(", ", "\n" if is_narrow(figure) else ", "), table.sel(place))
+        (f"{title}\n{text}".strip().replace(", ", apart), table.sel(place))
         for text, table in tables.items()
         for title, place in places(table, 2)
     ]
@@ -338,10 +325,10 @@ def planes(
         across, up = (table[name] for name in table.dims)
         label_axis(axes, "x", across)
         label_axis(axes, "y", up)
-        fill, draw_lines = _contours(axes, across.values, up.values, table.values.T)
-        filled = fill(levels=levels, cmap=shades, norm=BoundaryNorm(levels, shades.N))
+        mesh = _triangles(across.values, up.values, table.values)
+        filled = axes.tricontourf(*mesh, levels, cmap=shades, norm=BoundaryNorm(levels, shades.N))
         below = levels < float(table.max()) - 1e-9  # at the very top a line would be dots along a ridge
-        lines.append(draw_lines(levels=levels[below], colors="0.1", linewidths=0.6))
+        lines.append(axes.tricontour(*mesh, levels[below], colors="0.1", linewidths=0.6))
         axes.set_title(title, loc="left")
         axes.grid(visible=False)
         axes.set_box_aspect(1)
@@ -355,25 +342,16 @@ def planes(
         _number(axes, drawn)
 
 
-def _contours(axes: Axes, x: np.ndarray, y: np.ndarray, z: np.ndarray) -> tuple[Any, Any]:
-    """What fills the contours of a table, and what draws their lines.
-
-    A table of equal axes is cut into triangles along its diagonal: a narrow ridge on it stays whole.
-    """
-    if not np.array_equal(x, y) or not np.isfinite(z).all():
-        return partial(axes.contourf, x, y, z), partial(axes.contour, x, y, z)
+def _triangles(x: np.ndarray, y: np.ndarray, z: np.ndarray) -> tuple[Triangulation, np.ndarray]:
+    """The plane of a table cut into triangles along its diagonal: a narrow ridge on it stays whole."""
     from matplotlib.tri import Triangulation
 
-    number = np.arange(z.size).reshape(z.shape)
-    corner, above, right, opposite = (
-        number[rows, columns].ravel()
-        for columns in (slice(None, -1), slice(1, None))
-        for rows in (slice(None, -1), slice(1, None))
-    )
+    corner = np.arange(z.size).reshape(z.shape)[:-1, :-1].ravel()
+    right, opposite, above = corner + y.size, corner + y.size + 1, corner + 1
     triangles = np.concatenate([[corner, right, opposite], [corner, opposite, above]], axis=1).T
-    across, up = np.meshgrid(x, y)
-    mesh = Triangulation(across.ravel(), up.ravel(), triangles)
-    return partial(axes.tricontourf, mesh, z.ravel()), partial(axes.tricontour, mesh, z.ravel())
+    across, up = (grid.ravel() for grid in np.meshgrid(x, y, indexing="ij"))
+    unknown = ~np.isfinite(z.ravel()[triangles]).all(axis=1)
+    return Triangulation(across, up, triangles, unknown), np.ma.masked_invalid(z.ravel())
 
 
 def contour_levels(*tables: xr.DataArray) -> np.ndarray:

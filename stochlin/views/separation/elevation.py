@@ -112,7 +112,7 @@ def dimensions(answer: CaseAnswer) -> list[Dimension]:
     lines.append(Dimension(f"required {length(gap)}{ends}", gap, of_motions, low, high))
     for row in own_codes(answer):
         size = f"\n{length(row.metres)}" if np.isfinite(row.metres) else ""
-        lines.append(Dimension(f"{row.label.partition(',')[0]}{size}", row.metres, row.verdict))
+        lines.append(Dimension(f"{row.label}{size}", row.metres, row.verdict))
     return lines
 
 

@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from stochlin.applications.cases.separation import CaseAnswer
 
 SPECTRUM = "Response spectra of the motions and of the target. Vertical: elastic periods."
-SIGNED = "Date, prepared by, checked by:"  # by hand: the same case makes the same page
 
 
 def first_sections(answer: CaseAnswer) -> list[ViewSection]:
@@ -41,7 +40,8 @@ def answer_sections(answer: CaseAnswer) -> list[ViewSection]:
     return [
         *first_sections(answer),
         ViewSection(f"The existing {about.gap}", words.allowances(answer)),
-        ViewSection("", texts(words.details(answer)), detail=True),
+        ViewSection("", words.details(answer), on_page=False, detail=True),
+        ViewSection("", words.details(answer, on_page=True), on_screen=False),
         ViewSection("Uncertain parameters", [Text(with_uncertainty(case, f"the {about.gap} is that"))]),
         ViewSection(f"How often {about.meet}", risk_blocks(answer)),
         ViewSection("The records", [_records(answer)]),
@@ -50,7 +50,7 @@ def answer_sections(answer: CaseAnswer) -> list[ViewSection]:
         ViewSection("Influence of the inputs", _influence(answer)),
         ViewSection("Method", [Items(words.method(case)), words.assumptions(answer)], on_screen=False),
         ViewSection("The case", words.case_file(case), on_screen=False),
-        ViewSection("", [Text(f"{name_of_file(case)}. {SIGNED}", "signed")], on_screen=False),
+        ViewSection("", [Text(words.signed(answer), "signed")], on_screen=False),
     ]
 
 

@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from scipy import constants
 
-from stochlin.applications.cases.codes import APPLIED, APPLY, KIND
+from stochlin.applications.cases.codes import APPLIED, APPLY, KIND, stated
+from stochlin.applications.cases.rows import name_of_file
 from stochlin.applications.separation.separation import COMBINED
 from stochlin.models.rules.codes import CODE_RULES
-from stochlin.views.shared.blocks import Block, Items, Row, Table, Text, ViewSection
+from stochlin.views.shared.blocks import Block, Items, Row, Table, Text, ViewSection, texts
 from stochlin.views.shared.words import (
     SPACE,
     along,
@@ -40,7 +41,6 @@ LINE = (
     "Nothing beyond the property line is in the model: two neighbours that each stay on their own side "
     "cannot meet; for a neighbour nearer to the line, compute the gap between both buildings."
 )
-
 AS_APPLIED, COMBINATION = "the code as you apply it", "the code's combination of simulated peaks"
 KINDS = {
     "simulation": "",
@@ -61,7 +61,7 @@ MARKS = (
     "Marks: S, compared with its source; C, derived and checked; P, in the text of the paper; M, not "
     "compared with its source."
 )
-AT_LEAST, LESS = "at least the answer", "less than the answer"  # verdicts
+SIGNED = "Date, prepared by, checked by:"
 OF_TWO = "needs a second building"  # the reason why a rule is not available
 
 
@@ -229,13 +229,12 @@ def _ductilities(table: xr.Dataset) -> str:
     return f"Mean peak ductility: {' and '.join(shown)}."
 
 
-def details(answer: CaseAnswer) -> list[str]:
-    """The shaking and its scatter, the fit of the ground, the height, ductilities and drifts."""
-    case, table = answer.case, answer.separation
-    sentences = [shaking(answer.shaking, case), scatter(case)]
-    sentences.append(" ".join(fit_in_words(answer.spectrum, case.periods)))
-    sentences += [_ductilities(table), _storeys(answer)]
-    return [sentence for sentence in sentences if sentence]
+def details(answer: CaseAnswer, on_page: bool = False) -> list[Text]:
+    """The shaking, its scatter and fit that a page draws or says elsewhere, ductilities and drifts."""
+    case = answer.case
+    motions = [scatter(case), " ".join(fit_in_words(answer.spectrum, case.periods))]
+    moved = [_ductilities(answer.separation), _storeys(answer)]
+    return texts([shaking(answer.shaking, case), *([] if on_page else motions), *moved])
 
 
 def _storeys(answer: CaseAnswer) -> str:
@@ -303,14 +302,20 @@ def method(case: Case) -> list[str]:
     spread = f"; a scatter of {case.site.scatter:g} about it is in the answer" * bool(case.site.scatter)
     known = " that are not uncertain here" * bool(case.uncertain)
     return [
-        f"Motions: {case.simulated.motions} of a stationary random process with an envelope "
+        f"{case.simulated.motions} motions of a stationary random process with an envelope "
         f"({site_in_words(case)}); the interval covers their sampling only. The strength of the next "
         f"earthquake is the largest unknown{spread}.",
-        "Left out: modes beyond the models of the case, torsion of irregular plans, soil under the "
-        f"foundations, loss of strength, the error of the parameters{known}; load factors and least "
-        "distances of codes.",
+        "Left out: modes beyond the models, torsion, soil under the foundations, loss of strength, "
+        f"errors of the parameters{known}; load factors and least distances of codes.",
         *([LINE] if case.alone else []),
     ]
+
+
+def signed(answer: CaseAnswer) -> str:
+    """What is signed, by hand: the required gap, and those of the codes of the case file."""
+    gap = f"{subject_of(answer.case).gap} {length(float(answer.separation.gap[0]))}"
+    numbers = [f"{row.label} {length(row.metres)}" for row in own_codes(answer) if not row.missing]
+    return f"{'; '.join([f'{name_of_file(answer.case)}: {gap}', *numbers])}. {SIGNED}"
 
 
 def case_file(case: Case) -> list[Text]:
@@ -325,14 +330,14 @@ class RuleLine(NamedTuple):
     """One rule as it is shown."""
 
     rule: str  # as in the dataset
-    label: str  # as in a text
+    label: str  # below the name of its group
     group: str
     usual: bool  # whether it is shown without details
     metres: float
     verdict: str
     cells: tuple[str, ...]  # of the table on the screen
     missing: str
-    basis: str  # assumptions and source
+    basis: str  # what is assumed in this case, and the source
 
 
 def rows(answer: CaseAnswer) -> list[RuleLine]:
@@ -366,9 +371,11 @@ def _line(answer: CaseAnswer, group: str, row: xr.Dataset) -> RuleLine:
     error = per_cent(float(row.error), sign="+") if group else ""
     share = per_cent(float(row.no_pounding_probability), 1)
     texts = {name: str(row[name].item()) for name in ("mark", "assumptions", "reference", "missing")}
+    if stem != rule:
+        texts["assumptions"] = stated(answer.case, CODE_RULES[stem])
     return RuleLine(
         rule=rule,
-        label=f"{rule_label(stem)}, {words}" if words else rule_label(stem),
+        label=rule_label(stem.removeprefix("eq_3_")),
         group=group,
         usual=rule in USUAL or group == AS_APPLIED or rule in answer.case.wanted.of_rules,
         metres=gap,
@@ -389,11 +396,7 @@ def rules_table(answer: CaseAnswer, shown: list[RuleLine]) -> Table:
     """A row for each rule that has a gap: on the screen by its name in files, on a page by its title."""
     about = subject_of(answer.case)
     heads = ("rule", f"{about.gap} [cm]", "error", about.column, "verdict", "mark")
-    table_rows = [
-        Row(row.cells, row.label.removeprefix("eq. (3), "), row.group, look=row.verdict)
-        for row in shown
-        if not row.missing
-    ]
+    table_rows = [Row(row.cells, row.label, row.group, row.verdict) for row in shown if not row.missing]
     return Table(heads, table_rows, words=heads[4:], minor=heads[5:])
 
 
