@@ -98,7 +98,7 @@ from .models.hazards import (
 
 # Buildings from files
 from .applications.buildings.modes import read_modes as read_modes
-from .applications.buildings.pushover_files import read_pushover as read_pushover
+from .applications.buildings.pushover import read_pushover as read_pushover
 from .applications.buildings.pushover import bilinear_of as bilinear_of
 
 # Probability and risk

@@ -4,7 +4,6 @@
 """
 
 from stochlin.applications.cases.pounding import pound_case as pound_case
-from stochlin.applications.records.spectra import fit_spectra as fit_spectra
 from stochlin.applications.sites.simulated_spectra import simulated_spectrum as simulated_spectrum
 from stochlin.removed import missing
 from stochlin.views.figures.charts import CHARTS as CHARTS

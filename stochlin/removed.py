@@ -20,7 +20,7 @@ REMOVED: dict[str, str] = {
     "pounding_estimate_error": "pounding_estimate beside the amplification that pound gives in a motion",
     "ground_names": "the documentation of named_ground lists the names",
     "strong_part": "fit_ground(record, part=(0.05, 0.95)) takes this part of a record",
-    "fit_spectra": "use charts.fit_spectra",
+    "fit_spectra": "ground.psd(frequency), beside scipy.signal.welch of the record over 4 pi",
     "effective_rule": "use rules.effective_rule",
     "effective_rule_names": "use rules.effective_rule_names",
     "code_rule": "use rules.code_rule",

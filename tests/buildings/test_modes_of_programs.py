@@ -67,22 +67,22 @@ def table(name: str, titles: str, units: str, rows: Cells) -> Cells:
     return [[f"TABLE:  {name}"], titles.split("|"), units.split("|"), *rows, []]
 
 
-def ratios_table(case: str = "Case|Mode", decimals: int = 8) -> Cells:
+def ratios_table() -> Cells:
     rows: Cells = [
-        ["Modal", n, period, *np.round(ratio, decimals), 0.0, *np.cumsum(RATIOS[:n], axis=0)[-1], 0.0]
+        ["Modal", n, period, *np.round(ratio, 8), 0.0, *np.cumsum(RATIOS[:n], axis=0)[-1], 0.0]
         for n, (period, ratio) in enumerate(zip(PERIODS, RATIOS, strict=True), 1)
     ]
-    titles = f"{case}|Period|UX|UY|UZ|SumUX|SumUY|SumUZ"
+    titles = "Case|Mode|Period|UX|UY|UZ|SumUX|SumUY|SumUZ"
     return table("Modal Participating Mass Ratios", titles, "||sec|||||", rows)
 
 
-def etabs(factor: float = 1.0) -> list[Cells]:
-    """The tables of ETABS; ``factor`` scales shapes, as another unit would."""
+def etabs() -> list[Cells]:
+    """The tables of ETABS."""
     down = [*range(MASSES.size)][::-1]
     heights: Cells = [[STORIES[f], HEIGHTS[f] * 1000, "Yes"] for f in down]
     masses: Cells = [[STORIES[f], MASSES[f], MASSES[f], 0] for f in down] + [["Base", 50, 50, 0]]
     centres: Cells = [
-        [STORIES[f], "D1", "Modal", "LinModEigen", "Mode", n + 1, *(factor * SHAPES[n, f])]
+        [STORIES[f], "D1", "Modal", "LinModEigen", "Mode", n + 1, *SHAPES[n, f]]
         for f in down
         for n in range(PERIODS.size)
     ]
@@ -147,17 +147,6 @@ def by_diaphragm() -> str:
     return changed("Mass Summary", rows, titles, "||kN-s2/m|kN-s2/m")
 
 
-def in_kips() -> str:
-    """Masses in kip s2/in and heights in inches."""
-    size = 4448.2216152605 / 0.0254 / 1000
-    rows: Cells = [[STORIES[f], MASSES[f] / size, MASSES[f] / size, 0] for f in (2, 1, 0)]
-    titles, unit = "Mass Summary by Story:Story|UX|UY|UZ", "kip-s2/in"
-    text = changed("Mass Summary", rows, titles, f"|{unit}|{unit}|{unit}")
-    for height in {*HEIGHTS}:
-        text = text.replace(f",{height * 1000},", f",{height / 0.0254},")
-    return text.replace(",mm,\n", ",in,\n", 1)
-
-
 VARIANTS: dict[str, Callable[[], str]] = {
     "as exported": lambda: as_text(etabs()),
     "in another order": lambda: as_text(etabs()[::-1]),
@@ -168,7 +157,6 @@ VARIANTS: dict[str, Callable[[], str]] = {
     ),
     "from the ground up": upwards,
     "masses of diaphragms": by_diaphragm,
-    "in kips and inches": in_kips,
 }
 
 

@@ -93,10 +93,6 @@ def test_codes_of_one_building_by_hand() -> None:
     low = sl.code_gaps(0.001, None, height_1=2.0, zone="I")
     assert float(low.gap.sel(rule="mexico_city")) == 0.05
     assert one.missing.sel(rule="canada").item().startswith("a second building")
-    tall = {"height_1": 24.0, "storeys_1": 7, "zone": "I"}
-    more = sl.code_gaps(0.05, None, **tall).gap
-    for rule, gap in (("iran_2800", 0.12), ("nsr_10", 0.24), ("nzs_1170_5", 0.05)):
-        assert float(more.sel(rule=rule)) == pytest.approx(gap)
     assert sl.code_gaps(0.02, None).missing.sel(rule="mexico_city").item() == "height_1, zone"
     assert sl.rules.code_rule("asce_7").gap(0.03, None) == 0.03
 

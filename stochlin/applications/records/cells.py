@@ -44,6 +44,13 @@ class RecordedMotions(NamedTuple):
         named = zip(names, self.grounds, strict=True)
         return "; ".join(f"{name}: {len(values)} samples at {dt:g} s" for name, (values, dt) in named)
 
+    def together(self, tables: Sequence[xr.Dataset]) -> xr.Dataset:
+        """The tables of all records in one over ``record``, or that of a single record as it is."""
+        if self.names is None:
+            return tables[0]
+        names = xr.DataArray(self.names, dims=RECORD, name=RECORD, attrs={"long_name": "record"})
+        return xr.concat(tables, names, data_vars="all", coords="minimal", compat="override")
+
 
 def checked_motions(record: Records) -> RecordedMotions:
     """The records, checked; names in a list are those of the sources, if all differ, or else numbers."""

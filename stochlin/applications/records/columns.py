@@ -10,8 +10,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from stochlin.applications.records.formats import Array, RecordFile, Series
+from stochlin.applications.records.formats import RecordFile, Series
 from stochlin.applications.sheets.sheets import Table, number_in, table_of, text_sheet, with_unit
+from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief
 from stochlin.models.units import size_of
 
@@ -60,7 +61,7 @@ class Text(NamedTuple):
         chosen = self._chosen(column, time)
         table = self.table()
         values = table.numbers(chosen, "number")
-        times = None if time is None else self._times(table, time)
+        times = None if time is None else table.seconds(time, "time")
         named = self.head.title_cells[chosen] if self.head.titles else ""
         nameless = 0 if named or time is not None else self.head.width
         return Series(values, times, None, self.units_of(chosen), named, nameless=nameless)
@@ -93,13 +94,6 @@ class Text(NamedTuple):
         stated = self.head.unit_of(column)
         units = (stated, *(with_unit(title)[1] for title in self.titles))
         return next((unit for unit in units if size_of(unit, "m/s^2")), stated) or None
-
-    def _times(self, table: Table, column: int) -> Array:
-        """The times [s] in a column."""
-        if (size := size_of(self.head.unit_of(column) or "s", "s")) is None:
-            title = brief(self.head.title_cells[column])
-            raise ValueError(f"time_column is {title}; allowed: time in seconds")
-        return size * table.numbers(column, "number")
 
     def _words(self) -> str:
         """All numbers in their order, with white space between them."""

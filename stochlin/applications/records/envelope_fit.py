@@ -10,8 +10,8 @@ import numpy as np
 import xarray as xr
 from scipy import integrate
 
+from stochlin.applications.records.ground_fit import best_fit
 from stochlin.applications.records.records import checked_record
-from stochlin.applications.records.spectra import best_fit
 from stochlin.kernels.basics.arrays import Array
 from stochlin.models.arguments import OneOf, checked
 from stochlin.models.envelopes import AminAng, Envelope, GammaEnvelope, ShinozukaSato

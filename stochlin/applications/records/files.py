@@ -21,14 +21,12 @@ _COMMENT = re.compile(r"^([-+.,;\dDEde\s]*)[#%].*")
 class UnknownFormatError(ValueError):
     """A text in which no record can be seen, such as notes beside records."""
 
-
-def unknown_format(name: str) -> UnknownFormatError:
-    """The error for such a file, which says what is read."""
-    titles = ", ".join(of.title for of in FORMATS.values())
-    return UnknownFormatError(
-        f"{name} has no accelerations in a format that is known; allowed: {titles}, columns of numbers "
-        "(skip= leaves out lines above them); docs/from_records.md has what obspy reads"
-    )
+    def __init__(self, name: str) -> None:
+        titles = ", ".join(of.title for of in FORMATS.values())
+        super().__init__(
+            f"{name} has no accelerations in a format that is known; allowed: {titles}, columns of "
+            "numbers (skip= leaves out lines above them); docs/from_records.md has what obspy reads"
+        )
 
 
 def read_channels(
@@ -47,13 +45,12 @@ def read_channels(
     of = next((of for of in FORMATS.values() if of.header.search(first)), None)
     if of is None:
         if (text := Text.of(name, lines, skip)) is None:
-            raise unknown_format(name)
+            raise UnknownFormatError(name)
         return name, [text.series(column, time_column, wrapped)]
     columns = {"column": column, "time_column": time_column, "wrapped": wrapped or None}
     refuse(name, of.title, columns)
-    channels = of.read(RecordFile(name, lines))
-    if not channels:
-        raise unknown_format(name)
+    if not (channels := of.read(RecordFile(name, lines))):
+        raise UnknownFormatError(name)
     for unit in (channel.units for channel in channels if channel.units):
         if size_of(unit, "m/s^2") is None:
             raise ValueError(f"{name} has {brief(unit)}; allowed: units of an acceleration")

@@ -1,30 +1,27 @@
-"""Fit of a ground to a strong-motion record."""
+"""Fit of a ground to a strong-motion record, by its periodogram; the estimators of the fit."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from typing import Annotated, Any, NamedTuple
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
+from scipy import fft, optimize
 
-from stochlin.applications.records.records import strong_part
-from stochlin.applications.records.spectra import (
-    ESTIMATORS,
-    STRONG_PART,
-    Estimator,
-    Part,
-    Vector,
-    best_fit,
-    described,
-    energy_band,
-    periodogram,
-)
-from stochlin.models.arguments import OneOf, TwoNumbers, checked
+from stochlin.applications.records.records import checked_record, strong_part
+from stochlin.kernels.basics.arrays import Array
+from stochlin.models.arguments import OneOf, TwoNumbers
 from stochlin.models.grounds import GROUNDS, Ground
 
-Matrix = npt.NDArray[np.float64]
+STRONG_PART: TwoNumbers = (0.05, 0.95)
+
+# Shares of the cumulative energy over frequency between which a fit is made by default. Outside,
+# leakage, noise and filters of the record outweigh the ground motion.
+_ENERGY = (1e-4, 0.99)
+# Share of the part under a cosine taper, for estimators that weight low ordinates fully.
+_TAPER = 0.1
+_INSIDE = 1e-6  # smallest distance of a start of a fit from the bounds
 # Ordinates of the padded periodogram per independent one, so that sums approximate integrals.
 _PADDING = 4
 _MINIMUM_ORDINATES = 8
@@ -32,6 +29,58 @@ _MINIMUM_ORDINATES = 8
 _LINE_WIDTH = 2.78
 _START_PERIODS = 16
 _STEP, _ON_BOUND = 1e-4, 1e-3  # in the logarithm of a parameter
+
+
+class Estimator(NamedTuple):
+    """Residuals of a fit, with the weight and variance from which standard errors follow.
+
+    The estimating equations are ``sum weight e dlog(model)/dp = 0``. The error ``e`` has the variance
+    ``variance``, since ordinates of a record over the true PSD are exponentially distributed.
+    """
+
+    text: str
+    residual: Callable[[Array, Array], Array]
+    weight: Callable[[Array], Array]
+    variance: float
+    taper: float
+
+
+def _difference(record: Array, model: Array) -> Array:
+    return (model - record) / record.max()
+
+
+def _log_difference(record: Array, model: Array) -> Array:
+    return np.log(model / record) - np.euler_gamma  # the mean log of an exponential variable
+
+
+def _deviance(record: Array, model: Array) -> Array:
+    ratio = record / model
+    return np.sign(ratio - 1) * np.sqrt(2 * np.maximum(ratio - 1 - np.log(ratio), 0))
+
+
+ESTIMATORS = {
+    "psd": Estimator("least squares on the linear PSD", _difference, np.square, 1.0, 0.0),
+    "log_psd": Estimator(
+        "least squares on the log PSD", _log_difference, np.ones_like, np.pi**2 / 6, _TAPER
+    ),
+    "whittle": Estimator("Whittle likelihood", _deviance, np.ones_like, 1.0, _TAPER),
+}
+
+
+def best_fit(
+    residual: Callable[[Array], Array],
+    starts: Iterable[Array],
+    bounds: tuple[Any, Any],
+    **options: float,
+) -> Any:
+    """The fit with the least sum of squares, as `scipy.optimize.least_squares` returns it.
+
+    ``residual`` is a function of the unknowns, ``options`` are tolerances of the search.
+    """
+    lower, upper = bounds
+    inside = (np.clip(start, lower + _INSIDE, upper - _INSIDE) for start in starts)
+    fits = [optimize.least_squares(residual, start, "3-point", bounds, **options) for start in inside]
+    return min(fits, key=lambda fit: float(fit.cost))
 
 
 class _Problem(NamedTuple):
@@ -45,17 +94,17 @@ class _Problem(NamedTuple):
         """Whether a parameter is fitted as a multiple of the ground period."""
         return name != "period" and self.kind.units(name) == "s"
 
-    def parameters(self, values: Sequence[Any] | Matrix) -> dict[str, Any]:
+    def parameters(self, values: Sequence[Any] | Array) -> dict[str, Any]:
         """Those of the ground, by name: numbers, or arrays of cells."""
         return {
             name: value * values[0] if self.over_period(name) else value
             for name, value in zip(self.bounds, values, strict=True)
         }
 
-    def psd(self, logs: Matrix, frequency: Vector) -> Matrix:
+    def psd(self, logs: Array, frequency: Array) -> Array:
         """PSD for each row of parameters (trials, frequencies), from one call."""
         ground_filter = self.kind.filter(self.parameters(np.exp(logs).T[..., None]))
-        density: Matrix = ground_filter.intensity * ground_filter.transmission(frequency)
+        density: Array = ground_filter.intensity * ground_filter.transmission(frequency)
         return density
 
 
@@ -64,22 +113,22 @@ def fitted_grounds() -> dict[str, type[Ground]]:
     return {name: kind for name, kind in GROUNDS.items() if kind.fit is not None}
 
 
-@checked
 def ground_of_record(
     record: xr.DataArray,
-    model: str = "kanai_tajimi",
-    estimator: Annotated[str, OneOf(ESTIMATORS)] = "psd",
-    *,
-    part: Part = STRONG_PART,
+    model: str | None = None,
+    estimator: str | None = None,
+    part: TwoNumbers = STRONG_PART,
     frequency_range: TwoNumbers | None = None,
 ) -> Any:
     """The ground that `fit_ground` fits to a record."""
-    kinds = fitted_grounds()
+    kinds, model = fitted_grounds(), "kanai_tajimi" if model is None else model
+    estimator = "psd" if estimator is None else estimator
     OneOf(kinds)("model", model)
+    OneOf(ESTIMATORS)("estimator", estimator)
     chosen = ESTIMATORS[estimator]
     strong = strong_part(record, *part)
-    frequency, density, duration = periodogram(strong, _PADDING, chosen.taper)
-    low, high = energy_band(frequency, density, duration) if frequency_range is None else frequency_range
+    frequency, density, duration = _periodogram(strong, chosen.taper)
+    low, high = _band(frequency, density, duration) if frequency_range is None else frequency_range
     narrowest = 2 * np.pi * _MINIMUM_ORDINATES / duration
     if not (low >= 0 and high <= frequency[-1] and high - low >= narrowest):
         allowed = f"0 to {frequency[-1]:g} rad/s, {narrowest:.3g} rad/s or more apart in this part"
@@ -96,7 +145,7 @@ def ground_of_record(
     values = np.exp(logs) * [*np.ones(logs.size - 1), scale]
     resolved = _LINE_WIDTH * values[0] / (2 * np.pi * duration)
     source = (
-        f"{chosen.text} of {described(record, part, duration)}, {low:.3g} to {high:.3g} rad/s; "
+        f"{chosen.text} of {_described(record, part, duration)}, {low:.3g} to {high:.3g} rad/s; "
         f"standard errors: period {100 * errors[0]:.1f} %, damping {100 * errors[1]:.1f} %, "
         f"intensity {100 * errors[-1]:.1f} %"
     )
@@ -105,8 +154,8 @@ def ground_of_record(
     return problem.kind(**problem.parameters(values.tolist()), source=source)
 
 
-def _minimize(frequency: Vector, density: Vector, problem: _Problem, estimator: Estimator) -> Vector:
-    def residual(logs: Vector) -> Matrix:
+def _minimize(frequency: Array, density: Array, problem: _Problem, estimator: Estimator) -> Array:
+    def residual(logs: Array) -> Array:
         return estimator.residual(density, problem.psd(np.atleast_2d(logs), frequency))
 
     with np.errstate(divide="ignore"):
@@ -122,16 +171,16 @@ def _minimize(frequency: Vector, density: Vector, problem: _Problem, estimator: 
             raise ValueError(
                 f"the fit ends on a bound, {which}; try another estimator, part or WhiteNoise"
             )
-    logs: Vector = best.x
+    logs: Array = best.x
     return logs
 
 
 def _starts(
-    frequency: Vector,
-    density: Vector,
+    frequency: Array,
+    density: Array,
     problem: _Problem,
-    residual: Callable[[Vector], Matrix],
-) -> list[Vector]:
+    residual: Callable[[Array], Array],
+) -> list[Array]:
     """Starting values: for each start of the other unknowns, the best period of a grid.
 
     The intensity is that with the energy of the record.
@@ -147,7 +196,7 @@ def _starts(
     return starts
 
 
-def _standard_errors(frequency: Vector, logs: Vector, problem: _Problem, estimator: Estimator) -> Vector:
+def _standard_errors(frequency: Array, logs: Array, problem: _Problem, estimator: Estimator) -> Array:
     """Relative standard errors of the parameters [-], by the sandwich estimator of their covariance."""
     shifts = _STEP * np.eye(logs.size)
     up, down = (problem.psd(logs + sign * shifts, frequency) for sign in (1, -1))
@@ -155,5 +204,32 @@ def _standard_errors(frequency: Vector, logs: Vector, problem: _Problem, estimat
     weight = estimator.weight(problem.psd(logs[None], frequency)[0])
     bread = np.linalg.pinv((weight * slopes) @ slopes.T)
     filling = _PADDING * estimator.variance * (weight**2 * slopes) @ slopes.T
-    errors: Vector = np.sqrt(np.diag(bread @ filling @ bread))
+    errors: Array = np.sqrt(np.diag(bread @ filling @ bread))
     return errors
+
+
+def _described(record: xr.DataArray, part: TwoNumbers, duration: float) -> str:
+    """Name of a record, part used and its duration [s]."""
+    name = record.attrs.get("source", "a record")
+    return f"{name}, {100 * part[0]:g}-{100 * part[1]:g} % part ({duration:.4g} s)"
+
+
+def _periodogram(part: xr.DataArray, taper: float) -> tuple[Array, Array, float]:
+    """Frequencies [rad/s] from 0 to Nyquist, two-sided PSD per rad/s, and the duration [s]."""
+    from scipy import signal  # which takes long to load, with all of scipy.stats
+
+    values, dt = checked_record(part)
+    if not np.ptp(values):
+        raise ValueError(f"record is {values[0]:g} throughout the part used; allowed: some motion")
+    length = fft.next_fast_len(_PADDING * values.size, real=True)
+    window = ("tukey", taper)
+    hertz, density = signal.periodogram(values, 1 / dt, window, length, return_onesided=False)
+    half = length // 2 + 1
+    return 2 * np.pi * np.abs(hertz[:half]), density[:half] / (2 * np.pi), values.size * dt
+
+
+def _band(frequency: Array, density: Array, duration: float) -> tuple[float, float]:
+    """Default frequency range of a fit [rad/s], lowest and highest."""
+    energy = np.cumsum(density)
+    low, high = frequency[np.searchsorted(energy, np.multiply(_ENERGY, energy[-1]))]
+    return max(2 * np.pi / duration, float(low)), float(high)

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from stochlin.applications.records.cells import RECORD, RecordedMotions
+from stochlin.applications.records.cells import RecordedMotions
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.pounding.run import GroundMotions, StepCounts, run
@@ -27,7 +27,6 @@ from stochlin.solver.tables.work import check_work
 STEPS_PER_PERIOD = 32  # steps in the shortest period before the first halving
 FALLEN = 1e3  # displacement over the largest at which a structure falls, where it is not followed
 CLOSE, HALVINGS = 1e-4, 6  # allowed relative change of peaks when the step is halved; most halvings
-AT_ONCE = 4096  # steps computed at a time
 
 
 class SteppedResponse(NamedTuple):
@@ -143,10 +142,7 @@ def stepped_gap(
         tables.append(table)
         if progress is not None:
             progress(len(tables) / len(motions.grounds))
-    if motions.names is None:
-        return tables[0]
-    names = xr.DataArray(motions.names, dims=RECORD, attrs={"long_name": "record"})
-    return xr.concat(tables, names.rename(RECORD), data_vars="all", coords="minimal", compat="equals")
+    return motions.together(tables)
 
 
 def gap_columns(separation: Any, peaks: Sequence[Any], rho: Any | None) -> dict[str, Any]:
@@ -219,10 +215,7 @@ def _values(
     dt = ground.dt / cuts
     values = np.zeros((len(f) + 1, len(weights)))
     for group in connected:
-        watched, block, state = group.watched, group.part.block(dt), group.part.at_rest(1)
-        for begin in range(0, len(f), AT_ONCE):
-            part = f[begin : begin + AT_ONCE]
-            out = np.empty((len(part), watched.size, 1))
-            block(part, state, 1, out)
-            values[begin + 1 : begin + 1 + len(part)] += out[..., 0] @ weights[:, watched].T
+        out = np.empty((len(f), group.watched.size, 1))
+        group.part.block(dt)(f, group.part.at_rest(1), 1, out)
+        values[1:] += out[..., 0] @ weights[:, group.watched].T
     return values

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 import xarray as xr
 
-from stochlin.applications.records.cells import RECORD, OscillatorOnRecord, Records, checked_motions
+from stochlin.applications.records.cells import OscillatorOnRecord, Records, checked_motions
 from stochlin.applications.records.gaps import recorded_gap
 from stochlin.applications.separation.existing_gap import damped
 from stochlin.kernels.correlation.combination import double_difference
@@ -181,12 +181,8 @@ def damping_for_gap(
     True
     """
     motions = checked_motions(record)
-    tables = [_least_damping(first, second, each, gap, ground) for each in motions.records]
-    table = tables[0]
-    if motions.names is not None:
-        names = xr.DataArray(motions.names, dims=RECORD, name=RECORD, attrs={"long_name": "record"})
-        table = xr.concat(tables, names, coords="minimal", compat="override")
-    table = table.assign_attrs(
+    each = [_least_damping(first, second, record, gap, ground) for record in motions.records]
+    table = motions.together(each).assign_attrs(
         gap_m=float(gap),
         searched=f"added damping to {TRIED[-1]:g}, the first that is enough",
         records=motions.describe(),

@@ -263,13 +263,12 @@ def all_rules(pair: PairInMotion, codes: Sequence[CodeRule]) -> list[Rule]:
 
 def _solved(pair: PairInMotion, rule: Rule, solve: Callable[[], Gaps]) -> Rule:
     """A rule with its gaps, or with the reason why it has none."""
-    missing = COMBINES if pair.alone and rule.kind == EQUATION_3 else ""
     try:
-        gaps, rhos = (None, None) if missing else solve()
+        if pair.alone and rule.kind == EQUATION_3:
+            raise ValueError(COMBINES)
+        gaps, rhos = solve()
     except (ArithmeticError, ValueError) as error:
-        gaps, missing = None, str(error)
-    if gaps is None:
-        return Rule(rule.name, rule.kind, np.full(pair.heights.size, np.nan), missing=missing)
+        return Rule(rule.name, rule.kind, np.full(pair.heights.size, np.nan), missing=str(error))
     return replace(rule, gaps=gaps, rhos=rhos)
 
 

@@ -15,17 +15,16 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from stochlin.applications.sheets.workbooks import rows_of
+from stochlin.applications.sheets.workbooks import MOST_CELLS, rows_of
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief, listed, plain
 from stochlin.models.arguments import is_whole
 from stochlin.models.parameters import Range
-from stochlin.models.units import parsed, stated_size
+from stochlin.models.units import parsed, size_of, stated_size
 from stochlin.solver.tables.inputs import read_input, read_text
 
 _WORKBOOKS = b"PK\x03\x04", b"\xd0\xcf\x11\xe0"  # signatures of .xlsx, and of .xls or with a password
 _SAMPLE = 50  # lines in which the separator is looked for, and where the numbers begin
-MOST_CELLS = 2**23  # lines times columns
 _DECIMAL_COMMA = re.compile(r"(^|[;\s])[-+]?\d*,\d+([;\s]|$)")
 _BETWEEN_TITLES = r"\t+|\s{2,}", r"\s+(?![(\[])", r"\s+"  # white space, which may be within titles
 _UNIT = re.compile(r"(.*)[(\[]([^()\[\]]*)[)\]](.*)")  # the last pair of brackets
@@ -74,19 +73,17 @@ class Sheet(NamedTuple):
             text, signs = self.cells.at[line, column], " or ".join(map(repr, self.decimal))
             if not np.isnan(values[n]):
                 raise self.error(line, column, f"the {what} is {values[n]:g}; allowed: {allowed}")
-            said = f"{brief(text)} is not a {what}" if text else f"the {what} is missing"
-            raise self.error(
-                line, column, f"{said}; allowed: a number, with {signs} before its decimals"
-            )
+            what = f"{brief(text)} is not a {what}" if text else f"the {what} is missing"
+            what += f"; allowed: a number, with {signs} before its decimals"
+            raise self.error(line, column, what)
         return values.reshape(texts.shape)
 
     def check_width(self, lines: Sequence[int], width: int) -> None:
         """Raise a ValueError for cells beyond the columns, such as the rest of 190,000."""
         beyond = self.cells.loc[lines].iloc[:, width:]
         for n, m in np.argwhere((beyond != "").to_numpy())[:1]:
-            where = self.where(beyond.index[n], beyond.columns[m])
-            what = f"{brief(beyond.iat[n, m])} is beyond the {width} columns above"
-            raise ValueError(f"{where}: {what}; allowed: no signs between thousands")
+            what = f"{brief(beyond.iat[n, m])} is beyond the {width} columns above; allowed: no signs"
+            raise self.error(beyond.index[n], beyond.columns[m], f"{what} between thousands")
 
     def without_comments(self) -> Sheet:
         """The lines that do not begin with # or %."""
@@ -159,6 +156,12 @@ class Table(NamedTuple):
         cells = [self.sheet.cells.at[line, column] for line in (self.titles, self.units) if line]
         stated = max((with_unit(cell)[1] for cell in cells), default="", key=len)
         return stated or (cells[-1] if self.units else "")
+
+    def seconds(self, column: int, what: str) -> Array:
+        """The numbers of a column of times [s], which are in seconds where no other unit is stated."""
+        if (size := size_of(self.unit_of(column) or "s", "s")) is None:
+            raise self.error(f"has the {what} in {brief(self.unit_of(column))}; allowed: s, ms")
+        return size * self.numbers(column, what)
 
     def in_si(self, name: str | int, quantity: str, unit: str | None, allowed: Range | None) -> Array:
         """The numbers of a column in SI, by the unit of its title, of the line of units, or this one."""
@@ -259,9 +262,8 @@ def text_sheet(lines: Sequence[str], name: str, marks: str = ";\t,") -> Sheet:
     reader = partial(csv.reader, delimiter=separator or " ", skipinitialspace=True)
     width, rows = mode([len(line.split()) for line in sample] or [0]), {}
     for number, line in enumerate(lines, 1):
-        ways = reader([line]) if separator else _apart(line, width)
         try:
-            rows[number] = next(ways, [])
+            rows[number] = next(reader([line]) if separator else _apart(line, width), [])
         except csv.Error as error:
             raise ValueError(f"{name}, line {number}: {error}; allowed: cells of less text") from error
     return Sheet(name, _frame(rows, name), decimal, separator)

@@ -14,8 +14,8 @@ from stochlin.applications.records.cells import Records, checked_motions
 from stochlin.applications.records.envelope_fit import FITTED_ENVELOPES, fit_envelope
 from stochlin.applications.records.records import checked_record, is_horizontal, strong_samples
 from stochlin.applications.records.response import response_spectrum
+from stochlin.applications.sites.ground_fit import LONGEST, POINTS, Wanted, deliver
 from stochlin.applications.sites.spectra import BAND, BAND_POINTS, SHORTEST, USUAL_DAMPING, check_band
-from stochlin.applications.sites.spectrum_fit import LONGEST, POINTS, Wanted, deliver
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.messages import DoubtfulInput, listed, plain
@@ -73,27 +73,28 @@ class Components(NamedTuple):
 
     def energy(self) -> float:
         """Median of ``Int a^2 dt`` [m^2/s^3]."""
-        return float(np.exp(np.log(energy_of(self.values, self.dt)).mean()))
+        return float(_median(energy_of(self.values, self.dt)))
 
     def spectra(self, periods: Array) -> Array:
         """Pseudo-accelerations (components, periods) [m/s^2], damping ratio 0.05."""
-        records = {str(number): record for number, record in enumerate(self.records)}
-        table = response_spectrum(records, periods, USUAL_DAMPING)
+        table = response_spectrum([*self.records], periods, USUAL_DAMPING)
         return table.pseudo_acceleration.to_numpy()
 
     def spectrum(self, periods: Array) -> Array:
         """Median of the pseudo-accelerations [m/s^2]."""
-        median: Array = np.exp(np.log(self.spectra(periods)).mean(axis=0))
-        return median
+        return _median(self.spectra(periods))
 
     def common(self) -> xr.DataArray:
         """A motion whose energy builds up as that of the components in the mean [m/s^2]."""
-        if len(self.records) == 1:
-            return self.records[0]
         energies = energy_of(self.values, self.dt)[:, None]
         square = (self.values**2 / energies).mean(axis=0) * self.energy()
-        first = self.records[0]
-        return xr.DataArray(np.sqrt(square), dims="time", coords={"time": first.time})
+        return self.records[0].copy(data=np.sqrt(square))
+
+
+def _median(values: Array) -> Array:
+    """Geometric mean along the first axis."""
+    median: Array = np.exp(np.log(values).mean(axis=0))
+    return median
 
 
 def energy_of(values: Array, dt: float) -> Array:

@@ -16,7 +16,6 @@ from stochlin.applications.sheets.sheets import sheets_of, table_in
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import DoubtfulInput, brief, listed, plain
 from stochlin.models.arguments import DampingRatio, OneOf, checked, is_number
-from stochlin.models.units import size_of
 from stochlin.solver.tables.inputs import input_path
 
 USUAL_DAMPING = 0.05
@@ -192,9 +191,7 @@ def read_spectrum(
     of_values = left if column is None else table.column(column, several=False)
     if of_values == of_period:
         raise table.error(f"has {table.in_words}; give column=, another than that of the periods")
-    if (size := size_of(table.unit_of(of_period) or "s", "s")) is None:
-        raise table.error(f"has periods in {brief(table.unit_of(of_period))}; allowed: s, ms")
-    period = size * table.numbers(of_period, "period")
+    period = table.seconds(of_period, "period")
     values = table.in_si(of_values, "acceleration", units, None)
     check_ordinates(period, values, damping, table.places())
     largest = values.max() / constants.g

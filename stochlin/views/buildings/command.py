@@ -67,8 +67,7 @@ def building(
     with bad_input():
         from stochlin.applications.buildings.mode_files.plain import EXAMPLE
         from stochlin.applications.buildings.modes import read_modes, with_masses
-        from stochlin.applications.buildings.pushover import bilinear_of
-        from stochlin.applications.buildings.pushover_files import read_pushover
+        from stochlin.applications.buildings.pushover import bilinear_of, read_pushover
         from stochlin.models.buildings import ModalBuilding
         from stochlin.solver.tables.storage import FORMATS
         from stochlin.views.buildings.words import building_sections

@@ -27,8 +27,5 @@ strong_part(record).rename("strong").to_netcdf("strong.nc")
 for estimator in ("psd", "log_psd", "whittle"):
     print(estimator, sl.fit_ground(record, estimator=estimator))
 print(sl.fit_ground(record, "clough_penzien", "whittle"))
-sl.charts.fit_spectra(record, sl.fit_ground(record)).isel(frequency=slice(None, None, 10)).to_netcdf(
-    "spectra.nc"
-)
 for model in ("amin_ang", "shinozuka_sato", "gamma"):
     print(sl.fit_envelope(record, model))

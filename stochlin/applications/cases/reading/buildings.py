@@ -13,8 +13,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.applications.buildings.modes import DIRECTIONS, read_modes
-from stochlin.applications.buildings.pushover import bilinear_of
-from stochlin.applications.buildings.pushover_files import read_pushover
+from stochlin.applications.buildings.pushover import bilinear_of, read_pushover
 from stochlin.applications.cases.reading.kinds import (
     TEXT,
     TRUTH,

@@ -35,8 +35,7 @@ from stochlin.applications.cases.reading.records import (
     read_records_of,
 )
 from stochlin.applications.cases.reading.tables import Form, Table
-from stochlin.applications.records.ground_fit import fitted_grounds
-from stochlin.applications.records.spectra import ESTIMATORS
+from stochlin.applications.records.ground_fit import ESTIMATORS, fitted_grounds
 from stochlin.applications.sites.design_spectra import asce_7, eurocode_8
 from stochlin.applications.sites.ground_fit import fit_ground
 from stochlin.applications.sites.intensity import paths_for, scale_ground

@@ -1,8 +1,7 @@
-"""Formats of record files, each recognized by its header: one file for each format."""
+"""Formats of record files, each recognized by its header."""
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
@@ -10,15 +9,11 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from stochlin.applications.sheets.sheets import number_in
+from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief
 from stochlin.registry import Registry
-
-Array = npt.NDArray[np.float64]
-Line = tuple[int, str]
-"""Line number in the file, from 1, and its text."""
 
 
 class Series(NamedTuple):
@@ -43,20 +38,6 @@ class RecordFile(NamedTuple):
         """The error that a line is not what is allowed there."""
         line = self.lines[number - 1].strip() if number <= len(self.lines) else "the end of the file"
         return ValueError(f"{self.name}, line {number}: {brief(line)}; allowed there: {allowed}")
-
-    def positive(self, stated: Mapping[str, Line], key: str, example: str) -> float:
-        """The positive number that the line of this key states in the header."""
-        number, text = self.line(stated, key, example)
-        value = number_in(text)
-        if value is None or not 0 < value < math.inf:
-            raise self.wrong(number, f"a positive number, as in {example!r}")
-        return value
-
-    def line(self, stated: Mapping[str, Line], key: str, example: str) -> Line:
-        """Number and text of the line of this key; a ValueError if the header has none."""
-        if key not in stated:
-            raise ValueError(f"{self.name} has no line {key!r}; allowed: a header with {example!r}")
-        return stated[key]
 
     def counted(self, first: int, last: int, count: int, stated: int, width: int = 0) -> Array:
         """The numbers from line ``first`` to ``last``, as many as line ``stated`` says.
@@ -118,12 +99,6 @@ def field_width(stated: str) -> int:
     """Width of the fields of a Fortran format such as ``8F10.5``; 0 if it is not known."""
     width = re.search(r"[DEFGI](\d{1,3})", stated.upper())
     return int(width[1]) if width else 0
-
-
-def centred(values: Array, units: str) -> tuple[Array, str]:
-    """A record without baseline correction less its mean, and the sentence that says so."""
-    mean = float(values.mean()) if values.size else 0.0
-    return values - mean, f"its mean of {mean:.6g} {units} is subtracted"
 
 
 def _fields(line: str, width: int) -> list[str]:

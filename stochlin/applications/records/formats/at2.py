@@ -19,8 +19,9 @@ from stochlin.registry import LAST
 
 _HEADER = re.compile(r"\bNPTS\b", re.IGNORECASE)
 _NUMBER = r"((?:\d+\.?\d*|\.\d+)(?:[ED][-+]?\d+)?)"
-_COUNT = re.compile(rf"\bNPTS\b[\s=:]*{_NUMBER}", re.IGNORECASE)
-_STEP = re.compile(rf"\bDT\b[\s=:]*{_NUMBER}[\s(]*([A-Z]*)", re.IGNORECASE)
+_IN_ANY_ORDER = re.compile(
+    rf"(?=.*\bNPTS\b[\s=:]*{_NUMBER})(?=.*?\bDT\b[\s=:]*{_NUMBER}[\s(]*([A-Z]*))", re.IGNORECASE
+)
 _NUMBERS_FIRST = re.compile(rf"^\s*{_NUMBER}[\s,]+{_NUMBER}[\s,]+NPTS\W+DT[\s(]*([A-Z]*)", re.IGNORECASE)
 _SECONDS = dict.fromkeys(("", "S", "SEC", "SECS", "SECOND", "SECONDS"), 1.0)
 _SECONDS |= dict.fromkeys(("MS", "MSEC", "MSECS", "MILLISECONDS"), 1e-3)
@@ -47,13 +48,9 @@ def _read(file: RecordFile) -> list[Series]:
 
 def _stated(text: str) -> tuple[int, float] | None:
     """Number of samples and time step [s] of a header; None unless it states both."""
-    count, step, first = _COUNT.search(text), _STEP.search(text), _NUMBERS_FIRST.search(text)
-    if first:
-        samples, dt, unit = first.groups()
-    elif count and step:
-        samples, dt, unit = count[1], *step.groups()
-    else:
+    if not (match := _NUMBERS_FIRST.search(text) or _IN_ANY_ORDER.search(text)):
         return None
+    samples, dt, unit = match.groups()
     seconds = (number_in(dt) or 0.0) * _SECONDS.get(unit.upper(), 0.0)
     return (int(samples), seconds) if samples.isdigit() and 0 < seconds < float("inf") else None
 

@@ -140,6 +140,7 @@ class CodeRule(Published):
     family: str = ""  # the quantity from which the gap is computed: "SRSS", "sum", "height" or "fixed"
     between: str = ""  # the same between two properties, if both distances from the line are added there
     needs: Sequence[str] = ()  # arguments of `gap` required besides the peaks
+    half_if_alike: bool = False  # of both distances, for the same height, system and levels of floors
     line: str = ""  # statement on one building and its property line, empty if not known
     multiplies: str = ""  # BEHAVIOUR or DEFLECTION; empty if it takes no such displacements
     share: float = 1.0
@@ -207,7 +208,9 @@ class CodeRule(Published):
         if site.alone:
             return formula(site.beside_line())
         if self.gap_of is None or (self.between and not site.same_property):
-            return formula(site.beside_line()) + formula(site.mirrored().beside_line())
+            both = formula(site.beside_line()) + formula(site.mirrored().beside_line())
+            alike = self.half_if_alike and site.floors_align and site.same_system
+            return (1 - 0.5 * (site.height_1 == site.height_2)) * both if alike else both
         return self.gap_of(site)
 
     def missing(self, site: Site) -> list[str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from importlib.resources import files
 from typing import Any
 
@@ -56,25 +56,9 @@ def mexico_city_line(site: Site) -> Any:
     return np.maximum(site.peak_1 + ZONES[str(site.zone)] * site.height_1, 0.05)
 
 
-def mexico_city(site: Site) -> Any:
-    """Both distances from the boundary, half of the sum for buildings that are alike."""
-    return _by_lots(site, mexico_city_line)
-
-
 def mexico_city_simplified_line(site: Site) -> Any:
     """Of one building a share of its height by zone, 50 mm at least."""
     return np.maximum(SIMPLIFIED[str(site.zone)] * site.height_1, 0.05) + 0 * site.peak_1
-
-
-def mexico_city_simplified(site: Site) -> Any:
-    """Both distances from the boundary, half of the sum for buildings that are alike."""
-    return _by_lots(site, mexico_city_simplified_line)
-
-
-def _by_lots(site: Site, of_one: Callable[[Site], Any]) -> Any:
-    alike = site.floors_align and site.same_system
-    both = of_one(site) + of_one(site.mirrored())
-    return (1 - 0.5 * alike * (site.height_1 == site.height_2)) * both
 
 
 def peru_line(site: Site) -> Any:

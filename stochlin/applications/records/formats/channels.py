@@ -1,0 +1,83 @@
+"""CSMIP Volume 2 and COSMOS V1 and V2: channels one after the other, each below a header of its own.
+
+Shakal, A. F. and Huang, M. J. (1985), Standard tape format for CSMIP strong-motion data tapes, Report
+OSMS 85-03, California Division of Mines and Geology; files ``.V2``. COSMOS (2001), Strong Motion Data
+Format, version 1.20, Consortium of Organizations for Strong-Motion Observation Systems; files ``.V2c``.
+Both are delivered by https://www.strongmotioncenter.org.
+
+Accelerations stand below lines such as ``15050 points of accel data equally spaced at .020 sec, in
+cm/sec2. (8f10.6)`` of CSMIP, and ``42000 acceleration pts, approx 210 secs,
+units=cm/sec2(04),Format=(8F10.5)`` of COSMOS. There real value 62 is the time step [ms] and 63 the
+length [s]; -999 is what is not known.
+"""
+
+from __future__ import annotations
+
+import re
+
+from stochlin.applications.records.formats import FORMATS, Format, RecordFile, Series, field_width
+from stochlin.applications.sheets.sheets import number_in
+
+_CSMIP = re.compile(r"\A\s*corrected accelerogram\b", re.IGNORECASE)
+_COSMOS = re.compile(r"\A.*acceleration.*\(format v\s*\d", re.IGNORECASE)
+_CHANNEL = re.compile(
+    r"\s*corrected accelerogram\b.*\bchan\s*\d+\s*:\s*(.*?)(?:\s{2,}|\s+from\b|$)"
+    r"|\s*sta cha\w*\s*:?\s*[^:]*:\s*([^(:]*?)\s*\(",
+    re.IGNORECASE,
+)
+_REALS = re.compile(r"\s*\d+\s+real-header values follow on\s+(\d{1,6})\s+lines", re.IGNORECASE)
+_DATA = re.compile(
+    r"\s*(\d{1,9})\s+"
+    r"(?:points of accel data equally spaced at\s+(\S+)|(?:raw\s+)?accel\S*\s+p(?:oin)?ts\b)(.*)",
+    re.IGNORECASE,
+)
+_UNITS = re.compile(r"(?:\bin\s|units:|units\s*=)\s*([a-z/^*\d]+)", re.IGNORECASE)
+_END = re.compile(r"points of|end.of.data|/&", re.IGNORECASE)
+_WIDTH = 10  # of fields where it is not stated
+_EXAMPLE = "15050 points of accel data equally spaced at .020 sec, in cm/sec2. (8f10.6)"
+_STEP, _LENGTH = 61, 62  # numbers of real values, from 0
+
+
+def _read(file: RecordFile) -> list[Series]:
+    channels: list[Series] = []
+    name, reals, end = "", 0, 0
+    for number, line in enumerate(file.lines, 1):
+        if number <= end:
+            continue
+        if match := _CHANNEL.match(line):
+            name = match[match.lastindex or 1].strip()
+        elif _REALS.match(line):
+            reals = number
+        elif match := _DATA.match(line):
+            count, step, rest = match.groups()
+            values, end = file.block(number, int(count), _END, _width(line))
+            dt = _step_of_reals(file, reals, values.size) if step is None else number_in(step)
+            if step is not None and not 0 < (dt or 0.0) < 1e9:
+                raise file.wrong(number, repr(_EXAMPLE))
+            units = _UNITS.search(rest)
+            about = {"component": name}
+            channels.append(Series(values, None, dt, units[1] if units else None, about=about))
+            name, reals = "", 0
+    return channels
+
+
+def _width(line: str) -> int:
+    """Width of the fields by the format at the end of a line."""
+    return field_width(line.rpartition("(")[2]) or _WIDTH
+
+
+def _step_of_reals(file: RecordFile, at: int, count: int) -> float | None:
+    """Time step [s] of the real values below a line, if there is one; None if it is not known."""
+    if not (match := _REALS.match(file.lines[at - 1]) if at else None):
+        return None
+    reals = file.numbers(at + 1, at + int(match[1]), _width(file.lines[at - 1]))
+    if reals.size <= _LENGTH or reals[_STEP] <= 0:
+        return None
+    dt, length = float(reals[_STEP]) / 1000, float(reals[_LENGTH])
+    if length > 0:
+        file.check_length(count, dt, length, at)
+    return dt
+
+
+FORMATS.register("csmip")(Format("a CSMIP file", _CSMIP, _read, "v[12]"))
+FORMATS.register("cosmos")(Format("a COSMOS file", _COSMOS, _read, "v[123]c"))
