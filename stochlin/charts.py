@@ -13,14 +13,14 @@ from stochlin.views.figures.charts import register_chart as register_chart
 from stochlin.views.figures.contacts import contact_history_chart as contact_history_chart
 from stochlin.views.figures.contacts import contact_loop_chart as contact_loop_chart
 from stochlin.views.figures.contacts import restitution_chart as restitution_chart
-from stochlin.views.figures.fig1 import energy_chart as energy_chart
-from stochlin.views.figures.fig1 import portrait_chart as portrait_chart
-from stochlin.views.figures.fig2 import recorded_gap_chart as recorded_gap_chart
 from stochlin.views.figures.fig3 import effective_rules_chart as effective_rules_chart
 from stochlin.views.figures.fig3 import white_noise_chart as white_noise_chart
 from stochlin.views.figures.fig4 import period_ratio_chart as period_ratio_chart
 from stochlin.views.figures.fig5 import amplification_chart as amplification_chart
 from stochlin.views.figures.fig5 import period_plane_chart as period_plane_chart
+from stochlin.views.figures.motions import energy_chart as energy_chart
+from stochlin.views.figures.motions import portrait_chart as portrait_chart
+from stochlin.views.figures.motions import recorded_gap_chart as recorded_gap_chart
 from stochlin.views.figures.pictures import PICTURES as PICTURES
 from stochlin.views.figures.pictures import draw as draw
 from stochlin.views.pounding.pictures import draw_pound as draw_pound

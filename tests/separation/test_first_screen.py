@@ -16,7 +16,7 @@ from matplotlib.text import Text
 
 import stochlin as sl
 from stochlin.applications.cases.separation import CaseAnswer, answer_case
-from stochlin.views.separation.elevation import elevation_figure
+from stochlin.views.separation.pictures import elevation_figure
 from stochlin.views.separation.report import answer_sections
 from stochlin.views.separation.words import allowances, first_lines
 from stochlin.views.shared.blocks import Table
@@ -80,7 +80,7 @@ def drawn(answer: CaseAnswer) -> tuple[Axes, Axes, Axes]:
     """The shares, the gaps and the buildings, in the same place across."""
     figure = elevation_figure(answer)
     figure.draw_without_rendering()
-    shares, gaps, buildings = figure.axes
+    buildings, gaps, shares = figure.axes
     assert gaps.get_xlim() == buildings.get_xlim()
     for text in figure.findobj(Text):
         if text.get_text() and text.get_visible():

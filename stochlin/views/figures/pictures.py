@@ -13,6 +13,7 @@ import xarray as xr
 from stochlin.models.arguments import Number
 from stochlin.models.parameters import Range
 from stochlin.registry import Registry
+from stochlin.views.shared.page import typeset
 from stochlin.views.shared.style import (
     CURVES,
     decade_ticks,
@@ -21,7 +22,6 @@ from stochlin.views.shared.style import (
     quantity,
     styled,
 )
-from stochlin.views.shared.symbols import typeset
 from stochlin.views.shared.words import rule_label
 
 if TYPE_CHECKING:

@@ -88,7 +88,7 @@ def gap(
         from stochlin.applications.cases.reading.case import read_case
         from stochlin.applications.cases.separation import answer_case
         from stochlin.solver.tables.storage import CSV, FORMATS, whole_file
-        from stochlin.views.separation.elevation import elevation_figure
+        from stochlin.views.separation.pictures import elevation_figure
         from stochlin.views.separation.report import answer_sections, report_page
 
         described = read_case(case)

@@ -10,7 +10,6 @@ from stochlin.applications.cases.rows import name_of_file
 from stochlin.views.sensitivity import words as what_matters
 from stochlin.views.sensitivity.pictures import draw_sensitivity
 from stochlin.views.separation import pictures, words
-from stochlin.views.separation.elevation import elevation_picture
 from stochlin.views.separation.risk import risk_blocks
 from stochlin.views.shared.blocks import Block, Items, Picture, Table, Text, ViewSection, texts
 from stochlin.views.shared.page import page
@@ -29,7 +28,7 @@ def first_sections(answer: CaseAnswer) -> list[ViewSection]:
     return [
         ViewSection("", [doubt(answer.doubts())]),
         ViewSection("", [Text(answer.case.title, "title")], on_screen=False),
-        ViewSection("", [replace(first, look="answer"), elevation_picture(answer), *others]),
+        ViewSection("", [replace(first, look="answer"), pictures.elevation_picture(answer), *others]),
         ViewSection("", texts(words.cautions(answer))),
     ]
 

@@ -27,7 +27,7 @@ from stochlin.messages import (
 )
 from stochlin.registry import Registry
 from stochlin.views.shared.blocks import Block, Items, Table, Text, ViewSection
-from stochlin.views.shared.symbols import LETTERS
+from stochlin.views.shared.page import LETTERS
 
 if TYPE_CHECKING:
     import xarray as xr
