@@ -12,7 +12,7 @@ from sphinx.ext import autosummary
 
 import stochlin
 from stochlin.applications.cases.reading.case import forms_of
-from stochlin.applications.cases.reading.tables import NO_TABLE
+from stochlin.applications.cases.reading.tables import NO_TABLE, Form
 
 project = "stochlin"
 author = "The stochlin developers"
@@ -137,7 +137,8 @@ def _keys(name: str) -> str:
     rows = [heads, ["---"] * len(heads)]
     for key in dict.fromkeys(key for of_form in each.values() for key in of_form):
         default = keys[key].default
-        usual = "" if default in (None, MISSING, (), "") else f"`{str(default).lower()}`"
+        unset = isinstance(default, Form) or default in (None, MISSING, (), "")
+        usual = "" if unset else f"`{str(default).lower()}`"
         having = [form for form in each if key in each[form]]
         of = ["all" if len(having) == len(each) else "; ".join(map(_called, having))] * several
         rows.append([f"`{key}`", keys[key].about, keys[key].kind.words, usual, *of])

@@ -68,8 +68,8 @@ def test_a_contact_is_the_one_that_python_makes(model, values, expected, tmp_pat
 def test_devices_stand_in_storeys(tmp_path: Path) -> None:
     both = [STOREYS.format(1, "elastic = true"), STOREYS.format(2, "elastic = true")]
     lines = """[measures.Fluid]
-link_damping_constant = "3 MN (s/m)^0.3"
-link_damping_exponent = 0.3
+link.damping_constant = "3 MN (s/m)^0.3"
+link.damping_exponent = 0.3
 added_damping_2 = "15 %"
 [measures.Fluid.dampers_1]
 damping_constant = "2000 kN (s/m)^0.5"
@@ -123,7 +123,7 @@ def wave(folder: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "says"),
     [
-        (recorded_example(), EXAMPLE, "needs a recorded motion.*site.records"),
+        (recorded_example(), EXAMPLE, "needs a record;.*site.records"),
         (GAP, "# ", 'needs the existing gap; write existing = "5 cm" in .separation'),
         ('mass = "1500 t"', "", "structures, number 2: mass is not given; pounding needs it"),
         (CONTACT, "", r"needs the contact between the buildings; write \[contact\]"),

@@ -32,6 +32,7 @@ MISTAKES = {
     "strength of shaking in g": ('"0.01 m^2/s^3"', '"0.3 g"', "unknown unit 'g'"),
     "comma": ('"1.0 s"', '"1,0 s"', "has a comma; allowed: a decimal point"),
     "percent": ('damping = "5 %"', "damping = 5", 'for 5 % write "5 %"'),
+    "percent of percent": ('damping = "5 %"', 'damping = "500 %"', "(a ratio, 0.05 for 5 %)$"),
     "no percent": ('damping = "5 %"', "damping = 150", "(a ratio, 0.05 for 5 %)$"),
     "negative": ('damping = "5 %"', 'damping = "-5 %"', "out of range; allowed: 0 < value < 1"),
     "ground misspelled": ('"firm"', '"frim"', "did you mean 'firm'?"),
@@ -116,10 +117,11 @@ MISTAKES = {
 # Lines of a measure, and a piece of the message.
 OF_MEASURES = {
     "": "does nothing; allowed: added_damping_1",
-    "link_floors = [1, 1]": "a link that does nothing",
-    'link_stiffness = "1 MN/m"\nlink_floors = [5, 1]': "allowed: up to link_floors = [1, 1]",
-    'link_stiffness = "1 MN/m"\nlink_hardening = 0.1': "allowed: both for a link that yields",
-    'link_damping_constant = "1 MN s/m"\nlink_damping_exponent = 0.5': "MN (s/m)^0.5",
+    'link_stiffness = "1 MN/m"': "did you mean link.stiffness?",
+    "link.floors = [1, 1]": "link is a link that does nothing",
+    'link.stiffness = "1 MN/m"\nlink.floors = [5, 1]': "allowed: up to [1, 1]",
+    'link.stiffness = "1 MN/m"\nlink.hardening = 0.1': "allowed: both for a link that yields",
+    'link.damping_constant = "1 MN s/m"\nlink.damping_exponent = 0.5': "MN (s/m)^0.5",
     "dampers_1 = { storeys = [1] }": "allowed: a stiffness, a damping constant, or both",
     'dampers_1 = { storeys = [1, 2], stiffness = "1 MN/m" }': "or storeys 1 to 1",
     'dampers_1 = { storeys = "some", stiffness = "1 MN/m" }': "storeys = 'some'",

@@ -15,7 +15,7 @@ from motions import write_at2
 import stochlin as sl
 from stochlin.applications.cases.reading.case import Case
 from stochlin.applications.cases.separation import answer_case
-from stochlin.applications.cases.shaking import recorded_shaking
+from stochlin.applications.cases.shaking import doubts, recorded_shaking, shaking_of
 
 pytestmark = pytest.mark.invariant
 
@@ -185,5 +185,5 @@ def test_many_records_have_quantiles_and_a_share(suite):
 
 @pytest.mark.filterwarnings("ignore::stochlin.messages.DoubtfulInput")
 def test_shaking_that_no_record_has_is_doubted(tmp_path):
-    (doubt,) = answer_case(read(tmp_path, f'{FIRM}intensity = "1.5 m^2/s^3"\n', ALONE)).doubts()
+    (doubt,) = doubts(shaking_of(read(tmp_path, f'{FIRM}intensity = "1.5 m^2/s^3"\n', ALONE)))
     assert re.match(r"peak ground acceleration: [34]\S* g, and usual are 0.05 to 1 g", doubt)

@@ -72,7 +72,7 @@ PIECES = [*re.split(r"[|\n]", VALUES), *SIGNS, " ", "\t", "1" + "0" * 400, "9" *
 LINES = """elastic = true|law = "bouc_wen"|beta = 1e-9|exponent = 200|ductility = 1e9|seed = -1
 paths = 1|existing = 5|storys = 8|[building_3]|[[site.records]]|[site]|storey_height = "3 m"|zone = "II"
 heights = ["4 m", "3 m"]|floor_mass = "400 t"|base_shear_coefficient = 1e9|yield_drifts = ["9 m", "1 mm"]
-dampers = ["1 MN s/m"]|p_delta = true|beta = [0.5, 0.5]|link_floors = [9, 1]|[measures.x]|a.b.c = 1"""
+dampers = ["1 MN s/m"]|p_delta = true|beta = [0.5, 0.5]|link.floors = [9, 1]|[measures.x]|a.b.c = 1"""
 
 
 @st.composite

@@ -41,9 +41,9 @@ def with_applied_codes(case: Case, table: xr.Dataset) -> xr.Dataset:
 
     A code that takes no displacements has its row already.
     """
-    codes = [code for code in rules_with(case.wanted.of_rules) if code.name in case.codes]
-    codes.sort(key=lambda code: case.codes.index(code.name))
-    rules = [_applied(case, code, table) for code in codes if code.multiplies]
+    known = {code.name: code for code in rules_with(case.wanted.numbers.more)}
+    codes = [known[name] for name in case.codes if known[name].multiplies]
+    rules = [_applied(case, code, table) for code in codes]
     if not rules:
         return table
     required = float(table.gap[0])

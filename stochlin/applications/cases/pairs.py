@@ -7,7 +7,7 @@ import re
 import xarray as xr
 
 from stochlin.applications.cases.reading.case import Case
-from stochlin.applications.cases.rows import error_of, gap_of, motion_of, named_errors, pair_of
+from stochlin.applications.cases.rows import gap_of, motion_of, named_errors, pair_of
 from stochlin.applications.cases.shaking import shaking_of
 from stochlin.applications.mitigation.mitigation import mitigate
 from stochlin.applications.probability.probability import pounding_probability
@@ -35,7 +35,7 @@ def mitigate_case(case: Case, progress: Progress | None = None) -> xr.Dataset:
     (first, second), gap = pair_of(case), gap_of(case)
     if gap is None:
         cure = 'write existing = "5 cm" in [separation], "0 cm" for buildings that touch'
-        raise error_of(case, f"measures are compared for the existing gap; {cure}")
+        raise case.whole.table.error("", f"measures are compared for the existing gap; {cure}")
     models = first.sampled, second.sampled, case.site.sampled_ground
     with named_errors(case):
         table = mitigate(*models, gap=gap, measures=case.measures, **motion_of(case), progress=progress)

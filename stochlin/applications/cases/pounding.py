@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.applications.cases.reading.case import Case
-from stochlin.applications.cases.rows import error_of, motion_of, named_errors
+from stochlin.applications.cases.rows import motion_of, named_errors
 from stochlin.applications.cases.shaking import recorded_shaking, shaking_of
 from stochlin.applications.pounding.pounding import pound
 from stochlin.applications.pounding.rows import SIDES
@@ -119,15 +119,15 @@ def _in_metres(case: Case) -> Structures:
 
 def _check(case: Case, simulated: bool = False) -> None:
     """Raise a ValueError if the case lacks motions, gaps or a contact."""
-    if not (case.site.records or simulated):
-        cure = "[[site.records]], and below it path, units and dt; or --motions 100 for simulated ones"
-        raise error_of(case, f"pounding needs a recorded motion; write {cure}")
-    if not (case.alone or case.wanted.existing):
-        cure = 'existing = "5 cm" in [separation], a list for more than two, "0 cm" if they touch'
-        raise error_of(case, f"pounding needs the existing gap; write {cure}")
-    if not (case.alone or case.contact):
-        cure = '[contact], and below it model = "kelvin", stiffness = "2000 MN/m" and restitution = 0.65'
-        raise error_of(case, f"pounding needs the contact between the buildings; write {cure}")
+    alone, records = case.alone, case.site.records or simulated
+    needed = {
+        "a record; write [[site.records]], or --motions 100 for simulated ones": records,
+        'the existing gap; write existing = "5 cm" in [separation]': alone or case.wanted.existing,
+        "the contact between the buildings; write [contact] with its model": alone or case.contact,
+    }
+    for what, known in needed.items():
+        if not known:
+            raise case.whole.table.error("", f"pounding needs {what}")
 
 
 def _named(table: xr.Dataset, case: Case, structures: Structures) -> xr.Dataset:

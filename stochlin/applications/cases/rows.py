@@ -16,30 +16,20 @@ if TYPE_CHECKING:
 TOUCHING = 1e-6  # m, in place of a gap of 0: any motion towards each other closes it, and formulas hold
 
 
-def name_of_file(case: Case) -> str:
-    """Name of the case file, for messages."""
-    return case.whole.table.source.name
-
-
-def error_of(case: Case, what: str) -> ValueError:
-    """The error for a case that lacks what an answer needs."""
-    return ValueError(f"{name_of_file(case)}: {what}")
-
-
 @contextmanager
-def named_errors(case: Case, where: str = "") -> Iterator[None]:
-    """Add the file, and the place in it, to errors of the work inside the context."""
+def named_errors(case: Case) -> Iterator[None]:
+    """Add the file to errors of the work inside the context, which keep their kind."""
     try:
         yield
     except (ValueError, TypeError, ArithmeticError) as error:
-        raise type(error)(f"{name_of_file(case)}{where}: {error}") from error
+        raise type(error)(f"{case.whole.table.source.name}: {error}") from error
 
 
 def one_or_two(case: Case) -> tuple[Building, ...]:
     """The two buildings, or one beside its property line; a ValueError if there are more."""
     if len(case.buildings) > 2:
         what = f"describes {len(case.buildings)} buildings; this command needs two, so leave the others"
-        raise error_of(case, f"{what} out; 'stochlin pound' accepts more")
+        raise case.whole.table.error("", f"{what} out; 'stochlin pound' accepts more")
     return case.buildings
 
 
@@ -48,7 +38,8 @@ def pair_of(case: Case) -> tuple[Building, Building]:
     buildings = one_or_two(case)
     if len(buildings) == 1:
         only = "only 'stochlin gap' and 'stochlin pound' accept one building alone"
-        raise error_of(case, f"building_2 is missing; write [building_2] and its keys below it; {only}")
+        what = f"is missing; write [building_2] and its keys below it; {only}"
+        raise case.whole.table.error("building_2", what)
     return buildings[0], buildings[1]
 
 

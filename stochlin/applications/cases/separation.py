@@ -13,12 +13,11 @@ from stochlin.applications.cases.reading.case import FEWEST_PATHS, Case
 from stochlin.applications.cases.rows import (
     gap_of,
     motion_of,
-    named_errors,
     of_codes,
     one_or_two,
     simulated_as,
 )
-from stochlin.applications.cases.shaking import MOST_RECORDS, doubts, over_records, shaking_of
+from stochlin.applications.cases.shaking import MOST_RECORDS, over_records, shaking_of
 from stochlin.applications.risk.risk import SimulatedRisk, allowed_rate, simulated_risk
 from stochlin.applications.sensitivity.sensitivity import sensitivity
 from stochlin.applications.separation.existing_gap import existing_gap
@@ -29,7 +28,6 @@ from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.kernels.simulation.stepping import whole_groups
 from stochlin.solver.tables import labels
 
-HAZARD = ": site.hazard cannot be used"
 SPECTRUM_PATHS = 512
 OF_RISK = 0.2  # share of the work for the risk, if there is a hazard
 SEARCHES = 0.95  # share of the remaining work for the existing gap, if there is one
@@ -71,10 +69,6 @@ class CaseAnswer:
         table = table.assign_attrs(title=f"{self.case.title}: {table.attrs['title']}")
         return table if samples else table.drop_dims(set(table.dims) - {"rule"})
 
-    def doubts(self) -> list[str]:
-        """Texts on implausible shaking."""
-        return doubts(self.shaking)
-
 
 def answer_case(case: Case, progress: Progress | None = None) -> CaseAnswer:
     """Separation of the two buildings of a case or set-back of one, and limits of the existing gap.
@@ -97,7 +91,7 @@ def answer_case(case: Case, progress: Progress | None = None) -> CaseAnswer:
     simulated = separation(
         *models,
         **motion,
-        codes=of_codes(case) | {"numbers": case.wanted.of_rules},
+        codes=of_codes(case) | {"numbers": case.wanted.numbers.more},
         records=dict(case.site.records) or None,
         progress=part_of(progress, middle, end),
     )
@@ -138,7 +132,7 @@ def _simulated_risk(case: Case, progress: Progress | None) -> SimulatedRisk | No
     duration, envelope = case.site.course[:2]
     paths = whole_groups(max(FEWEST_PATHS, case.simulated.motions // SHARE))
     motion = duration, envelope, case.site.scatter, paths, case.simulated.seed
-    with named_errors(case, HAZARD):
+    with case.site.form.hazard.table.naming(""):
         return simulated_risk(structures, case.site.sampled_ground, hazard, motion, progress)
 
 
@@ -152,7 +146,7 @@ def _risk_table(simulated: SimulatedRisk, case: Case, answer: float) -> xr.Datas
     years, target = YEARS, xr.Dataset()
     if case.wanted.risk is not None:
         years = allowed_rate(case.wanted.risk)[1] or YEARS
-        with named_errors(case, HAZARD):
+        with case.site.form.hazard.table.naming(""):
             target = simulated.gap_of(case.wanted.risk)[list(KEPT)]
         gaps["target"] = float(target.required_gap)
     gaps = {what: gap for what, gap in gaps.items() if gap > 0}

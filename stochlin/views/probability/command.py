@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from stochlin.applications.cases.rows import error_of, gap_of, pair_of
+from stochlin.applications.cases.rows import gap_of, pair_of
 from stochlin.views.shared.options import QuantityType
 from stochlin.views.shared.screen import (
     COMMANDS,
@@ -53,7 +53,8 @@ def probability(case: Path, gap: float | None, out: Path | None, picture: Path |
         _ = pair_of(described)  # raises where there are not two
         chosen = gap_of(described) if gap is None else gap or TOUCHING
         if chosen is None:
-            raise error_of(described, "there is no existing gap; give it there, or --gap 5cm")
+            what = "has no existing gap; allowed: one there, or --gap 5cm"
+            raise described.whole.table.error("separation", what)
         with progress_bar("simulating") as progress:
             table = judge_gap(described, chosen, progress)
         show(lines(answer_sections(table, described, chosen)))

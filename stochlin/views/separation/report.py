@@ -6,7 +6,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
-from stochlin.applications.cases.rows import name_of_file
+from stochlin.applications.cases.shaking import doubts
 from stochlin.views.sensitivity import words as what_matters
 from stochlin.views.sensitivity.pictures import draw_sensitivity
 from stochlin.views.separation import pictures, words
@@ -26,7 +26,7 @@ def first_sections(answer: CaseAnswer) -> list[ViewSection]:
     """Doubts, the answer with its picture, and cautions."""
     first, *others = texts(words.first_lines(answer))
     return [
-        ViewSection("", [doubt(answer.doubts())]),
+        ViewSection("", [doubt(doubts(answer.shaking))]),
         ViewSection("", [Text(answer.case.title, "title")], on_screen=False),
         ViewSection("", [replace(first, look="answer"), pictures.elevation_picture(answer), *others]),
         ViewSection("", texts(words.cautions(answer))),
@@ -56,7 +56,7 @@ def answer_sections(answer: CaseAnswer) -> list[ViewSection]:
 def report_page(answer: CaseAnswer) -> str:
     """The page of an answer; text of the case file is escaped."""
     case, attrs = answer.case, answer.separation.attrs
-    file, names = name_of_file(case), [building.name for building in case.buildings]
+    file, names = case.whole.table.source.name, [building.name for building in case.buildings]
     as_given = [file, case.title, *names, *case.site.records]
     footer = [attrs["references"], f"{attrs['history']}, from {file}."]
     title = f"{case.title}: the {words.subject_of(case).gap}"

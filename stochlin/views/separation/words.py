@@ -8,7 +8,6 @@ import numpy as np
 from scipy import constants
 
 from stochlin.applications.cases.codes import APPLIED, APPLY, KIND, stated
-from stochlin.applications.cases.rows import name_of_file
 from stochlin.applications.separation.separation import COMBINED
 from stochlin.models.rules.codes import CODE_RULES
 from stochlin.views.shared.blocks import Block, Items, Row, Table, Text, ViewSection, texts
@@ -315,7 +314,7 @@ def signed(answer: CaseAnswer) -> str:
     """What is signed, by hand: the required gap, and those of the codes of the case file."""
     gap = f"{subject_of(answer.case).gap} {length(float(answer.separation.gap[0]))}"
     numbers = [f"{row.label} {length(row.metres)}" for row in own_codes(answer) if not row.missing]
-    return f"{'; '.join([f'{name_of_file(answer.case)}: {gap}', *numbers])}. {SIGNED}"
+    return f"{'; '.join([f'{answer.case.whole.table.source.name}: {gap}', *numbers])}. {SIGNED}"
 
 
 def case_file(case: Case) -> list[Text]:
@@ -377,7 +376,7 @@ def _line(answer: CaseAnswer, group: str, row: xr.Dataset) -> RuleLine:
         rule=rule,
         label=rule_label(stem.removeprefix("eq_3_")),
         group=group,
-        usual=rule in USUAL or group == AS_APPLIED or rule in answer.case.wanted.of_rules,
+        usual=rule in USUAL or group == AS_APPLIED or rule in answer.case.wanted.numbers.more,
         metres=gap,
         verdict=verdict,
         cells=(f"{stem} {words}".strip(), centimetres(gap), error, share, verdict, texts["mark"]),
@@ -388,7 +387,7 @@ def _line(answer: CaseAnswer, group: str, row: xr.Dataset) -> RuleLine:
 
 def own_codes(answer: CaseAnswer) -> list[RuleLine]:
     """The codes of the case file as its engineer applies them, and the rules with numbers of its own."""
-    numbers = answer.case.wanted.of_rules
+    numbers = answer.case.wanted.numbers.more
     return [row for row in usual_rows(answer) if row.group == AS_APPLIED or row.rule in numbers]
 
 

@@ -42,7 +42,7 @@ from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Range
 from stochlin.models.plausible import PLAUSIBLE
 from stochlin.models.rules.codes import AT_LEAST_1, OF_IMPORTANCE
-from stochlin.models.systems import slabs_on_columns
+from stochlin.models.systems import first_period, slabs_on_columns
 from stochlin.models.uncertain import applied, median_of
 from stochlin.solver.linearization.drift_map import calibrated_closure
 from stochlin.solver.linearization.strength import strength_for_ductility
@@ -61,7 +61,6 @@ WITH_HARDENING = (
 )
 
 
-@dataclass(frozen=True, kw_only=True)
 class OfBuilding(Form):
     """Keys of every building; ``more`` are the parameters of its hysteresis law."""
 
@@ -89,7 +88,6 @@ class OfBuilding(Form):
         return {"hardening": self.hardening} if self.chosen(STRENGTH) in WITH_HARDENING else {}
 
 
-@dataclass(frozen=True, kw_only=True)
 class Oscillator(OfBuilding):
     """A building as one oscillator."""
 
@@ -112,7 +110,6 @@ class Oscillator(OfBuilding):
         return self.table.made(laws_in_numbers()[self.law], **values)
 
 
-@dataclass(frozen=True, kw_only=True)
 class WithFloors(OfBuilding):
     """Keys of every building whose floors are known."""
 
@@ -146,7 +143,6 @@ def _pushed(structure: Any, ideal: xr.Dataset) -> Any:
         return structure.with_pushover(ideal)
 
 
-@dataclass(frozen=True, kw_only=True)
 class Storeyed(WithFloors):
     """Keys of every chain of storeys."""
 
@@ -164,7 +160,6 @@ class Storeyed(WithFloors):
         return {**self.given(*names), "law_parameters": self.more, **self.of_hardening()}
 
 
-@dataclass(frozen=True, kw_only=True)
 class Regular(Storeyed):
     """A building with equal floors, by a few numbers."""
 
@@ -190,7 +185,6 @@ class Regular(Storeyed):
         )
 
 
-@dataclass(frozen=True, kw_only=True)
 class Singly(Storeyed):
     """A building storey by storey, from the ground up."""
 
@@ -210,7 +204,6 @@ class Singly(Storeyed):
         return self.table.made(ShearBuilding, heights=heights, **self.given(*names), **self.shared())
 
 
-@dataclass(frozen=True, kw_only=True)
 class ByModes(WithFloors):
     """A building by the modes of a file, as programs of structural analysis write it."""
 
@@ -286,8 +279,7 @@ class Building:
     @property
     def period(self) -> float:
         """Period of the first mode, of small oscillations [s]."""
-        structure = self.structure
-        return float(structure.mode_periods()[0] if self.has_storeys else structure.arrays()["period"])
+        return float(first_period(self.structure))
 
     @property
     def turning(self) -> str:

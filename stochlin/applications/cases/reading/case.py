@@ -8,6 +8,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import MISSING, dataclass, field, replace
 from functools import cached_property
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -80,7 +81,6 @@ FACTORS = {
 # --- the tables [separation] and [simulation] ---
 
 
-@dataclass(frozen=True, kw_only=True)
 class Numbers(Form):
     """Numbers of code rules in place of their defaults; ``more`` has them by name."""
 
@@ -91,7 +91,6 @@ class Numbers(Form):
         return {name: Key(Quantity(n.units, POSITIVE), name, None) for name, n in rules.items()}
 
 
-@dataclass(frozen=True, kw_only=True)
 class Wanted(Form):
     """What the separation is asked for."""
 
@@ -104,12 +103,7 @@ class Wanted(Form):
     codes: list[str] = key(ListOf(TEXT, "listed"), "Building codes that you apply, or countries", ())
     zone: str | None = key(Word(tuple(ZONES)), "Zone of Mexico City", None)
     design_pga: float | None = key(PEAK, "Peak ground acceleration of the design", None)
-    numbers: Numbers | None = key(Inner((Numbers,)), "Numbers of rules for the usual ones", None)
-
-    @property
-    def of_rules(self) -> Mapping[str, float]:
-        """Numbers of rules by name."""
-        return {} if self.numbers is None else self.numbers.more
+    numbers: Numbers = key(Inner((Numbers,)), "Numbers of rules", Numbers(table=NO_TABLE))
 
     def check(self, buildings: Sequence[Building], hazard: Hazard | None) -> None:
         """Raise a ValueError for a wrong number of gaps, or a risk that the hazard does not reach."""
@@ -127,23 +121,26 @@ class Wanted(Form):
             self.table.warn("floors_align", what)
 
     def applied_codes(self, buildings: Sequence[Building], site: Site) -> tuple[str, ...]:
-        """Names of the codes that are applied; by default that of the spectrum of the site."""
-        has_spectrum = site.spectrum is not None
-        if "codes" not in self.table:
-            about = {} if site.spectrum is None else site.spectrum.attrs
-            of_site = CODE_RULES.get(about.get("code", ""))
-            if of_site is None or any(missing_of(building, of_site, True) for building in buildings):
-                _warn_of_unused(buildings)
-                return ()
-            return (of_site.name,)
-        rules = {rule.name: rule for name in self.codes for rule in self._rules(name)}
-        for rule in rules.values():
-            for building in buildings:
-                if lacking := missing_of(building, rule, has_spectrum):
-                    where = "" if has_spectrum else ", or a site by its spectrum"
-                    what = f"is missing: {rule.name} needs it{where}, or leave the code out of codes"
-                    raise building.form.table.error(lacking, what)
-        return tuple(rules)
+        """Names of the codes that are applied; by default that of the site, if it can be."""
+        about = {} if site.spectrum is None else site.spectrum.attrs
+        codes = self.codes or [about[name] for name in ("code",) if name in about]
+        rules = {rule.name: rule for name in codes for rule in self._rules(name)}
+        lacking = [
+            (building, missing, rule.name)
+            for rule, building in product(rules.values(), buildings)
+            if (missing := missing_of(building, rule, site.spectrum is not None))
+        ]
+        if lacking and self.codes:
+            (building, missing, code), *_ = lacking
+            where = ", or a site by its spectrum" if site.spectrum is None else ""
+            what = f"is missing: {code} needs it{where}, or leave the code out of codes"
+            raise building.form.table.error(missing, what)
+        for building in buildings if lacking or not rules else ():
+            unused = [n for n in ("displacements", *FACTORS.values()) if n in building.form.table]
+            if unused:
+                what = 'is not used; name your code, as codes = ["eurocode_8"]'
+                building.form.table.warn(unused[0], what)
+        return () if lacking else tuple(rules)
 
     def _rules(self, name: str) -> tuple[CodeRule, ...]:
         """The rules of a code or a country that can be applied."""
@@ -157,7 +154,7 @@ class Wanted(Form):
             if rule.takes_peaks() and not rule.multiplies:
                 what = f"has {rule.name}, which states no factor on displacements under design forces"
                 raise self.table.error("codes", f"{what}; leave it out")
-            if rule.name not in (*code_rule_names(), *self.of_rules):
+            if rule.name not in (*code_rule_names(), *self.numbers.more):
                 what = f"has {rule.name}, but its number is missing"
                 raise self.table.error("codes", f"{what}, as numbers = {{ {rule.name} = 0.02 }}")
         return rules
@@ -187,16 +184,6 @@ def missing_of(building: Building, rule: CodeRule, has_spectrum: bool) -> str:
     return next((FACTORS[name] for name in needed if name not in known), "")
 
 
-def _warn_of_unused(buildings: Sequence[Building]) -> None:
-    """Warn of keys of a design that no code uses."""
-    for building in buildings:
-        unused = [n for n in ("displacements", *FACTORS.values()) if n in building.form.table]
-        if unused:
-            what = 'is not used; name your code, as codes = ["eurocode_8"]'
-            building.form.table.warn(unused[0], what)
-
-
-@dataclass(frozen=True, kw_only=True)
 class Simulated(Form):
     """The table [simulation]."""
 
@@ -212,7 +199,6 @@ class Simulated(Form):
 # --- the tables [contact] and [measures] ---
 
 
-@dataclass(frozen=True, kw_only=True)
 class OfContact(Form):
     """A contact by the name of its model; ``more`` are the arguments of the model."""
 
@@ -221,12 +207,11 @@ class OfContact(Form):
     @classmethod
     def keys(cls, table: Table) -> dict[str, Key]:
         """With the arguments of the model; those that it does not declare are ratios."""
-        keys, kind = keys_of(cls), CONTACTS.get(str(table.values.get("model")))
-        arguments = inspect.signature(kind).parameters if kind else {}
+        keys, kind = keys_of(cls), CONTACTS.get(str(table.values.get("model")), Contact)
+        arguments = inspect.signature(kind).parameters
         for name, argument in arguments.items():
             ratio = Quantity("1", RESTITUTION if name == "restitution" else DAMPING)
-            declared = kind is not None and name in kind.parameter_names()
-            known = key_of(kind, name) if kind and declared else Key(ratio, "")
+            known = key_of(kind, name) if name in kind.parameter_names() else Key(ratio, "")
             keys[name] = known._replace(default=MISSING if argument.default is argument.empty else None)
         if "stiffness" in keys and "exponent" in keys:
             exponent = table.values.get("exponent", arguments["exponent"].default)
@@ -239,16 +224,43 @@ class OfContact(Form):
         return contact
 
 
-@dataclass(frozen=True, kw_only=True)
-class Devices(Form):
-    """Damping devices in storeys of one building, all alike."""
-
-    storeys: Any = key(STOREYS, "Storeys that have one", ALL)
+class OfLink(Form):
+    """A link; ``more`` are its parameters."""
 
     @classmethod
     def keys(cls, table: Table) -> dict[str, Key]:
-        """With the parameters of a link."""
-        return keys_of(cls) | _keys_of_link("", table)
+        """With the parameters of a link; the unit of a damping constant depends on the exponent."""
+        keys, power = keys_of_model(Link, DEVICE), table.values.get("damping_exponent", 1)
+        if power != 1:
+            keys["damping_constant"] = _in_units(keys["damping_constant"], f"N (s/m)^{power}")
+        return keys_of(cls) | keys
+
+    def link(self, **ends: Any) -> Link:
+        """The link with these ends."""
+        if not {"stiffness", "damping_constant"} & self.more.keys():
+            what = "is a link that does nothing; allowed: a stiffness, a damping constant, or both"
+            raise self.table.error("", what)
+        link: Link = self.table.made(Link, **self.more, **ends)
+        return link
+
+
+class Between(OfLink):
+    """A link between the first two buildings."""
+
+    floors: list[int] | None = key(TWO, "Floors that the link ties, one of each building", None)
+
+    def links(self, buildings: Sequence[Building]) -> list[Link]:
+        """The link."""
+        counts = [building.floors for building in buildings]
+        if self.floors and any(map(int.__gt__, self.floors, counts)):
+            raise self.table.error("floors", f"are not of both buildings; allowed: up to {counts}")
+        return [self.link(floors=self.floors)]
+
+
+class Devices(OfLink):
+    """Damping devices in storeys of one building, all alike."""
+
+    storeys: Any = key(STOREYS, "Storeys that have one", ALL)
 
     def links(self, number: int, building: Building) -> list[Link]:
         """A link in each storey; an oscillator has one storey."""
@@ -257,64 +269,36 @@ class Devices(Form):
         if not {*storeys} <= {*every}:
             what = f"is not in {building.name}; allowed: {ALL!r}, or storeys 1 to {building.floors}"
             raise self.table.error("storeys", what)
-        both = number, number
-        return [_link(self.table, self.more, structures=both, floors=(n, n - 1)) for n in storeys]
+        return [self.link(structures=(number, number), floors=(n, n - 1)) for n in storeys]
 
 
-@dataclass(frozen=True, kw_only=True)
 class OfMeasure(Form):
-    """A measure between the first two buildings, or in them; ``more`` are parameters of its link."""
+    """A measure between the first two buildings, or in them; ``more`` are its other parameters."""
 
-    link_floors: list[int] | None = key(TWO, "Floors that the link ties, one of each building", None)
+    link: Between | None = key(Inner((Between,)), "Link between the buildings", None)
     dampers_1: Devices | None = key(Inner((Devices,)), "Devices in storeys of building 1", None)
     dampers_2: Devices | None = key(Inner((Devices,)), "Devices in storeys of building 2", None)
 
     @classmethod
     def keys(cls, table: Table) -> dict[str, Key]:
-        """With the parameters of a measure, and of a link after a prefix."""
-        return keys_of_model(Measure) | keys_of(cls) | _keys_of_link("link_", table)
+        """With the parameters of a measure."""
+        return keys_of_model(Measure) | keys_of(cls)
 
     def measure(self, buildings: Sequence[Building]) -> Measure:
         """The measure."""
         if not self.table.values:
             raise self.table.error("", f"does nothing; allowed: {', '.join(self.keys(self.table))}")
-        link = {n.removeprefix("link_"): v for n, v in self.more.items() if n.startswith("link_")}
-        values = {name: value for name, value in self.more.items() if not name.startswith("link_")}
-        links = []
-        if link or self.link_floors:
-            counts = [building.floors for building in buildings]
-            if self.link_floors and any(map(int.__gt__, self.link_floors, counts)):
-                what = f"are not floors of both buildings; allowed: up to link_floors = {counts}"
-                raise self.table.error("link_floors", what)
-            links.append(_link(self.table, link, floors=self.link_floors))
+        links = self.link.links(buildings) if self.link else []
         for number, devices in enumerate((self.dampers_1, self.dampers_2), start=1):
             if devices is not None:
                 links += devices.links(number, buildings[number - 1])
-        measure: Measure = self.table.made(Measure, **values, link=links)
+        measure: Measure = self.table.made(Measure, **self.more, link=links)
         return measure
-
-
-def _keys_of_link(prefix: str, table: Table) -> dict[str, Key]:
-    """The parameters of a link; the unit of a damping constant depends on the exponent."""
-    keys = keys_of_model(Link, DEVICE)
-    power = table.values.get(f"{prefix}damping_exponent", 1)
-    if power != 1:
-        keys["damping_constant"] = _in_units(keys["damping_constant"], f"N (s/m)^{power}")
-    return {f"{prefix}{name}": each for name, each in keys.items()}
 
 
 def _in_units(known: Key, units: str) -> Key:
     """A key with this unit of its number."""
     return known._replace(kind=replace(known.kind, units=units))
-
-
-def _link(table: Table, values: Mapping[str, Any], **ends: Any) -> Link:
-    """A link with these parameters and ends."""
-    if not {"stiffness", "damping_constant"} & values.keys():
-        what = "has a link that does nothing; allowed: a stiffness, a damping constant, or both"
-        raise table.error("", what)
-    link: Link = table.made(Link, **values, **ends)
-    return link
 
 
 def _measures(table: Table, buildings: Sequence[Building]) -> dict[str, Measure]:
@@ -330,7 +314,6 @@ def _measures(table: Table, buildings: Sequence[Building]) -> dict[str, Measure]
 # --- the whole file ---
 
 
-@dataclass(frozen=True, kw_only=True)
 class Whole(Form):
     """The tables of a file; ``more`` are the buildings from left to right."""
 
@@ -338,7 +321,7 @@ class Whole(Form):
     site: Table = key(Inner(SITES, later=True), "Ground and records")
     motion: Table = key(Inner(MOTIONS, later=True), "Duration and envelope")
     separation: Wanted = key(Inner((Wanted,)), "What is wanted")
-    simulation: Simulated | None = key(Inner((Simulated,)), "Simulated motions", None)
+    simulation: Simulated = key(Inner((Simulated,)), "Simulated motions", Simulated(table=NO_TABLE))
     contact: OfContact | None = key(Inner((OfContact,)), "Contact between the buildings", None)
     measures: Table | None = key(Inner((), later=True), "Measures, each with its name", None)
 
@@ -474,15 +457,14 @@ def case_of(table: Table) -> Case:
     """The case of a file."""
     whole = table.read(Whole)
     site = read_site(whole.site, whole.motion)
-    row = range(1, len(whole.more) + 1)
-    buildings = tuple(read_building(whole.more[f"building_{n}"], n) for n in row)
+    buildings = tuple(read_building(each, n) for n, each in enumerate(whole.more.values(), start=1))
     whole.separation.check(buildings, site.hazard)
     return Case(
         whole=whole,
         site=site,
         described=buildings,
         wanted=whole.separation,
-        simulated=whole.simulation or table.table("simulation").read(Simulated),
+        simulated=whole.simulation,
         codes=whole.separation.applied_codes(buildings, site),
         contact=None if whole.contact is None else whole.contact.contact(),
         measures=_measures(table.table("measures"), buildings),

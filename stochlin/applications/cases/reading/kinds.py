@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import MISSING, dataclass, field, fields
+from dataclasses import MISSING, dataclass, field, fields, replace
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -76,11 +76,10 @@ class Quantity:
         """A number in SI without a spread."""
         value = self.in_si(written)
         if not self.allowed.contains(value):
-            if self.units != "1":
-                raise ValueError(f"is out of range; allowed: {self.allowed}, in {self.units}")
-            percent = self.allowed.upper == 1 and 2 <= value <= 100
+            percent = self.allowed.upper == 1 and 2 <= value <= 100 and "%" not in str(written)
             cure = f'; for {value:g} % write "{value:g} %"' if percent else ""
-            raise ValueError(f"is out of range; allowed: {self.allowed}{cure}")
+            units = "" if self.units == "1" else f", in {self.units}"
+            raise ValueError(f"is out of range; allowed: {self.allowed}{units}{cure}")
         if not self.plausible.holds(value):
             warn(f"is doubtful: {self.plausible.doubt(value)}")
         return value
@@ -191,15 +190,13 @@ class ListOf:
         if not isinstance(written, list) or not written or len(written) != (self.length or len(written)):
             raise ValueError(f"is no such list; allowed: {self.words}")
         values = [self._value(place, each, warn) for place, each in enumerate(written, 1)]
-        uncertain = [value for value in values if isinstance(value, Uncertain)]
-        if not uncertain:
+        spreads = {isinstance(x, Uncertain) and (x.kind, round(x.spread, 6)) for x in values}
+        if spreads == {False}:
             return values
-        spreads = {(value.kind, round(value.spread, 6)) for value in uncertain}
-        if len(spreads) > 1 or len(uncertain) < len(values):
+        if len(spreads) > 1:
             what = "has numbers with different spreads; allowed: one spread for all of them"
             raise ValueError(f"{what}, since they vary together, by one factor")
-        medians = np.array([value.median for value in uncertain])
-        return Uncertain(medians, uncertain[0].spread, uncertain[0].kind)
+        return replace(values[0], median=np.array([value.median for value in values]))
 
     def _value(self, place: int, written: Any, warn: Warn) -> Any:
         which = f"has a number {place} that"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -46,7 +45,6 @@ INTENSITIES = {
 READING = ("units", "dt", "column", "time_column", "component", "wrapped", "skip")
 
 
-@dataclass(frozen=True, kw_only=True)
 class Reading(Form):
     """How a file of a record is read, as in `read_record`."""
 
@@ -60,7 +58,6 @@ class Reading(Form):
     skip: int = key(integer(0), "Number of lines at the beginning that are left out", 0)
 
 
-@dataclass(frozen=True, kw_only=True)
 class Record(Reading):
     """A record of a site."""
 
@@ -79,11 +76,10 @@ class Record(Reading):
         return scaled_record(record, self.scale)
 
 
-@dataclass(frozen=True, kw_only=True)
 class Suite(Reading):
     """Records of a folder or a table of files, with what they are scaled to."""
 
-    at_most = (("pga", "sa", "scale_to"),)
+    one_of: ClassVar[Any] = {"": ("pga", "sa", "scale_to")}
     goes_with = (("sa", "sa_period"), ("sa_period", "sa"), ("band", "scale_to"))
 
     skip_unreadable: bool = key(TRUTH, "Leave out what cannot be read, with a warning", False)
@@ -129,7 +125,6 @@ def read_records_of(
     return records | several
 
 
-@dataclass(frozen=True, kw_only=True)
 class OfHazard(Form):
     """Keys of every hazard."""
 
@@ -142,11 +137,10 @@ class OfHazard(Form):
         return {"measure": self.measure, "period": self.sa_period}
 
 
-@dataclass(frozen=True, kw_only=True)
 class OfFile(OfHazard):
     """A file of intensities and annual frequencies, or several of them."""
 
-    at_most = (("site", "coordinates"),)
+    one_of: ClassVar[Any] = {"": ("site", "coordinates")}
 
     file: list[str] = key(ListOf(TEXT, "listed"), "File of this site, of OpenQuake or of the USGS")
     units: str | None = key(Word(INTENSITIES["pga"].spellings), "Unit in the file", None)
@@ -162,7 +156,6 @@ class OfFile(OfHazard):
             return read_hazard(paths, **self.of, **options)
 
 
-@dataclass(frozen=True, kw_only=True)
 class OfPoints(OfHazard):
     """A few points of a curve."""
 
@@ -186,7 +179,6 @@ class OfPoints(OfHazard):
             return HazardCurve(tuple(self.intensities), tuple(rates), **self.of)
 
 
-@dataclass(frozen=True, kw_only=True)
 class OfPowerLaw(OfHazard):
     """A power law; ``k0`` is the annual frequency of exceedance of 1 in the unit of the file."""
 

@@ -85,7 +85,6 @@ class Course(NamedTuple):
 # --- the table [motion] ---
 
 
-@dataclass(frozen=True, kw_only=True)
 class Motion(Form):
     """Duration and envelope of the motions."""
 
@@ -108,7 +107,6 @@ class Motion(Form):
         return Course(self.duration, envelope)
 
 
-@dataclass(frozen=True, kw_only=True)
 class MotionOfRecord(Form):
     """A motion that is fitted to the first records, together with the ground."""
 
@@ -122,7 +120,6 @@ MOTIONS = (Motion, MotionOfRecord)
 # --- the table [site] ---
 
 
-@dataclass(frozen=True, kw_only=True)
 class OfSite(Form):
     """Keys of every site."""
 
@@ -131,11 +128,10 @@ class OfSite(Form):
     hazard: Any = key(Inner(HAZARDS), "Hazard", None)
 
 
-@dataclass(frozen=True, kw_only=True)
 class Scaled(OfSite):
     """A site whose strength may be that of its motions."""
 
-    at_most = (STRENGTHS,)
+    one_of: ClassVar[Any] = {"": STRENGTHS}
     goes_with = (("sa", "sa_period"), ("sa_period", "sa"))
 
     pga: float | None = key(PEAK, "Peak acceleration, mean of the motions", None)
@@ -155,7 +151,6 @@ class Scaled(OfSite):
         return strength if period is None else strength | {"period": period}
 
 
-@dataclass(frozen=True, kw_only=True)
 class ByParameters(Scaled):
     """A ground by its name, or by its kind and its parameters."""
 
@@ -177,7 +172,6 @@ class ByParameters(Scaled):
         return self.table.made(kind or partial(named_ground, self.ground), **values)
 
 
-@dataclass(frozen=True, kw_only=True)
 class OfRecord(Scaled):
     """A ground that is fitted to the first record."""
 
@@ -186,7 +180,6 @@ class OfRecord(Scaled):
     estimator: str = key(Word(lambda: [*ESTIMATORS]), "What the fit minimizes", "psd")
 
 
-@dataclass(frozen=True, kw_only=True)
 class WithMotionOfRecord(OfSite):
     """A ground that is fitted to the first records together with the envelope."""
 
@@ -194,7 +187,6 @@ class WithMotionOfRecord(OfSite):
     filters: int = key(integer(1, MOST_FILTERS), "Number of filters", FILTERS)
 
 
-@dataclass(frozen=True, kw_only=True)
 class Spectrum(OfSite):
     """Keys of every site by its design spectrum."""
 
@@ -204,7 +196,6 @@ class Spectrum(OfSite):
     filters: int | None = key(integer(1, MOST_FILTERS), "Number of filters of the ground", None)
 
 
-@dataclass(frozen=True, kw_only=True)
 class Eurocode8(Spectrum):
     """The elastic spectrum of EN 1998-1."""
 
@@ -218,7 +209,6 @@ class Eurocode8(Spectrum):
         return self.table.made(eurocode_8, **self.given("ag", "soil", "type", "damping"))
 
 
-@dataclass(frozen=True, kw_only=True)
 class Asce7(Spectrum):
     """The design spectrum of ASCE 7."""
 
@@ -231,7 +221,6 @@ class Asce7(Spectrum):
         return self.table.made(asce_7, sds=self.sds, sd1=self.sd1, tl=self.tl)
 
 
-@dataclass(frozen=True, kw_only=True)
 class SpectrumFile(Spectrum):
     """A spectrum from a file, with a factor."""
 

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import MISSING, dataclass, field, replace
 from pathlib import Path
-from typing import Any, ClassVar, TypeVar
+from typing import Any, ClassVar, TypeVar, dataclass_transform
 
 from stochlin.applications.cases.reading.kinds import TEXT, Inner, Key, Word, keys_of
 from stochlin.messages import LONGEST_MESSAGE, DoubtfulInput, brief, listed, nearest, plain, sentence
@@ -81,21 +81,14 @@ class Table:
         except (OSError, ValueError, ArithmeticError) as error:
             raise self.error(name, f"{what}{sentence(error, LONGEST_MESSAGE)}") from error
 
-    def table(self, name: str) -> Table:
-        """The table of this name; an empty one if there is none."""
-        return self._inner(self.values.get(name, {}), name, (*self.place, name))
-
-    def tables(self, name: str) -> list[Table]:
-        """All tables of this name, in the order of the file."""
-        values = self.values.get(name, [])
-        if not isinstance(values, list):
-            raise self.error(name, f"is no list of tables; allowed: lines [[{self.called(name)}]]")
-        return [self._inner(each, name, (*self.place, name, n)) for n, each in enumerate(values)]
-
-    def _inner(self, values: Any, name: str, place: Place) -> Table:
+    def table(self, name: str, *number: int) -> Table:
+        """The table of this name, of several that of a number; an empty one if there is none."""
+        values = self.values.get(name, {})
+        for n in number:
+            values = values[n]
         if not isinstance(values, dict):
             raise self.error(name, f"is no table; allowed: a line [{self.called(name)}], keys below it")
-        return replace(self, values=values, place=place)
+        return replace(self, values=values, place=(*self.place, name, *number))
 
     def paths(self, name: str, texts: Sequence[str]) -> list[Path]:
         """The paths of files that the case names, relative to its own file."""
@@ -111,9 +104,11 @@ class Table:
     def value(self, name: str, kind: Any) -> Any:
         """The value of a key, numbers in SI."""
         if isinstance(kind, Inner):
-            tables = self.tables(name) if kind.several else [self.table(name)]
-            read = tables if kind.later else [table.read(*kind.forms) for table in tables]
-            return read if kind.several else read[0]
+            if not kind.several:
+                return self.table(name) if kind.later else self.table(name).read(*kind.forms)
+            if not isinstance(self.values[name], list):
+                raise self.error(name, f"is no list of tables; allowed: lines [[{self.called(name)}]]")
+            return [self.table(name, n).read(*kind.forms) for n, _ in enumerate(self.values[name])]
         with self.naming(name, ""):
             return kind.read(self.values[name], lambda what: self.warn(name, what))
 
@@ -152,7 +147,11 @@ class Table:
             raise self.error(next(named, ""), f"does not fit: {text}") from error
 
     def _unknown(self, name: str, form: type[Form], keys: Mapping[str, Key]) -> ValueError:
-        near = nearest(name, [key for key in keys if key not in self])
+        names = [key for key in keys if key not in self]
+        for key, known in keys.items():  # also those of tables below this one
+            for inner in getattr(known.kind, "forms", ()):
+                names += [f"{key}.{each}" for each in inner.keys(self)]
+        near = nearest(name, names)
         said = instead_of(name) or (f"did you mean {near}? " if near else "")
         what = "is not a key that is known here" + f", of {form.described_as}" * bool(form.described_as)
         return self.error(name, f"{what}; {said}allowed: {listed(keys, MOST_LISTED)}")
@@ -160,33 +159,37 @@ class Table:
     def _check_together(self, form: type[Form]) -> None:
         """Raise a ValueError for keys that exclude or need one another."""
         chosen = [name for name, value in self.values.items() if value is not False]
-        for names in (*form.one_of.values(), *form.at_most):
-            present = [name for name in names if name in chosen]
-            if len(present) > 1:
-                what = f"is given as well as {present[0]}; allowed: one of {', '.join(names)}"
-                raise self.error(present[1], what)
         for what, names in form.one_of.items():
-            if not {*names} & {*chosen}:
-                raise self.error("", f"has no {what}; allowed: one of {', '.join(names)}")
+            present = [name for name in names if name in chosen]
+            allowed = f"; allowed: one of {', '.join(names)}"
+            if len(present) > 1:
+                raise self.error(present[1], f"is given as well as {present[0]}{allowed}")
+            if what and not present:
+                raise self.error("", f"has no {what}{allowed}")
         for name, other in form.goes_with:
             if name in chosen and other not in chosen:
                 raise self.error(name, f"needs {other}, which is missing; allowed: both, or neither")
 
 
+@dataclass_transform(frozen_default=True, kw_only_default=True)
 @dataclass(frozen=True, kw_only=True)
 class Form:
-    """Base of the forms: what a table of a case file says, numbers in SI.
+    """Base of the forms, which are dataclasses: what a table of a case file says, numbers in SI.
 
     ``more`` are the parameters of the model that the table names, such as its hysteresis law.
     """
 
     described_as: ClassVar[str] = ""  # in messages
-    one_of: ClassVar[Mapping[str, Sequence[str]]] = {}  # what exactly one of these keys gives
-    at_most: ClassVar[Sequence[Sequence[str]]] = ()  # of each of these keys it has at most one
+    # What exactly one of these keys gives; of those without such a name there may be none.
+    one_of: ClassVar[Mapping[str, Sequence[str]]] = {}
     goes_with: ClassVar[Sequence[tuple[str, str]]] = ()  # a key, and the one that it needs
 
     table: Table = field(compare=False, repr=False)
     more: Mapping[str, Any] = field(default_factory=dict)
+
+    def __init_subclass__(cls) -> None:
+        """Make each form a dataclass."""
+        dataclass(frozen=True, kw_only=True)(cls)
 
     @classmethod
     def keys(cls, table: Table) -> dict[str, Key]:
