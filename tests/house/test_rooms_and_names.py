@@ -73,6 +73,14 @@ def test_rooms_import_what_is_written_down_and_in_no_circle_and_floors_only_thos
         assert list(TopologicalSorter(rooms).static_order())  # raises where there is a circle
 
 
+def test_modules_import_one_another_in_no_circle() -> None:
+    """Wherever they do: inside functions, too."""
+    names = {path: ".".join(path.relative_to(ROOT.parent).with_suffix("").parts) for path in TREES}
+    names = {path: name.removesuffix(".__init__") for path, name in names.items()}
+    arrows = {name: {*names.values()} & {*imports(path)} - {name} for path, name in names.items()}
+    assert list(TopologicalSorter(arrows).static_order())
+
+
 def test_folders_are_seen_at_a_glance() -> None:
     folders = Counter(path.parent for path in TREES if path.name != "__init__.py")
     assert {folder: n for folder, n in folders.items() if n > MOST_MODULES} == {}

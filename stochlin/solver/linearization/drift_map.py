@@ -22,7 +22,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import cache
 from importlib.resources import files
-from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
@@ -31,9 +30,6 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.models.grounds import CloughPenzien, Ground, KanaiTajimi, WhiteNoise
 from stochlin.models.structures import DRIFT, GAUSSIAN, Structure
 from stochlin.solver.tables.interpolation import Grid, linear
-
-if TYPE_CHECKING:
-    from stochlin.solver.linearization.equivalent_systems import Oscillators
 
 FILE = "drift_map.nc"
 # Clough-Penzien ground is a Kanai-Tajimi ground with a high-pass filter. Structures on it are corrected
@@ -74,25 +70,16 @@ def drift_map() -> xr.Dataset:
         return xr.load_dataset(stream, engine="scipy")
 
 
-def point_of(ground: Ground, cells: Oscillators, ratio: Array) -> Array:
-    """Places (axes, n) in the map of structures with these R/p; on white noise two axes less."""
-    own = [ratio, cells.hardening, cells.damping]
-    if type(ground) not in CORRECTED_GROUNDS or isinstance(ground, WhiteNoise):
-        return np.array(own)
-    named = dict(zip(ground.cells(), cells.soil, strict=True))
-    return np.array([*own, named["damping"], cells.period / named["period"]])
-
-
 def with_correction(
-    ground: Ground, cells: Oscillators, derived: Mapping[str, Array]
+    ground: Ground, soil: Array, point: Array, derived: Mapping[str, Array]
 ) -> dict[str, Array]:
     """The results of the drift closure for structures, with displacements corrected by the map.
 
+    ``soil`` has the parameters of their ground, ``point`` their places in the map.
     They also have ``displacement_error``, the relative error that is expected after the correction. It
     is NaN where a structure or the ground is outside the simulated ranges. On a kind of ground for
     which there are no simulations, nothing is corrected, and the error is NaN if a structure yields.
     """
-    point = point_of(ground, cells, derived[STRENGTH_RATIO])
     factor: Array | float = 1.0
     error: Array | float = np.nan
     if type(ground) in CORRECTED_GROUNDS:
@@ -102,7 +89,7 @@ def with_correction(
         mapped = within(point[1], MAP_HARDENING) & within(point[2], MAP_DAMPING)
         least = np.where(mapped & (type(ground) is not CloughPenzien), LEAST, LEAST_BEYOND)
         error = np.sqrt(least**2 + (BY_SPREAD * spread) ** 2)
-        error = np.where(simulated(ground, point, cells.soil), error, np.nan)
+        error = np.where(simulated(ground, point, soil), error, np.nan)
     elastic, lost = np.isinf(derived["yield_displacement"]), np.isnan(derived["displacement_std"])
     shown = {name: derived[name] * factor for name in ("displacement_std", "ductility_std")}
     error = np.where(lost, np.nan, np.where(elastic, 0.0, error))

@@ -28,10 +28,10 @@ from stochlin.kernels.linearization.single_structures import (
     solve_structures,
 )
 from stochlin.messages import brief, hint
-from stochlin.models.grounds import Ground
+from stochlin.models.grounds import Ground, WhiteNoise
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.structures import DRIFT, GAUSSIAN, Structure
-from stochlin.solver.linearization.drift_map import STRENGTH_RATIO, point_of, with_correction
+from stochlin.solver.linearization.drift_map import CORRECTED_GROUNDS, STRENGTH_RATIO, with_correction
 from stochlin.solver.linearization.tolerance import USUAL, Tolerance
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.cells import Flat, flat
@@ -92,6 +92,14 @@ class Oscillators(NamedTuple):
         """Some of the cells."""
         return Oscillators(*(part[..., cells] for part in self))
 
+    def point(self, ground: Ground, ratio: Array) -> Array:
+        """Places (axes, n) in the map of the drift closure, for R/p; on white noise two axes less."""
+        own = [ratio, self.hardening, self.damping]
+        if type(ground) not in CORRECTED_GROUNDS or isinstance(ground, WhiteNoise):
+            return np.array(own)
+        named = dict(zip(ground.cells(), self.soil, strict=True))
+        return np.array([*own, named["damping"], self.period / named["period"]])
+
 
 class Law(NamedTuple):
     """The law by which cells yield, and its closure."""
@@ -136,7 +144,7 @@ class Solved(NamedTuple):
     @property
     def point(self) -> Array:
         """Places in the map of the drift closure."""
-        return point_of(self.ground, self.oscillators, self.values[STRENGTH_RATIO])
+        return self.oscillators.point(self.ground, self.values[STRENGTH_RATIO])
 
     def labelled(self, number: int, names: Sequence[str]) -> dict[str, Cells]:
         """Variables of a structure over its dimensions."""
@@ -162,7 +170,8 @@ class Solved(NamedTuple):
                 blank = np.empty((*rows.shape[:-1], count), rows.dtype)
                 values.setdefault(name, blank)[..., at] = rows
         if closure == DRIFT:
-            values = with_correction(self.ground, self.oscillators, values)
+            point = self.oscillators.point(self.ground, values[STRENGTH_RATIO])
+            values = with_correction(self.ground, self.oscillators.soil, point, values)
         return self._replace(values=values)
 
 

@@ -249,7 +249,8 @@ def _search(structure: Structure, ground: Ground, target: DuctilityTarget, closu
         weaker = cells.at(at)._replace(strength=np.exp(log_r))
         values = solve_oscillators(weaker, law.at(at), ground, TOLERANCE)
         if closure == DRIFT:
-            values = with_correction(ground, weaker, values)
+            point = weaker.point(ground, values[STRENGTH_RATIO])
+            values = with_correction(ground, weaker.soil, point, values)
         return np.log(weaker.peak_factor * values["ductility_std"] / wanted[at])
 
     if wanted.size:

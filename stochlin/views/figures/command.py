@@ -7,8 +7,9 @@ from typing import Any
 
 import click
 
+from stochlin.views.shared.blocks import PICTURES
 from stochlin.views.shared.options import Numbers, QuantityType, as_option, together
-from stochlin.views.shared.screen import COMMANDS, PICTURES, bad_input, check_target, progress_bar
+from stochlin.views.shared.screen import COMMANDS, bad_input, check_target, progress_bar
 
 RATIO, SECONDS, METRES = map(QuantityType, ("1", "s", "m"))
 RATIOS, COUNT, POINTS = Numbers("1"), click.IntRange(min=0), click.IntRange(min=2)

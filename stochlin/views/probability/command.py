@@ -7,11 +7,11 @@ from pathlib import Path
 import click
 
 from stochlin.applications.cases.rows import gap_of, pair_of
+from stochlin.views.shared.blocks import PICTURES
 from stochlin.views.shared.options import QuantityType
 from stochlin.views.shared.screen import (
     COMMANDS,
     FILE,
-    PICTURES,
     bad_input,
     check_target,
     lines,

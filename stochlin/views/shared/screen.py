@@ -26,7 +26,7 @@ from stochlin.messages import (
     sentence,
 )
 from stochlin.registry import Registry
-from stochlin.views.shared.blocks import Block, Items, Table, Text, ViewSection
+from stochlin.views.shared.blocks import PICTURES, Block, Items, Table, Text, ViewSection
 from stochlin.views.shared.page import LETTERS
 
 if TYPE_CHECKING:
@@ -38,7 +38,6 @@ if TYPE_CHECKING:
 COMMANDS: Registry[click.Command] = Registry("command", "stochlin.views", "command")
 SCREEN_ROWS, WIDTH = 40, 100
 STEPS = 1000  # of a bar
-PICTURES = (".png", ".svg", ".pdf")
 COMPILING = (
     "compiling for this machine, once: up to half a minute ('stochlin warmup' does it for all commands)"
 )
