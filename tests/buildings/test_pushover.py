@@ -131,9 +131,8 @@ FILES: dict[str, str | tuple[str, dict[str, Any]]] = {
         "# roof, base\n0.0 0.0\n0.01 -500.\n0.03 -700.\n0.06 -7.5e2\n",
         {"length_units": "m", "force_units": "kN"},
     ),
-    "without its origin, pushed to the left": (
-        "shear,roof\n500,-10\n700,-30\n750,-60\n",
-        {"length_units": "mm", "force_units": "kN"},
+    "without its origin, pushed to the left, titles in a comment": (
+        "# shear [kN],roof [mm]\n500,-10\n700,-30\n750,-60\n"
     ),
     "signs in titles": "No. #,roof (1 % of h) [mm],shear [kN]\n1,0,0\n2,10,500\n3,30,700\n4,60,750\n",
     "hinges fail at one displacement": f"{PUSH}60,400\n70,300\n",
