@@ -105,7 +105,7 @@ def test_error_of_the_confidence_is_what_the_notes_say(pair, lowest, highest):
 
 def test_time_runs_from_certain_safety_and_gaps_are_ordered():
     gaps = xr.DataArray([1e-3, 0.05, 0.1, 0.2, 5.0], dims="gap")
-    table = probability(ONE, TWO, FIRM, gaps)
+    table = probability(ONE, TWO, FIRM, gaps, envelope=None)
     safe = table.confidence_of_no_pounding
     assert (safe.isel(time=0) == 1).all()
     assert (safe.diff("time") <= 0).all()
@@ -114,6 +114,8 @@ def test_time_runs_from_certain_safety_and_gaps_are_ordered():
     assert float(safe[-1, -1]) == 1
     assert (table.instantaneous_probability.diff("gap") <= 0).all()
     assert float(table.instantaneous_probability.max()) <= 0.5
+    again = probability(ONE, TWO, FIRM, float(table.required_gap), envelope=None)
+    assert float(again.confidence_of_no_pounding[-1]) == pytest.approx(0.9, abs=1e-6)
 
 
 def test_equal_structures_never_pound():
