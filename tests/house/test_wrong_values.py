@@ -230,7 +230,9 @@ WAYS: dict[str, list[dict[str, Any]]] = {
     ],
     "linearize_system": [{"links": [sl.Link(1e6, 1e5)]}],
     "simulate": [{"link": sl.Link(1e6, 1e5)}],
-    "pounding_probability": [{"method": "hybrid", "record": RECORD[:20], "duration": None}],
+    "pounding_probability": [
+        {"method": "hybrid", "record": RECORD[:20], "duration": None, "envelope": None}
+    ],
     "separation": [{"second": None}, {"records": {"a": RECORD[:20]}}],
     "sensitivity": [{"second": None}],
     "pound": [{"link": sl.Link(1e6, 1e5)}],

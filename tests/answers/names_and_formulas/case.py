@@ -34,12 +34,5 @@ Path("record.at2").write_text(example_record(), encoding="utf-8")
 record = sl.read_record("record.at2")
 print(record.attrs["dt"], record.sizes["time"], f"{float(abs(record).max()):.9g}")
 case = sl.read_case("case.toml")
-print(
-    case.buildings[0].structure,
-    case.buildings[1].structure,
-    case.site.ground,
-    case.site.course.envelope,
-    gap_of(case),
-    case.contact,
-    sep="\n",
-)
+structures = [building.structure for building in case.buildings]
+print(*structures, case.site.ground, case.site.course.envelope, gap_of(case), case.contact, sep="\n")
