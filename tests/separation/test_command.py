@@ -14,7 +14,7 @@ from commands import invoke, refused
 
 import stochlin as sl
 from stochlin.views.separation.pictures import draw_heights
-from stochlin.views.shared.page import typeset_html
+from stochlin.views.shared.blocks import typeset_html
 
 pytestmark = pytest.mark.cli
 

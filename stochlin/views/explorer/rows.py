@@ -9,7 +9,7 @@ from nicegui import ui
 
 from stochlin.applications.cases.reading.kinds import TRUTH
 from stochlin.applications.explorer.form import STEP
-from stochlin.views.shared.page import typeset_html
+from stochlin.views.shared.blocks import typeset_html
 
 if TYPE_CHECKING:
     from nicegui import events

@@ -15,7 +15,7 @@ from stochlin.models.laws.bilinear import Bilinear
 from stochlin.solver.tables import labels
 from stochlin.views.figures.charts import ChartSettings, register_chart
 from stochlin.views.figures.pictures import PANEL, PICTURES, SQUARE, in_a_row, in_cm, planes
-from stochlin.views.shared.page import typeset
+from stochlin.views.shared.blocks import typeset
 from stochlin.views.shared.style import CURVES, quantity
 from stochlin.views.shared.words import roles_in_words
 

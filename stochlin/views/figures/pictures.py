@@ -13,7 +13,7 @@ import xarray as xr
 from stochlin.models.arguments import Number
 from stochlin.models.parameters import Range
 from stochlin.registry import Registry
-from stochlin.views.shared.page import typeset
+from stochlin.views.shared.blocks import typeset
 from stochlin.views.shared.style import (
     CURVES,
     decade_ticks,

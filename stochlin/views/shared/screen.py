@@ -26,8 +26,7 @@ from stochlin.messages import (
     sentence,
 )
 from stochlin.registry import Registry
-from stochlin.views.shared.blocks import PICTURES, Block, Items, Table, Text, ViewSection
-from stochlin.views.shared.page import LETTERS
+from stochlin.views.shared.blocks import LETTERS, PICTURES, Block, Items, Table, Text, ViewSection
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -16,8 +16,7 @@ import xarray as xr
 from stochlin.messages import brief, check_names
 from stochlin.models.arguments import checked
 from stochlin.solver.tables.storage import whole_file
-from stochlin.views.shared.blocks import PICTURES
-from stochlin.views.shared.page import typeset
+from stochlin.views.shared.blocks import PICTURES, typeset
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
