@@ -132,25 +132,16 @@ def test_a_broken_table_is_refused_with_its_place(tmp_path: Path, message: str) 
         read(tmp_path, BROKEN[message])
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ({"direction": "UX"}, "direction = 'UX' has no meaning for tower.csv, which has a line 'mode"),
-        ({"direction": "north"}, "direction = 'north' is not known; allowed: UX, UY"),
-        ({"points": "12"}, "points = '12'; allowed: a list of names"),
-        ({"mass_units": 1}, "mass_units = 1; allowed: a text"),
-    ],
-)
-def test_an_argument_without_a_meaning_is_refused(
-    tmp_path: Path, arguments: dict[str, object], message: str
-) -> None:
-    with pytest.raises((ValueError, TypeError), match=re.escape(message)):
-        read(tmp_path, PLAIN, **arguments)
+def test_an_argument_without_a_meaning_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=r"direction = 'UX' has no meaning for tower\.csv, which has"):
+        read(tmp_path, PLAIN, direction="UX")
+    with pytest.raises(TypeError, match="points = '12'; allowed: a list of names"):
+        read(tmp_path, PLAIN, points="12")
 
 
 def test_a_table_that_lacks_masses_or_has_too_many_modes_makes_no_building(tmp_path: Path) -> None:
     table = read(tmp_path, PLAIN)
     with pytest.raises(ValueError, match="allowed: a dataset with height, mass, period, shape"):
         sl.ModalBuilding.from_table(table.drop_vars("mass"), damping=0.05)
-    with pytest.raises(ValueError, match="table: shape has 601 modes"):
+    with pytest.raises(ValueError, match="shapes has 601 values; allowed: one for each of at most 600"):
         sl.ModalBuilding.from_table(table.isel(mode=[0] * 601), damping=0.05)

@@ -93,19 +93,14 @@ def test_a_seed_is_an_answer_and_fewer_paths_are_the_first():
 
 @pytest.mark.invariant
 @pytest.mark.parametrize(
-    ("options", "error", "message"),
+    ("options", "message"),
     [
-        (
-            {"duration": 0.0},
-            ValueError,
-            "duration = 0.0 is out of range; allowed: a positive, finite number",
-        ),
-        ({"step": 30.0}, ValueError, "step = 30.0 is out of range; allowed: 0 < step <= duration"),
-        ({"paths": 10**9}, ValueError, "allowed: .* GB; shorten them"),
-        ({"ground": sl.KanaiTajimi([0.4, 0.5], 0.3, 0.01)}, ValueError, "period is an array"),
+        ({"step": 30.0}, "step = 30.0 is out of range; allowed: 0 < step <= duration"),
+        ({"paths": 10**9}, "allowed: .* GB; shorten them"),
+        ({"ground": sl.KanaiTajimi([0.4, 0.5], 0.3, 0.01)}, "period is an array"),
     ],
 )
-def test_motions_that_cannot_be_made_are_refused(options, error, message):
+def test_motions_that_cannot_be_made_are_refused(options, message):
     usual = {"ground": sl.named_ground("firm", intensity=0.01), "duration": 10.0}
-    with pytest.raises(error, match=message):
+    with pytest.raises(ValueError, match=message):
         sl.simulated_motions(**usual | options)

@@ -95,21 +95,16 @@ def test_a_fit_that_misses_the_duration_says_so():
 
 @pytest.mark.invariant
 @pytest.mark.parametrize(
-    ("change", "error", "message"),
+    ("change", "message"),
     [
-        (lambda r: [r, r[:-5]], ValueError, "have the sample counts 3001, 2996; allowed: equal"),
-        (
-            lambda r: [r, r.assign_attrs(event="Kobe")],
-            ValueError,
-            "have the events Duzce, Kobe",
-        ),
-        (lambda r: [r, r, r], ValueError, "record has 3 components; allowed: one, or"),
-        (lambda r: r.values, TypeError, "ndarray; allowed: an xarray.DataArray"),
-        (lambda r: r[:150], ValueError, "record lasts 1.5 s; allowed: 2 s or more"),
+        (lambda r: [r, r[:-5]], "have the sample counts 3001, 2996; allowed: equal"),
+        (lambda r: [r, r.assign_attrs(event="Kobe")], "have the events Duzce, Kobe"),
+        (lambda r: [r, r, r], "record has 3 components; allowed: one, or"),
+        (lambda r: r[:150], "record lasts 1.5 s; allowed: 2 s or more"),
     ],
 )
-def test_what_cannot_be_fitted_is_refused(record, change, error, message):
-    with pytest.raises(error, match=message):
+def test_what_cannot_be_fitted_is_refused(record, change, message):
+    with pytest.raises(ValueError, match=message):
         sl.fit_motion(change(record.assign_attrs(event="Duzce", station="Bolu")))
 
 

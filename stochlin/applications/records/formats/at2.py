@@ -20,7 +20,7 @@ from stochlin.registry import LAST
 _HEADER = re.compile(r"\bNPTS\b", re.IGNORECASE)
 _NUMBER = r"((?:\d+\.?\d*|\.\d+)(?:[ED][-+]?\d+)?)"
 _IN_ANY_ORDER = re.compile(
-    rf"(?=.*\bNPTS\b[\s=:]*{_NUMBER})(?=.*?\bDT\b[\s=:]*{_NUMBER}[\s(]*([A-Z]*))", re.IGNORECASE
+    rf"(?=.*?\bNPTS\b[\s=:]*{_NUMBER})(?=.*?\bDT\b[\s=:]*{_NUMBER}[\s(]*([A-Z]*))", re.IGNORECASE
 )
 _NUMBERS_FIRST = re.compile(rf"^\s*{_NUMBER}[\s,]+{_NUMBER}[\s,]+NPTS\W+DT[\s(]*([A-Z]*)", re.IGNORECASE)
 _SECONDS = dict.fromkeys(("", "S", "SEC", "SECS", "SECOND", "SECONDS"), 1.0)

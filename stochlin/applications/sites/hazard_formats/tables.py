@@ -112,11 +112,9 @@ def _of_sites(table: Table, path: Path, choice: AskedHazard) -> Ordinate:
 
 def _years(table: Table, comments: str, known: float | None) -> float:
     stated = _YEARS.search(comments)
-    years = (number_in(stated[1]) or 0.0) if stated else known
-    if years is None:
+    years = number_in(stated[1]) if stated else known
+    if not years:
         raise table.error("does not state the time of its probabilities; give investigation_time=")
-    if not years > 0:
-        raise table.error(f"has investigation_time = {years:g}; allowed: a positive number")
     if known is not None and not np.isclose(years, known, rtol=1e-9):
         raise table.error(f"states {years:g} years, which investigation_time = {known:g} contradicts")
     return years

@@ -21,13 +21,12 @@ from stochlin.applications.sites.hazard_formats import (
 )
 from stochlin.messages import plain, refuse, sentence
 
-TITLE = "a response of the USGS, of annual frequencies at one site"
-
 
 def read(path: Path, text: str, choice: AskedHazard) -> list[Ordinate]:
     """The total curves of all measures that are accelerations."""
     name, ordinates = plain(path.name), []
-    refuse(name, TITLE, {"site": choice.site, "investigation_time": choice.years})
+    of_one = {"site": choice.site, "investigation_time": choice.years}
+    refuse(name, "a response of the USGS, of annual frequencies at one site", of_one)
     try:
         response = json.loads(text)["response"]
         units = "g" if "(g)" in response["metadata"]["xlabel"] else ""
