@@ -75,18 +75,6 @@ def test_a_chart_of_both_grounds_is_that_of_each_side_by_side(both_grounds, fig4
         assert error in both_grounds.attrs["comment"]
 
 
-def test_simulated_points_are_those_of_correlate(fig4c, fig5a):
-    there = fig4c.rho_simulated.notnull()
-    assert there.sum("period_ratio").values.tolist() == [3, 3]
-    assert int(fig5a.rho_simulated.notnull().sum()) == 3 * 3
-    known = fig4c.where(there.all("reduction_factor"), drop=True)
-    table = sl.correlate(
-        *pair(known.period_ratio, known.reduction_factor), LAKEBED, "simulation", paths=64, seed=1
-    )
-    error = 4 * np.hypot(known.rho_standard_error, table.rho_standard_error) + 1e-12
-    assert bool((np.abs(known.rho_simulated - table.rho) <= error).all())
-
-
 def test_points_with_a_slow_drift_are_open_with_motions_beside_them_and_in_no_error(fig4c):
     slow = (fig4c.drift_memory > 60).transpose(*fig4c.rho.dims)
     assert bool(slow.any())

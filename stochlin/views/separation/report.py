@@ -6,6 +6,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
+from stochlin._version import __version__
 from stochlin.applications.cases.shaking import doubts
 from stochlin.views.sensitivity import words as what_matters
 from stochlin.views.sensitivity.pictures import draw_sensitivity
@@ -55,10 +56,9 @@ def answer_sections(answer: CaseAnswer) -> list[ViewSection]:
 
 def report_page(answer: CaseAnswer) -> str:
     """The page of an answer; text of the case file is escaped."""
-    case, attrs = answer.case, answer.separation.attrs
-    file, names = case.whole.table.source.name, [building.name for building in case.buildings]
-    as_given = [file, case.title, *names, *case.site.records]
-    footer = [attrs["references"], f"{attrs['history']}, from {file}."]
+    case, names = answer.case, [building.name for building in answer.case.buildings]
+    as_given = [case.whole.table.source.name, case.title, *names, *case.site.records]
+    footer = [answer.separation.attrs["references"], f"stochlin {__version__}."]
     title = f"{case.title}: the {words.subject_of(case).gap}"
     return page(title, answer_sections(answer), footer, as_given)
 
@@ -70,9 +70,8 @@ def _pictures(answer: CaseAnswer) -> list[Picture]:
         caption = "One gap for all heights is larger: different motions need it at different heights."
         draw = partial(pictures.draw_heights, answer.table(), caption=False)
         drawn.append(Picture(f"The {about.gap} over the height", caption, draw))
-    shares = f"{about.good.capitalize()}, by the {about.gap}."
     draw = partial(pictures.distribution_figure, answer)
-    drawn.append(Picture(f"How often a {about.gap} is enough", shares, draw))
+    drawn.append(Picture(f"{about.good.capitalize()}, by the {about.gap}", "", draw))
     if "target" in answer.spectrum:
         draw = partial(draw_spectrum, answer.spectrum, False, answer.case.periods)
         drawn.append(Picture(f"The ground and {about.the_buildings}", SPECTRUM, draw))

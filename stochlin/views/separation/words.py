@@ -265,10 +265,7 @@ def allowances(answer: CaseAnswer) -> list[Block]:
     damping = with_interval(limits, "least_added_damping")
     where = "" if case.alone else " of both"
     rows.append(_limit(f"added damping ratio{where}", "at least", *damping))
-    note = (
-        f"The existing {subject_of(case).gap} is sufficient with each change alone. Any, none: of what "
-        f"was searched, {limits.attrs['searched']}."
-    )
+    note = f"Each change alone. Any, none: of what was searched, {limits.attrs['searched']}."
     heads = ("change", "sufficient", "95 % interval")
     return [Table.of(heads, rows, heads[1:]), Text(note, "note")]
 
