@@ -101,25 +101,6 @@ class Browser:
         time.sleep(0.6)  # longer than an entry waits for another key
         self.idle()
 
-    def choose(self, table: str, text: str) -> None:
-        from selenium.webdriver.common.keys import Keys
-
-        self.script("document.querySelector(arguments[0]).focus()", f'[data-choice="{table}"] input')
-        self.press(Keys.SPACE)
-        choose = """const option = [...document.querySelectorAll('.q-menu [role=option]')]
-            .find(e => e.innerText == arguments[0]); if (option) option.click(); return !!option"""
-        wait(lambda: self.script(choose, text))
-        wait(lambda: not self.script("return !!document.querySelector('.q-menu')"))
-        self.idle()
-
-    def fill(self, text: str) -> None:
-        """Write another text of the case file."""
-        fill = """const area = document.querySelector('textarea[data-text]'); area.value = arguments[0];
-            area.dispatchEvent(new Event('input'))"""
-        self.script(fill, text)
-        time.sleep(0.6)  # longer than an entry waits for another key
-        self.idle()
-
     def click(self, mark: str) -> None:
         self.driver.find_element("css selector", f"[data-{mark}]").click()
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from cases import FIRM_SITE
+from cases import FIRM_SITE, read_text
 
 import stochlin as sl
 from stochlin.applications.cases.reading.case import Case
@@ -39,15 +39,9 @@ SIMULATION = "[simulation]\npaths = 512\n"
 CURVE = ([0.05, 0.1, 0.2, 0.4, 0.8], [1 / 30, 1 / 100, 1 / 475, 1 / 2475, 1 / 20000])
 
 
-def text_of(hazard: str, wanted: str = "") -> str:
-    site = FIRM_SITE.replace("[motion]", f"{hazard}[motion]")
-    return f"{site}{BUILDINGS}{wanted}{SIMULATION}"
-
-
 def read(folder: Path, hazard: str, wanted: str = "") -> Case:
-    path = folder / "case.toml"
-    path.write_text(text_of(hazard, wanted), encoding="utf-8")
-    return sl.read_case(path)
+    site = FIRM_SITE.replace("[motion]", f"{hazard}[motion]")
+    return read_text(folder, f"{site}{BUILDINGS}{wanted}{SIMULATION}")
 
 
 @pytest.mark.parametrize(

@@ -6,14 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from cases import FIRM_SITE, SMALL_GAP
+from cases import FIRM_SITE, SMALL_GAP, read_text
 
-import stochlin as sl
 from stochlin.applications.cases.pounding import pound_case
 from stochlin.applications.cases.reading.case import Case
 from stochlin.applications.cases.separation import answer_case
 
-DOCS = Path(__file__).parents[2] / "docs"
 MASSES, HEIGHTS, STIFFNESSES = [3e5, 2.5e5, 2e5], [4.0, 3.0, 3.5], [2e8, 1.8e8, 1.2e8]
 STOREYS = f"""
 [building_1]
@@ -66,9 +64,7 @@ def tower() -> str:
 
 def case_of(tmp_path: Path, building: str) -> Case:
     (tmp_path / "tower.csv").write_text(tower(), encoding="utf-8")
-    path = tmp_path / "case.toml"
-    path.write_text(f"{FIRM_SITE}envelope = 'none'\n{building}{NEIGHBOUR}{SMALL_GAP}", encoding="utf-8")
-    return sl.read_case(path)
+    return read_text(tmp_path, f"{FIRM_SITE}envelope = 'none'\n{building}{NEIGHBOUR}{SMALL_GAP}")
 
 
 def test_storeys_by_all_their_modes_need_the_same_gap_and_pound_alike(tmp_path: Path) -> None:

@@ -22,14 +22,18 @@ CODE = 'spectrum = "eurocode_8"\nag = "0.25 g"\nsoil = "C"\n'
 BUILDING = EXAMPLE[EXAMPLE.index('period = "1.0 s"') : EXAMPLE.index("[building_2]")]
 STRENGTH = "reduction_factor = 4            # or yield_displacement, ductility, elastic = true\n"
 HARDENING = 'hardening = "5 %"               # stiffness after yielding over that before\n'
+
+
+def chain(masses: str, stiffnesses: str, more: str = 'storey_height = "3 m"\n') -> str:
+    """The lines of a building by its storeys."""
+    return f"masses = {masses}\nstiffnesses = {stiffnesses}\n{more}damping = 0.05\nelastic = true\n"
+
+
 # An edit of the example, and a piece of the message, of which $ is the end.
 MISTAKES = {
     "unit missing": ('period = "1.0 s"', "period = 1.0", 'units, "1 s", "1 ms"'),
     "unit unknown": ('"1.0 s"', '"1.0 sek"', "unknown unit 'sek'; allowed: s, ms"),
-    "unit of another": ('"1.0 s"', '"1.0 m"', "unknown unit 'm'"),
     "weight for mass": ('"3200 t"', '"3200 kN"', "unknown unit 'kN'; allowed: kg, t"),
-    "force for stiffness": ('"2000 MN/m"', '"2000 MN"', "unknown unit 'MN'; allowed: N/m"),
-    "strength of shaking in g": ('"0.01 m^2/s^3"', '"0.3 g"', "unknown unit 'g'"),
     "comma": ('"1.0 s"', '"1,0 s"', "has a comma; allowed: a decimal point"),
     "percent": ('damping = "5 %"', "damping = 5", 'for 5 % write "5 %"'),
     "percent of percent": ('damping = "5 %"', 'damping = "500 %"', "(a ratio, 0.05 for 5 %)$"),
@@ -46,40 +50,30 @@ MISTAKES = {
     "gaps": ('"5 cm"', '["5 cm", "3 cm"]', "does not fit the number of buildings, 2; allowed: 1 in all"),
     "two strengths of shaking": ('[motion]', 'pga = "0.3 g"\n[motion]', "as well as intensity"),
     "spread": ('"1.0 s"', '"1.0 s +- 0.2"', 'no valid spread; allowed: "10 s +- 20 %"'),
-    "wide": ('"1.0 s"', '"1.0 s +- 120 %"', "at most 100 %"),
     "ends": ('"1.0 s"', '"1.2 to 0.8 s"', "two positive numbers, the lower first"),
     "certain": ('"5 cm"', '"5 cm +- 10 %"', "cannot be uncertain; allowed: a number in cm"),
     "record": ("[motion]", '[[site.records]]\npath = "a.at2"\n[motion]', "there is no such file"),
+    "displacements": ("storeys = 8", 'displacements = ["1 cm", "2 cm"]', "does not fit 1 floors"),
     "code": ("floors_align = true", 'codes = ["eurocode8"]', "did you mean 'eurocode_8'?"),
     "contact": ("restitution = 0.65", "", "does not fit: Kelvin"),
     "no table": ("[contact]", "[measures]\nm = 3\n[contact]", "m = 3 is no table"),
     "no hazard": ("[motion]", '[site.hazard]\nmeasure = "pga"\n[motion]', "hazard.file is missing"),
     "control sign": ('"Annex"', r'"A\u001b[2J"', "a text on one line"),
     "many digits": ('damping = "5 %"', f"damping = 1{400 * '0'}", "about 1e400 is out of range"),
-    "more digits than are read": ("storeys = 8", f"storeys = 1{5000 * '0'}", "is no TOML"),
     "long number": ('"0.6 s"', f'"{"6" * 200_000} km"', "has the unknown unit 'km'"),
     "long name": ('"Annex"', f'"{"A" * 200_000}"', "200 characters at most"),
     "spread of spaces": ('"0.6 s"', f'"1{" " * 200_000}+- x"', "valid spread"),
-    "thousands": ('"3200 t"', '"3,200 t"', "no sign between thousands"),
-    "unquoted unit": ('"0.6 s"', "0.6 s", 'period = "0.6 s"'),
-    "key twice": ("storeys = 8", "storeys = 8\nstoreys  = 8", "each key once"),
     "dotted key": ("[contact]", "[contact]\na.b.c = 3", "contact.a is not a key"),
     "unit of Hertz": ('"kelvin"', '"hertz_damp"', "allowed: N/m^1.5"),
-    "key of another contact": ('"kelvin"', '"linear_spring"', "restitution = 0.65 is not a key"),
     "list of gaps": ('"5 cm"', '["5 cm", "-3 cm"]', "has a number 2 that is out of range"),
-    "contact misspelled": ('"kelvin"', '"rubber"', "contact.model = 'rubber' is not known"),
     "shape of a ground": ('ground = "firm"', 'ground = "kanai_tajimi"', "(and also damping); allowed"),
     "ground and spectrum": ('ground = "firm"', f"{CODE}ground = 'firm'", "of a site by its spectrum"),
-    "strength of a spectrum": (SITE, f'{CODE}pga = "0.3 g"', "pga = '0.3 g' is not a key"),
     "no code": (SITE, 'spectrum = "eurocode_9"', "did you mean 'eurocode_8'"),
     "no return period": (SITE, 'ground = "firm"\nreturn_period = "475 yr"', "needs a hazard; allowed"),
     "hazard elsewhere": ("[contact]", '[hazard]\nmeasure = "pga"\n[contact]', "is not a key"),
     "risk without a hazard": ("[contact]", 'risk = "2 % in 50 years"\n[contact]', "needs a hazard"),
-    "scatter": ("[building_1]", "scatter = 40\n[building_1]", "allowed: 0 <= value <= 2, finite$"),
     "code without factors": ("[contact]", 'codes = ["asce_7"]\n[contact]', "asce_7 needs it, or a site"),
     "suite": ("[motion]", '[site.suite]\npath = "none"\n[motion]', "neither a folder nor a table"),
-    "no file of modes": (BUILDING, 'modes = "m.csv"\nelastic = true\ndamping = 0.05\n', "no such file"),
-    "curve of an oscillator": (STRENGTH, 'pushover = "p.csv"\n', "of a building without storeys"),
     "strength without hardening": (HARDENING, "", "reduction_factor = 4 needs hardening"),
     "hysteresis without its law": ("storeys = 8", "storeys = 8\nbeta = 0.5", "beta = 0.5 is not a key"),
     "ductility": (STRENGTH, "ductility = 0.5\n", "out of range; allowed: 1 < value"),
@@ -89,7 +83,7 @@ MISTAKES = {
     "motion of a record": ('"amin_ang"', '"fitted"', "motion.duration = '20 s' is not a key"),
     "storeys without heights": (
         BUILDING,
-        'masses = ["1 t"]\nstiffnesses = ["1 MN/m"]\ndamping = 0.05\nelastic = true\n',
+        chain('["1 t"]', '["1 MN/m"]', ""),
         "no height of its storeys; allowed: one of storey_height, heights",
     ),
     "too few heights": (
@@ -100,8 +94,7 @@ MISTAKES = {
     ),
     "different spreads": (
         BUILDING,
-        'masses = ["90 t +- 5 %", "90 t +- 6 %"]\nstiffnesses = ["9 MN/m", "9 MN/m"]\ndamping = 0.05\n'
-        'storey_height = "3 m"\nelastic = true\n',
+        chain('["90 t +- 5 %", "90 t +- 6 %"]', '["9 MN/m", "9 MN/m"]'),
         "allowed: one spread for all of them",
     ),
     "site twice": (
@@ -131,25 +124,16 @@ DOUBTS = {
     "late yield": (STRENGTH, 'yield_displacement = "3 m"\n', "is it in cm?"),
     "weak shaking": ('"0.01 m^2/s^3"', '"0.01 cm^2/s^3"', "usual are 1e-4 to 0.1 m^2/s^3"),
     "short motion": ('"20 s"', '"3 s"', "ends before its strong part"),
-    "large factor": ("reduction_factor = 4", 'reduction_factor = "4 %"', "usual are 1 to 8"),
-    "height": ('"24 m"', '"24 cm"', "usual are 3 to 500 m"),
     "metres": ('"5 cm"', '"5 m"', "usual are 0.01 to 1 m; is it in cm?"),
     "kilograms": ('"3200 t"', '"3200 kg"', "is it in t?"),
-    "g or m/s^2": (
-        'intensity = "0.01 m^2/s^3"',
-        'pga = "0.3 m/s^2"',
-        "usual are 0.05 to 1 g",
-    ),
     "kN/m for MN/m": (
         BUILDING,
-        'masses = ["300 t"]\nstiffnesses = ["300 kN/m"]\nstorey_height = "3 m"\ndamping = 0.05\n'
-        "elastic = true\n",
+        chain('["300 t"]', '["300 kN/m"]'),
         "it has a first period of 6.28 s with 1 storeys",
     ),
     "MN/m for kN/m": (
         BUILDING,
-        'masses = ["300 t", "300 t"]\nstiffnesses = ["3e8 kN/m", "3e8 kN/m"]\ndamping = 0.05\n'
-        'storey_height = "3 m"\nelastic = true\n',
+        chain('["300 t", "300 t"]', '["3e8 kN/m", "3e8 kN/m"]'),
         "it has a first period of 0.0102 s with 2 storeys",
     ),
     "unused": (STRENGTH, STRENGTH + "behaviour_factor = 3\n", "is not used; name your code"),

@@ -9,13 +9,15 @@ import numpy as np
 import pytest
 import scipy.stats
 import xarray as xr
-from cases import example_case
+from cases import example_case, read_text
 from motions import write_at2
 
 import stochlin as sl
 from stochlin.applications.cases.reading.case import Case
+from stochlin.applications.cases.rows import motion_of
 from stochlin.applications.cases.separation import answer_case
 from stochlin.applications.cases.shaking import doubts, recorded_shaking, shaking_of
+from stochlin.views.shared.words import scatter
 
 pytestmark = pytest.mark.invariant
 
@@ -30,13 +32,6 @@ HAZARD = f'{FIRM}return_period = "475 yr"\n[site.hazard]\nmeasure = "pga"\n'
 MOTIONS = sl.simulated_motions(sl.named_ground("firm", 0.01), **QUAKE, paths=12, seed=3)
 
 
-def written(folder: Path, site: str, text: str = EXAMPLE) -> Path:
-    start, end = text.index("[site]"), text.index("[motion]")
-    path = folder / "case.toml"
-    path.write_text(f"{text[:start]}[site]\n{site}\n{text[end:]}", encoding="utf-8")
-    return path
-
-
 def test_intensity_of_a_sine_in_closed_form() -> None:
     """Of amplitude a: PGA a, rms a/sqrt(2), and a spectral acceleration a/(2 xi) at resonance."""
     time = 0.005 * np.arange(8001)
@@ -49,7 +44,8 @@ def test_intensity_of_a_sine_in_closed_form() -> None:
 
 
 def read(folder: Path, site: str, text: str = EXAMPLE) -> Case:
-    return sl.read_case(written(folder, site, text))
+    start, end = text.index("[site]"), text.index("[motion]")
+    return read_text(folder, f"{text[:start]}[site]\n{site}\n{text[end:]}")
 
 
 @pytest.fixture(scope="module")
@@ -187,3 +183,39 @@ def test_many_records_have_quantiles_and_a_share(suite):
 def test_shaking_that_no_record_has_is_doubted(tmp_path):
     (doubt,) = doubts(shaking_of(read(tmp_path, f'{FIRM}intensity = "1.5 m^2/s^3"\n', ALONE)))
     assert re.match(r"peak ground acceleration: [34]\S* g, and usual are 0.05 to 1 g", doubt)
+
+
+# --- Design spectra, and the scatter of motions ---
+
+
+CODE = 'spectrum = "eurocode_8"\nag = "0.25 g"\nsoil = "C"\n'
+
+
+@pytest.mark.slow
+def test_the_ground_delivers_the_spectrum_in_the_motion_of_the_file(tmp_path):
+    case = read(tmp_path, CODE + "filters = 1\n", SHORT)
+    motion = {"duration": case.site.course.duration, "envelope": case.site.course.envelope}
+    assert case.site.ground == sl.fit_ground(sl.eurocode_8(0.25 * G, "C"), filters=1, **motion)
+    assert case.site.name == "eurocode_8"
+
+
+@pytest.mark.parametrize(
+    ("site", "more", "value", "said"),
+    [
+        (f'{FIRM}intensity = "0.01 m^2/s^3"\n', "", 0.0, ""),
+        (
+            f'{FIRM}intensity = "0.01 m^2/s^3"\n',
+            "scatter = 0.4",
+            0.4,
+            "the standard deviation 0.4 (scatter in [motion]).",
+        ),
+        (CODE, "", 0.3, "the standard deviation 0.3 (suites of records about a spectrum)."),
+        (CODE, "scatter = 0", 0.0, ""),
+    ],
+)
+def test_the_scatter_is_that_of_the_file_or_what_suites_show(site, more, value, said, tmp_path):
+    """None where the strength of the ground is given."""
+    case = read(tmp_path, site, SHORT.replace("[motion]", f"[motion]\n{more}", 1))
+    assert case.site.scatter == motion_of(case)["scatter"] == value
+    assert scatter(case).endswith(said)
+    assert bool(scatter(case)) == bool(said)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import cases
 import numpy as np
@@ -39,20 +40,16 @@ BOTH = {"period": 0.8, "storeys": 4, "mass": 4e5, "damping": 0.05, "hardening": 
 KNOWN = BOTH | {"storey_height": 3.0, "base_shear_coefficient": 0.15}
 
 
-def read(
-    folder: Path, *buildings: str, align: str = "false", more: str = "", gaps: str = '"5 cm"'
-) -> Case:
+def read(folder: Path, *buildings: str, align: str = "false", gaps: str = '"5 cm"') -> Case:
     text = cases.with_buildings(*buildings).replace("align = true", f"align = {align}")
     text = text.replace('existing = "5 cm"', f"existing = {gaps}")
-    path = folder / "case.toml"
-    path.write_text(f"{text}\n{more}\n", encoding="utf-8")
-    return sl.read_case(path)
+    return cases.read_text(folder, text)
 
 
-def same(one: sl.ShearBuilding, other: sl.ShearBuilding) -> None:
+def same(one: sl.ShearBuilding, other: sl.ShearBuilding, rtol: float = 0.0) -> None:
     assert one.describe() == other.describe()
     for name, array in one.arrays().items():
-        np.testing.assert_array_equal(array, other.arrays()[name])
+        np.testing.assert_allclose(array, other.arrays()[name], rtol=rtol)
 
 
 def test_a_regular_building_is_that_of_python(tmp_path: Path) -> None:
@@ -118,3 +115,66 @@ def test_floors_that_are_said_to_align_and_do_not(tmp_path: Path) -> None:
     with pytest.warns(DoubtfulInput, match=said):
         case = read(tmp_path, of_levels(1, [4, 3]), of_levels(2, [3, 3]), align="true")
     assert not of_codes(case)["floors_align"]
+
+
+# --- Pushover curves ---
+
+# Of a building of 480 t in four equal storeys, whose first mode is straight and has 0.8 s.
+OF_CURVE: dict[str, Any] = {"period": 0.8, "storeys": 4, "storey_height": 3.0, "mass": 1.2e5}
+ELASTIC = sl.ShearBuilding.regular(**OF_CURVE, damping=0.05)
+ROOF = 4 / 3  # participation of the roof, 3 n/(2 n + 1); its effective mass over all is 10/12
+STIFFNESS = (10 / 12) * 4.8e5 * (2 * np.pi / 0.8) ** 2 / ROOF  # of the base shear over the roof
+U = np.array([0.0, 0.02, 0.04, 0.08, 0.16])
+CURVE = STIFFNESS * np.array([0.0, 0.02, 0.034, 0.042, 0.046])
+
+FIRST = """[building_1]
+period = "0.5 s"
+damping = "5 %"
+elastic = true
+
+"""
+BY_CURVE = """[building_2]
+period = "0.8 s"
+storeys = 4
+storey_height = "3 m"
+floor_mass = "120 t"
+damping = "5 %"
+pushover = "push.csv"
+
+"""
+MASSES, STIFFNESSES = (
+    str([f"{value!r} {unit}" for value in ELASTIC.arrays()[key].values.tolist()])
+    for key, unit in (("masses", "kg"), ("stiffnesses", "N/m"))
+)
+SINGLY = f"""[building_2]
+masses = {MASSES}
+stiffnesses = {STIFFNESSES}
+storey_height = "3 m"
+damping = "5 %"
+pushover = "push.csv"
+
+"""
+
+
+@pytest.fixture
+def push(tmp_path: Path) -> Path:
+    """The curve beside the case file."""
+    path = tmp_path / "push.csv"
+    lines = [f"{100 * u!r},{v / 1e3!r}" for u, v in zip(U.tolist(), CURVE.tolist(), strict=True)]
+    path.write_text("\n".join(["roof [cm],shear [kN]", *lines]), encoding="utf-8")
+    return path
+
+
+def test_buildings_with_a_curve_are_those_of_python(push: Path, tmp_path: Path) -> None:
+    ideal = sl.bilinear_of(sl.read_pushover(push), hardening=0.03)
+    for text in (BY_CURVE, SINGLY):
+        case = read(tmp_path, FIRST, text.replace("damping", 'hardening = "3 %"\ndamping', 1))
+        assert case.buildings[1].strength == "pushover"
+        assert {*case.files} == {tmp_path / "case.toml", push}
+        same(case.buildings[1].structure, ELASTIC.with_pushover(ideal), 1e-12)
+
+
+def test_uncertain_parameters_keep_the_curve(push: Path, tmp_path: Path) -> None:
+    (_, uncertain) = read(tmp_path, FIRST, BY_CURVE.replace("0.8 s", "0.8 s +- 20 %")).buildings
+    (_, certain) = read(tmp_path, FIRST, BY_CURVE).buildings
+    same(uncertain.sampled.at({"period": 1.4}), certain.structure, 1e-12)
