@@ -25,8 +25,8 @@ from stochlin.solver.correlation.signatures import (
     solved_references,
 )
 from stochlin.solver.linearization.equivalent_systems import solved_together
-from stochlin.solver.linearization.tolerance import USUAL
 from stochlin.solver.simulation import stationary_motions
+from stochlin.solver.tables.checks import USUAL
 from stochlin.solver.tables.interpolation import Grid
 from stochlin.solver.tables.storage import whole_file
 

@@ -51,24 +51,6 @@ def test_the_same_motions_of_simulate_give_the_same_ratio():
     assert float(table.ductility) == pytest.approx(inelastic.mean() / strength, rel=1e-12)
 
 
-@pytest.mark.oracle
-def test_exact_response_to_the_motions_as_records_gives_the_same_ratio():
-    """Yields located inside the step, on a ground that is linear between samples."""
-    drawn = {key: MOTION[key] for key in ("duration", "envelope", "paths")}
-    for period in PERIODS.values:
-        table = sl.amplification(weak(period), LAKEBED, **MOTION)
-        motions = sl.simulated_motions(LAKEBED, **drawn, step=table.step_s)
-        records = {f"{n}": one.drop_vars("path", errors="ignore") for n, one in enumerate(motions)}
-        strength = float(sl.linearize(weak(period), LAKEBED).yield_displacement)
-        yielding = sl.response_spectrum(
-            records, period, 0.05, hardening=0.05, yield_displacement=strength
-        )
-        elastic = sl.response_spectrum(records, period, 0.05)
-        exact = float(yielding.displacement_max.mean() / elastic.displacement_max.mean())
-        # the same motions; 32 steps a period find yields and peaks to a hundredth
-        assert float(table.amplification) == pytest.approx(exact, rel=0.01)
-
-
 @pytest.mark.invariant
 def test_cells_fail_alone_and_grounds_are_taken_one_by_one():
     grounds = xr.DataArray([0.05, 0.6], dims="band")
@@ -108,13 +90,8 @@ def test_building_of_one_storey_is_the_oscillator():
     ("given", "said"),
     [
         ({"of": "max"}, "of = 'max' is not known; allowed: std, peak"),
-        ({"of": None}, "of = None is not known"),
         ({}, "duration = None is no number"),
         ({"duration": 0.3}, "shorter than the period of structure"),
-        ({"duration": "20"}, "duration = '20'"),
-        ({"duration": 20.0, "envelope": "jennings"}, "envelope = 'jennings'"),
-        ({"duration": 1e9}, "duration = 1e\\+09 s, .* would take"),
-        ({"duration": 20.0, "paths": 0}, "paths = 0"),
         ({"of": "std", "duration": 20.0}, "duration and envelope belong to finite motions"),
         ({"of": "std", "envelope": SHAPE}, "duration and envelope belong to finite motions"),
     ],

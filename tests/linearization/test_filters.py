@@ -72,60 +72,24 @@ def test_a_filter_whose_sizes_disagree_is_refused():
 
 
 @dataclass(frozen=True)
-class Parallel(Ground):
-    """Two soils under the same noise, whose signals add up."""
+class Layers(Ground):
+    """Two layers of soil that feel one another; the acceleration of the upper one."""
 
-    name = "parallel"
+    name = "layers"
     period: Parameter = parameter("s", "ground period", Range())
-    other: Parameter = parameter("s", "period of the other soil", Range())
     damping: Parameter = parameter("1", "damping ratio", Range())
     intensity: Parameter = parameter("m^2/s^3", "PSD", Range(), 1.0)
 
     @staticmethod
     def filter(values):
-        rows, output = [], []
-        for at, name in ((0, "period"), (2, "other")):
-            w = 2 * np.pi / values[name]
-            signal = [w**2, 2 * values["damping"] * w]
-            rows += [[0, 1], [-signal[0], -signal[1]]]
-            output += signal
-            rows[at:] = [[*[0] * at, *row, *[0] * (2 - at)] for row in rows[at:]]
-        return Filter(values["intensity"], tuple("abcd"), rows, [0, 1, 0, 1], output)
+        w, ratio = 2 * np.pi / values["period"], values["damping"]
+        stiffness = (2 * w**2, -(w**2)), (-(w**2), w**2)
+        lower = [[-x for x in (*row, *(2 * ratio / w * k for k in row))] for row in stiffness]
+        matrix = [[0, 0, 1, 0], [0, 0, 0, 1], *lower]
+        return Filter(values["intensity"], tuple("abcd"), matrix, [0, 0, 1, 1], [-x for x in lower[1]])
 
 
-class Column(Ground):
-    """Layers of soil that feel one another; the acceleration of the uppermost."""
-
-    name = "column"
-    layers = 0
-
-    @classmethod
-    def filter(cls, values):
-        n, w = cls.layers, 2 * np.pi / values["period"]
-        shape = (2 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1)).tolist()
-        shape[-1][-1] = 1.0
-        stiffness = [[w**2 * entry for entry in row] for row in shape]
-        damping = [[2 * values["damping"] * w * entry for entry in row] for row in shape]
-        upper = [[*[0] * n, *row] for row in np.eye(n).tolist()]
-        lower = [[-x for x in (*k, *c)] for k, c in zip(stiffness, damping, strict=True)]
-        output = [*stiffness[-1], *damping[-1]]
-        states = tuple(f"{kind}{i}" for kind in "xv" for i in range(n))
-        return Filter(values["intensity"], states, upper + lower, [0] * n + [1] * n, output)
-
-
-@dataclass(frozen=True)
-class TwoLayers(Column):
-    layers = 2
-    period: Parameter = parameter("s", "ground period", Range())
-    damping: Parameter = parameter("1", "damping ratio", Range())
-    intensity: Parameter = parameter("m^2/s^3", "PSD", Range(), 1.0)
-
-
-GROUNDS = [
-    Parallel(0.6, 1.3, 0.2, 0.02),
-    TwoLayers(0.3, 0.2, 0.02),
-]
-every_ground = pytest.mark.parametrize("ground", GROUNDS, ids=lambda g: type(g).__name__)
+LAYERS = Layers(0.3, 0.2, 0.02)
 PERIODS, DAMPING = (0.7, 1.0), 0.05
 PAIR = [sl.Bilinear(period, DAMPING) for period in PERIODS]
 
@@ -150,38 +114,35 @@ def stationary(ground):
     return scipy.linalg.solve_continuous_lyapunov(matrix, -noise)
 
 
-@every_ground
-def test_elastic_structures_are_exact(ground):
-    x = stationary(ground)
-    table = sl.correlate(*PAIR, ground)
+def test_elastic_structures_are_exact():
+    x = stationary(LAYERS)
+    table = sl.correlate(*PAIR, LAYERS)
     assert float(table.rho) == pytest.approx(x[0, 2] / np.sqrt(x[0, 0] * x[2, 2]), rel=1e-9)
-    both = sl.linearize(sl.Bilinear(np.array(PERIODS), DAMPING), ground)
+    both = sl.linearize(sl.Bilinear(np.array(PERIODS), DAMPING), LAYERS)
     np.testing.assert_allclose(both.displacement_std**2, x[[0, 2], [0, 2]], rtol=1e-9)
     np.testing.assert_allclose(both.velocity_std**2, x[[1, 3], [1, 3]], rtol=1e-9)
     order = ["u_1", "v_1", "u_2", "v_2"]
-    found = sl.stationary_covariance(sl.statespace(PAIR, ground)).sel(state=order, state_2=order)
+    found = sl.stationary_covariance(sl.statespace(PAIR, LAYERS)).sel(state=order, state_2=order)
     np.testing.assert_allclose(found, x[:4, :4], rtol=0, atol=1e-10 * x[:4, :4].max())
 
 
-@every_ground
 @pytest.mark.parametrize("closure", ["gaussian", "drift"])
-def test_yielding_structures_are_those_of_their_state_space(ground, closure):
+def test_yielding_structures_are_those_of_their_state_space(closure):
     structure = sl.Bilinear(0.8, 0.05, 0.1, reduction_factor=3)
-    table = sl.linearize(structure, ground, closure)
+    table = sl.linearize(structure, LAYERS, closure)
     assert int(table.status) == 0
     if closure == "gaussian":
-        space = sl.statespace([structure], ground, [float(table.c_eq)], [float(table.k_eq)])
+        space = sl.statespace([structure], LAYERS, [float(table.c_eq)], [float(table.k_eq)])
         variance = float(sl.stationary_covariance(space).sel(state="u_1", state_2="u_1"))
         assert float(table.displacement_std) == pytest.approx(np.sqrt(variance), rel=1e-8)
     assert np.isnan(table.bias)
 
 
-@every_ground
-def test_spectrum_integrates_to_the_variances(ground):
-    soil = ground.lone_filter().arrays
-    covariance = stationary(ground)
+def test_spectrum_integrates_to_the_variances():
+    soil = LAYERS.lone_filter().arrays
+    covariance = stationary(LAYERS)
     w = np.concatenate([np.linspace(0, 400, 200_001), np.geomspace(400, 1e7, 25_001)[1:]])
-    psd = ground.psd(w)
+    psd = LAYERS.psd(w)
     assert psd.attrs["units"] == "m^2/s^3"
     variance = 2 * scipy.integrate.trapezoid(psd.values, w)
     # Beyond 1e7 rad/s is 1e-5 of it.
@@ -190,7 +151,7 @@ def test_spectrum_integrates_to_the_variances(ground):
     response = psd.values / ((own - w**2) ** 2 + (2 * DAMPING * w) ** 2 * own)
     moments = [2 * scipy.integrate.trapezoid(w**order * response, w) for order in range(3)]
     assert moments[0] == pytest.approx(covariance[0, 0], rel=1e-7)
-    peak = sl.peak_response(PAIR[0], ground, duration=20.0)
+    peak = sl.peak_response(PAIR[0], LAYERS, duration=20.0)
     bandwidth = np.sqrt(1 - moments[1] ** 2 / (moments[0] * moments[2]))
     assert float(peak.bandwidth) == pytest.approx(bandwidth, rel=1e-6)
 
@@ -204,7 +165,7 @@ def stepped(steps, start, xi):
 @pytest.mark.parametrize(
     "ground",
     [
-        *GROUNDS,
+        LAYERS,
         sl.KanaiTajimi(0.5, 0.4),
         sl.CloughPenzien(0.5, 0.4, 3.0, 0.6),
         sl.ParallelGround([sl.CloughPenzien(0.5, 0.4, 3.0, 0.6), sl.KanaiTajimi(0.2, 0.3)]),

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import stochlin as sl
-from stochlin.kernels.correlation.combination import double_difference
+from stochlin.kernels.correlation.closed_forms import double_difference
 
 pytestmark = pytest.mark.paper
 

@@ -192,7 +192,7 @@ def test_run_that_does_not_fit_into_memory_is_refused_before_it_starts(monkeypat
         raise AssertionError("work has begun")
 
     monkeypatch.setattr("stochlin.solver.simulation.simulation.structures_in_motion", never)
-    monkeypatch.setattr("stochlin.solver.tables.work._installed", lambda: 16e9)
+    monkeypatch.setattr("stochlin.solver.tables.checks._installed", lambda: 16e9)
     with pytest.raises(
         ValueError, match=r"3000 structures on one ground need [\d.]+ GB; allowed: \d+ GB"
     ):

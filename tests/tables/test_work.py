@@ -8,8 +8,8 @@ import xarray as xr
 from commands import refused
 
 import stochlin as sl
-from stochlin.solver.tables import work
-from stochlin.solver.tables.work import check_work
+from stochlin.solver.tables import checks
+from stochlin.solver.tables.checks import check_work
 
 pytestmark = pytest.mark.invariant
 
@@ -62,7 +62,7 @@ ASKED: dict[str, Callable[[], xr.Dataset]] = {
 
 @pytest.mark.parametrize("asked", ASKED)
 def test_too_much_is_refused_before_the_work(asked: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(work, "_installed", lambda: 16e9)
+    monkeypatch.setattr(checks, "_installed", lambda: 16e9)
     monkeypatch.setattr("os.sched_getaffinity", lambda _: {0, 1}, raising=False)
     with pytest.raises(ValueError, match=r"(GB; allowed: 8 GB|; allowed: 15 minutes on this machine); "):
         ASKED[asked]()

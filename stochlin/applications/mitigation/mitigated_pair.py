@@ -31,7 +31,7 @@ from stochlin.solver.simulation.finite_motions import (
 )
 from stochlin.solver.simulation.simulation import simulate
 from stochlin.solver.tables import labels
-from stochlin.solver.tables.floors import LINK
+from stochlin.solver.tables.labels import LINK
 
 AS_BUILT, GIVEN, LEAST = "as built", "given", "least"  # kinds of measures
 QUANTILE = 0.95  # of the forces, strokes and energies of devices over motions

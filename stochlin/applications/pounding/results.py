@@ -43,7 +43,7 @@ from stochlin.kernels.simulation.moving import (
     Z,
 )
 from stochlin.models.links import Link
-from stochlin.solver.tables.floors import FLOOR, LINK, link_coordinates
+from stochlin.solver.tables.labels import FLOOR, LINK, link_coordinates
 
 STRUCTURE, CONTACT = "structure", "contact"
 OF_ROW = ""  # in place of a dimension, for a number of the row of buildings

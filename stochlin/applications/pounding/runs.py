@@ -15,7 +15,7 @@ from stochlin.kernels.records.runs import SampledMotion
 from stochlin.kernels.simulation.moving import FAILED, Q
 from stochlin.models.contacts import Contact, Element
 from stochlin.solver.simulation.connected_structures import shortest_mode
-from stochlin.solver.tables.work import check_work
+from stochlin.solver.tables.checks import check_work
 
 STEPS_PER_CONTACT = 16  # default number of steps in half a period of a contact
 # For each of them: steps in the shortest and in the first period, and, for stereomechanical impacts,

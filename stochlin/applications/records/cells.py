@@ -20,8 +20,8 @@ from stochlin.models.structures import Structure
 from stochlin.models.systems import STRUCTURES, AnyStructure, falls_at
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.cells import Flat, flat
+from stochlin.solver.tables.checks import check_work
 from stochlin.solver.tables.lazy import check_names
-from stochlin.solver.tables.work import check_work
 
 Records = xr.DataArray | Sequence[xr.DataArray] | Mapping[str, xr.DataArray]
 """One record, as from `read_record`, or several as a list, or as a mapping with their names."""

@@ -21,8 +21,8 @@ from stochlin.solver.simulation.connected_structures import SteppedGroup, connec
 from stochlin.solver.simulation.finite_motions import RUNS_AWAY
 from stochlin.solver.simulation.structures_in_motion import apart, at_height, pairs_of
 from stochlin.solver.tables import labels
-from stochlin.solver.tables.floors import ELEMENT, FLOOR, element_coordinates, floor_coordinates
-from stochlin.solver.tables.work import check_work
+from stochlin.solver.tables.checks import check_work
+from stochlin.solver.tables.labels import ELEMENT, FLOOR, element_coordinates, floor_coordinates
 
 STEPS_PER_PERIOD = 32  # steps in the shortest period before the first halving
 FALLEN = 1e3  # displacement over the largest at which a structure falls, where it is not followed

@@ -8,12 +8,11 @@ import numpy as np
 import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.correlation.combination import double_difference
+from stochlin.kernels.correlation.closed_forms import double_difference
 from stochlin.models.arguments import checked
 from stochlin.models.parameters import NOT_NEGATIVE, Model, Parameter, Range, parameter
 from stochlin.solver.tables import labels
-from stochlin.solver.tables.cellwise import cellwise, valid_cells
-from stochlin.solver.tables.lazy import in_blocks
+from stochlin.solver.tables.lazy import cellwise, in_blocks, valid_cells
 
 ALIKE = 1e-5  # gap over peak below which the gap is a rounding error of two equal structures
 

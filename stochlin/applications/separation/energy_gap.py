@@ -10,7 +10,7 @@ import xarray as xr
 from stochlin.applications.records.cells import OscillatorOnRecord, Records, checked_motions
 from stochlin.applications.records.gaps import recorded_gap
 from stochlin.applications.separation.existing_gap import damped
-from stochlin.kernels.correlation.combination import double_difference
+from stochlin.kernels.correlation.closed_forms import double_difference
 from stochlin.models.arguments import Metres, checked
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import Model

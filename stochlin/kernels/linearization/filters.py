@@ -117,7 +117,7 @@ class Filter:
         if not self.states:
             return np.ones_like(frequency, float)
         if self.oscillators:
-            share: Array | float = 1.0
+            share: Any = 1.0
             for stiffness, damping in zip(self.oscillators[::2], self.oscillators[1::2], strict=True):
                 ratio = frequency**2 / stiffness
                 spread = damping**2 / stiffness * ratio

@@ -18,7 +18,7 @@ from scipy.special import gamma, ndtr, owens_t
 from stochlin.kernels.basics.arrays import Array
 
 SQRT_2PI, ROOT_HALF = math.sqrt(2 * math.pi), math.sqrt(0.5)
-_X, _W = 0.5 * np.array(leggauss(32))
+_X, _W = 0.5 * np.array(leggauss(48))
 NODES = tuple(zip((0.5 + _X).tolist(), _W.tolist(), strict=True))  # of the range from 0 to 1
 # Series of E[x^2; |x| < h]/(h^3 phi(h)) in h^2/2 for h < 1, the highest term first.
 NARROW = tuple(math.gamma(2.5) / (1.5 * math.gamma(2.5 + n)) for n in range(14, -1, -1))

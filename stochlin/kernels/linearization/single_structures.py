@@ -9,7 +9,7 @@ or where a law may have several solutions, the solution is followed from weak to
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -83,8 +83,8 @@ class SingleStructures(NamedTuple):
         """Step (3, n) from these unknowns, norm of their mismatch, and whether they are a solution."""
         off, slopes = self.mismatch(unknowns)
         norm = np.sqrt((off * off).sum(axis=0))
-        matrix = DAMPING * norm * np.eye(3)[..., None] - slopes
-        step = np.array(solve_3x3(matrix, off))
+        matrix: Any = DAMPING * norm * np.eye(3)[..., None] - slopes
+        step = np.array(solve_3x3(matrix, [*off]))
         step /= np.maximum(1.0, np.abs(step).max(axis=0) / LARGEST_STEP)
         change = np.abs([step[0], step[1], step[2] / np.cosh(unknowns[2]) ** 2]).max(axis=0)
         return step, norm, (change <= self.rtol) & (norm <= LARGEST_MISMATCH)

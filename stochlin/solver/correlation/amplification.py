@@ -23,7 +23,7 @@ from stochlin.solver.simulation.simulation import simulate
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.cells import over_cells
 from stochlin.solver.tables.checks import check_duration
-from stochlin.solver.tables.floors import ELEMENT, FLOOR
+from stochlin.solver.tables.labels import ELEMENT, FLOOR
 
 STD, PEAK = "std", "peak"
 

@@ -17,11 +17,9 @@ from stochlin.models.structures import DRIFT, Structure
 from stochlin.solver.correlation.equation_4 import EQ_4, by_eq_4, effective_pair
 from stochlin.solver.correlation.pairs import SHOWN, difference, linearized_pairs
 from stochlin.solver.linearization.equivalent_systems import Solved, check_closure, solved_together
-from stochlin.solver.linearization.tolerance import Tolerance
 from stochlin.solver.tables import labels
-from stochlin.solver.tables.cellwise import Cells
-from stochlin.solver.tables.lazy import in_blocks
-from stochlin.solver.tables.work import check_table
+from stochlin.solver.tables.checks import Tolerance, check_table
+from stochlin.solver.tables.lazy import Cells, in_blocks
 
 
 @checked

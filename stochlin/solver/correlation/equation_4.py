@@ -9,16 +9,15 @@ import numpy as np
 import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.correlation.white_noise import white_noise_correlation
+from stochlin.kernels.correlation.closed_forms import white_noise_correlation
 from stochlin.models.arguments import checked
 from stochlin.models.parameters import Parameter
 from stochlin.models.rules.effective_properties import EffectiveRule, YieldingPair, effective_rule
 from stochlin.models.structures import LinearPair
 from stochlin.solver.linearization.equivalent_systems import Solved
 from stochlin.solver.tables import labels
-from stochlin.solver.tables.cellwise import Cells, cellwise, valid_cells
-from stochlin.solver.tables.lazy import in_blocks
-from stochlin.solver.tables.work import check_table
+from stochlin.solver.tables.checks import check_table
+from stochlin.solver.tables.lazy import Cells, cellwise, in_blocks, valid_cells
 
 EQ_4 = ("period_eq_1", "period_eq_2", "damping_eq_1", "damping_eq_2")  # arguments of eq. (4)
 

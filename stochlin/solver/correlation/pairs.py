@@ -26,12 +26,12 @@ from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing
 from stochlin.models.grounds import CloughPenzien, Ground, KanaiTajimi, WhiteNoise
 from stochlin.models.structures import DRIFT, Structure
 from stochlin.solver.correlation.signatures import drifting
-from stochlin.solver.linearization.bias import EXPECTED, OFF, caution_of, judged
 from stochlin.solver.linearization.equivalent_systems import BLANK, Solved, solved_together
-from stochlin.solver.linearization.tolerance import Tolerance
+from stochlin.solver.linearization.linearization import EXPECTED, OFF, caution_of, judged
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.cells import Flat, over_all
-from stochlin.solver.tables.cellwise import Cells, cellwise
+from stochlin.solver.tables.checks import Tolerance
+from stochlin.solver.tables.lazy import Cells, cellwise
 
 SHOWN = ("displacement_std", "ductility_std", "yield_displacement")
 # Mean errors of rho by strength, as in `kernels.correlation.errors`: of 89 pairs on white noise, 555 on

@@ -44,7 +44,7 @@ from stochlin.solver.linearization.equivalent_systems import (
     in_columns,
     solve_oscillators,
 )
-from stochlin.solver.linearization.tolerance import Tolerance
+from stochlin.solver.tables.checks import Tolerance
 
 PAIRS = tuple((i, j) for i in range(AXES) for j in range(i))  # off the diagonal of a matrix
 # The map of `Nearness` has R/p from the first value up, and hardening up to the second.

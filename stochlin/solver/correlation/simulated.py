@@ -17,8 +17,8 @@ from stochlin.solver.simulation.stationary_motions import expected_seconds
 from stochlin.solver.simulation.structures_in_motion import structures_in_motion
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.cells import CELL, NONE_VALID, flat, over_all, over_cells
+from stochlin.solver.tables.checks import check_work, count_cells
 from stochlin.solver.tables.lazy import computed
-from stochlin.solver.tables.work import check_work, count_cells
 
 SHOWN = "displacement_std", "displacement_std_standard_error", "drift", "drift_memory"
 

@@ -32,12 +32,10 @@ from stochlin.models.grounds import Ground, WhiteNoise
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.structures import DRIFT, GAUSSIAN, Structure
 from stochlin.solver.linearization.drift_map import CORRECTED_GROUNDS, STRENGTH_RATIO, with_correction
-from stochlin.solver.linearization.tolerance import USUAL, Tolerance
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.cells import Flat, flat
-from stochlin.solver.tables.cellwise import Cells
-from stochlin.solver.tables.lazy import in_blocks
-from stochlin.solver.tables.work import check_table
+from stochlin.solver.tables.checks import USUAL, Tolerance, check_table
+from stochlin.solver.tables.lazy import Cells, in_blocks
 
 AT_ONCE = 1 << 12  # cells that are solved together, which limits the memory for intermediate results
 ROUNDING = 1e-9  # by which a correlation may exceed 1

@@ -12,11 +12,10 @@ from stochlin.models.grounds import Ground
 from stochlin.models.parameters import Parameter
 from stochlin.models.rules.peak_factors import PeakFactor, StationaryMotion, peak_factor_model
 from stochlin.models.structures import DRIFT, GAUSSIAN, Structure
-from stochlin.solver.linearization.bias import judged
 from stochlin.solver.linearization.equivalent_systems import JUDGED, Solved, check_closure
-from stochlin.solver.linearization.linearization import caution_in_words
+from stochlin.solver.linearization.linearization import caution_in_words, judged
 from stochlin.solver.tables import labels
-from stochlin.solver.tables.cellwise import cellwise
+from stochlin.solver.tables.lazy import cellwise
 
 STIFF = 0.5  # T/Tg below which peaks of yielding structures are too small
 PACE = 1.0  # rate at which the variance of the drift grows in the peaks, over 1/drift_time

@@ -18,7 +18,6 @@ from stochlin.models.grounds import Ground
 from stochlin.models.parameters import POSITIVE, Model, Parameter, parameter
 from stochlin.models.structures import DRIFT, GAUSSIAN, Structure
 from stochlin.models.systems import AnyStructure
-from stochlin.solver.linearization.bias import judged
 from stochlin.solver.linearization.drift_map import STRENGTH_RATIO, with_correction
 from stochlin.solver.linearization.equivalent_systems import (
     JUDGED,
@@ -31,10 +30,10 @@ from stochlin.solver.linearization.equivalent_systems import (
     solve_oscillators,
     solved_together,
 )
-from stochlin.solver.linearization.linearization import caution_in_words
-from stochlin.solver.linearization.tolerance import Tolerance
+from stochlin.solver.linearization.linearization import caution_in_words, judged
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.cells import flat
+from stochlin.solver.tables.checks import Tolerance
 from stochlin.solver.tables.lazy import in_blocks
 
 TOLERANCE = Tolerance(1e-12, 200)

@@ -14,8 +14,7 @@ from stochlin.kernels.linearization.transient import PHASE, TransientMoments, Tr
 from stochlin.models.envelopes import Envelope, envelope_at
 from stochlin.models.systems import Arrangement
 from stochlin.solver.tables import labels
-from stochlin.solver.tables.checks import check_duration
-from stochlin.solver.tables.work import check_work
+from stochlin.solver.tables.checks import check_duration, check_work
 
 STEPS_PER_PERIOD = 16  # instants in the shortest period, for integrals over time
 STRONG = 0.5  # share of the envelope's maximum below which shaking is no longer strong

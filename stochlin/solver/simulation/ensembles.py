@@ -27,9 +27,8 @@ from stochlin.kernels.simulation.stepping import LANES, FilterSteps, filter_step
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import GAUSSIAN, Structure
 from stochlin.solver.linearization.equivalent_systems import solved_together
-from stochlin.solver.linearization.tolerance import Tolerance
 from stochlin.solver.simulation.connected_structures import SteppedGroup
-from stochlin.solver.tables.work import check_work
+from stochlin.solver.tables.checks import Tolerance, check_work
 
 # The response is sampled this often in the shortest period. More samples would hardly make the estimated
 # variance more accurate.

@@ -20,9 +20,8 @@ from stochlin.models.systems import AnyStructure, Arrangement
 from stochlin.solver.simulation.ensembles import SimulationRun, seconds_of
 from stochlin.solver.simulation.structures_in_motion import STRUCTURE, StructuresInMotion, pairs_of
 from stochlin.solver.tables import labels
-from stochlin.solver.tables.checks import check_duration
-from stochlin.solver.tables.floors import ELEMENT, LINK, element_coordinates, link_coordinates
-from stochlin.solver.tables.work import check_work
+from stochlin.solver.tables.checks import check_duration, check_work
+from stochlin.solver.tables.labels import ELEMENT, LINK, element_coordinates, link_coordinates
 
 TAIL = (1 - 0.95) / 2  # probability on each side of a 95 % interval
 FAR = 1e200  # [m], in place of infinity, between which and a number no quantile can be

@@ -18,8 +18,7 @@ from stochlin.models.parameters import POSITIVE
 from stochlin.solver.simulation.ensembles import ground_steps
 from stochlin.solver.simulation.finite_motions import BLOCK
 from stochlin.solver.tables import labels
-from stochlin.solver.tables.checks import check_scalars
-from stochlin.solver.tables.work import check_work
+from stochlin.solver.tables.checks import check_scalars, check_work
 
 USUAL_STEP = 0.01  # default time step [s]
 STEP = Number(POSITIVE, "0 < step <= duration, in seconds")

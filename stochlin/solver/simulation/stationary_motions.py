@@ -26,8 +26,8 @@ from stochlin.solver.simulation.ensembles import SimulationRun, seconds_of
 from stochlin.solver.simulation.finite_motions import check_response
 from stochlin.solver.simulation.structures_in_motion import StructuresInMotion
 from stochlin.solver.tables import labels
-from stochlin.solver.tables.floors import ELEMENT, element_coordinates
-from stochlin.solver.tables.work import check_work
+from stochlin.solver.tables.checks import check_work
+from stochlin.solver.tables.labels import ELEMENT, element_coordinates
 
 ROUNDING = 1e-13  # relative size of a sum, over its terms, below which it is a rounding error
 NOT_STATIONARY = 5.0  # change of a variance, in standard errors, above which a run is not stationary

@@ -34,7 +34,7 @@ from stochlin.solver.simulation.connected_structures import (
     stepped_groups,
 )
 from stochlin.solver.simulation.ensembles import SimulationRun, drift_time_of, prepare
-from stochlin.solver.tables.floors import ELEMENT, FLOOR, floor_coordinates
+from stochlin.solver.tables.labels import ELEMENT, FLOOR, floor_coordinates
 
 STRUCTURE = "structure"
 PATH, INPUT, GROUND = "path", "input", "ground"

@@ -15,8 +15,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.models.parameters import Model
 from stochlin.models.structures import Structure
 from stochlin.solver.tables import labels
-from stochlin.solver.tables.cellwise import row_of
-from stochlin.solver.tables.lazy import arrays_of, check_names, computed, in_blocks, is_lazy
+from stochlin.solver.tables.lazy import arrays_of, check_names, computed, in_blocks, is_lazy, row_of
 
 CELL = "_cell"  # temporary dimension; no dimension of a model has this name
 USABLE = "usable"

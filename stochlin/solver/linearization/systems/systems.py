@@ -39,12 +39,11 @@ from stochlin.solver.linearization.systems.state_space import (
     problem_of,
     state_names,
 )
-from stochlin.solver.linearization.tolerance import USUAL, Tolerance
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.cells import NONE_VALID, Flat, flat
-from stochlin.solver.tables.floors import element_coordinates, floor_coordinates
+from stochlin.solver.tables.checks import USUAL, Tolerance, check_work
+from stochlin.solver.tables.labels import element_coordinates, floor_coordinates
 from stochlin.solver.tables.lazy import check_names
-from stochlin.solver.tables.work import check_work
 
 ANDERSON = "anderson"
 ITERATIONS = {ANDERSON: DEPTH, "substitution": 0}  # by name, with the number of rounds that are mixed
