@@ -29,7 +29,8 @@ class Envelope(Model):
     def doubt(self, duration: float) -> str:
         """Text of a warning if a motion of this duration [s] ends while its envelope still rises."""
         now, later = self.at(duration * np.array([1.0, 1.01]))
-        return "the motion ends before its strong part" if now < min(0.99, later) else ""
+        rises = now < min(0.99, later)
+        return "the motion ends before its strong part; usual are longer ones" if rises else ""
 
 
 def envelope_at(envelope: Envelope | None, time: Array) -> Array:

@@ -130,11 +130,9 @@ class Table:
         missing = [n for n, each in keys.items() if each.default is MISSING and n not in self]
         if missing:
             also = f" (and also {listed(missing[1:])})" if missing[1:] else ""
-            allowed = keys[missing[0]].kind.words
-            raise self.error(missing[0], f"is missing{also}; allowed: {allowed}")
+            raise self.error(missing[0], f"is missing{also}; allowed: {keys[missing[0]].kind.words}")
         values = {n: self.value(n, each.kind) for n, each in keys.items() if n in self}
-        of_form = keys_of(form)
-        more = {n: values.pop(n) for n in [*values] if n not in of_form}
+        more = {n: values.pop(n) for n in [*values] if n not in keys_of(form)}
         return form(table=self, more=more, **values)
 
     def made(self, build: Callable[..., Any], /, **values: Any) -> Any:
