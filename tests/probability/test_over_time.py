@@ -1,5 +1,7 @@
 """Probability of pounding: against simulation, its own limits, and the formulas of the crossings."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import scipy.integrate
@@ -218,9 +220,19 @@ def test_bad_input_is_refused(changes, message):
         sl.pounding_probability(ONE, TWO, FIRM, **arguments)
 
 
-def test_each_pair_of_a_table_is_that_pair_alone():
-    soils = sl.KanaiTajimi(xr.DataArray([0.4, 2.0], dims="soil"), 0.6, intensity=0.01)
-    table = probability(ONE, TWO, soils, 0.1, paths=64)
-    alone = probability(ONE, TWO, sl.KanaiTajimi(2.0, 0.6, intensity=0.01), 0.1, paths=64)
-    for name in ("confidence_of_no_pounding", "confidence_of_no_pounding_simulated", "rho"):
-        np.testing.assert_array_equal(table[name].isel(soil=1), alone[name])
+# --- Parameters that are not known exactly ------------------------------------------------------------
+
+
+@pytest.mark.slow
+def test_an_uncertain_ground_widens_what_is_needed():
+    strong = replace(FIRM, intensity=sl.Uncertain(0.01, 1.0))
+    known, unknown = (probability(ONE, TWO, each, 0.06, paths=1024, points=5) for each in (FIRM, strong))
+    assert float(unknown.required_gap_simulated_lower) > float(known.required_gap_simulated_upper)
+    assert float(unknown.required_gap) == float(known.required_gap)
+    assert unknown.input_factor.sizes == {"path": 1024, "input": 1}
+
+
+def test_a_fragility_is_of_what_is_known():
+    one = sl.Bilinear(sl.Uncertain(1.0, 0.2), 0.05)
+    with pytest.raises((TypeError, ValueError), match=r"first = .* ± 20 %.*give its median\(\)"):
+        sl.pounding_fragility(one, TWO, FIRM, 0.05, [0.01, 0.02], duration=10.0)

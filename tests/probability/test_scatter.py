@@ -10,11 +10,6 @@ from stochlin.applications.probability.formulas import strengths
 GROUND = sl.KanaiTajimi(2 * np.pi / 15, 0.6, 0.01)
 QUAKE = {"duration": 15.0, "envelope": sl.AminAng(2.0, 9.0, 0.4)}
 ELASTIC = [sl.Bilinear(T, 0.05) for T in (0.6, 1.0)]
-YIELDING = [sl.Bilinear(T, 0.05, 0.05, reduction_factor=2) for T in (0.6, 1.0)]
-BUILDINGS = [
-    sl.ShearBuilding([1e5] * 2, [1e8] * 2, [3.0, 3.0], 0.05),
-    sl.ShearBuilding([1e5] * 3, [6e7] * 3, [3.0] * 3, 0.05),
-]
 SCATTER = 0.4
 GAPS = xr.DataArray([0.05, 0.1, 0.15, 0.2], dims="gap")
 
@@ -49,21 +44,6 @@ def test_an_elastic_pair_by_the_mean_over_its_gap_over_the_factor():
     for name in ("displacement_std_1", "displacement_std_2", "difference_std"):
         np.testing.assert_allclose(found[name], single[name] * np.sqrt(square), rtol=1e-5)
     np.testing.assert_allclose(found.rho, single.rho, atol=1e-5)
-
-
-@pytest.mark.slow
-@pytest.mark.oracle
-@pytest.mark.parametrize("pair", [ELASTIC, BUILDINGS], ids=["oscillators", "buildings"])
-def test_the_formulas_are_as_near_to_simulation_as_without_scatter(pair):
-    gap = GAPS if pair is ELASTIC else GAPS / 5
-    options = {"paths": 2048, "points": 11, "scatter": SCATTER}
-    table = sl.pounding_probability(*pair, GROUND, gap, **options, **QUAKE)
-    last = table.isel(time=-1)
-    off = last.confidence_of_no_pounding - last.confidence_of_no_pounding_simulated
-    # What the docstring says of linear structures, with an error of 0.01 of the simulation.
-    assert off.min() > -0.15
-    assert off.max() < 0.07
-    assert abs(float(last.required_gap / last.required_gap_simulated) - 1) < 0.12
 
 
 @pytest.mark.slow

@@ -42,10 +42,13 @@ def counted(pair, hazard, gap, count, paths):
     return rate * hits.mean(), rate * error
 
 
-def check_against_counting(pair, count, paths):
+@pytest.mark.parametrize(
+    ("count", "paths"), [(24, 128), pytest.param(100, 1024, marks=pytest.mark.slow)]
+)
+def test_rate_of_yielding_structures_is_that_of_counting(count, paths):
     hazard, gap = sl.PowerLawHazard(k0=0.02, k=2.5), 0.08
-    table = sl.pounding_risk(*pair, GROUND, gap, hazard, 15.0, envelope=SHAPE, paths=512)
-    found, error = counted(pair, hazard, gap, count, paths)
+    table = sl.pounding_risk(*YIELDING, GROUND, gap, hazard, 15.0, envelope=SHAPE, paths=512)
+    found, error = counted(YIELDING, hazard, gap, count, paths)
     # What is weaker than 20 years has hardly a part in it.
     weak = float(table.annual_rate_by_intensity.sel(from_intensity=slice(0, 0.4)).sum())
     both = np.hypot(error, float(table.annual_rate_standard_error))
@@ -54,15 +57,6 @@ def check_against_counting(pair, count, paths):
         rate = float(table.annual_rate + sign * 1.96 * table.annual_rate_standard_error)
         share = float(table[f"probability_in_years_{end}"])
         assert share == pytest.approx(1 - np.exp(-50 * max(rate, 0.0)), rel=1e-9)
-
-
-def test_rate_of_yielding_structures_is_that_of_counting():
-    check_against_counting(YIELDING, 24, 128)
-
-
-@pytest.mark.slow
-def test_rate_of_yielding_structures_is_that_of_a_hundred_thousand_motions():
-    check_against_counting(YIELDING, 100, 1024)
 
 
 @pytest.mark.slow
@@ -123,24 +117,16 @@ def test_risks_that_are_none_or_outside_of_the_hazard_are_named():
 
 
 @pytest.mark.slow
-def test_risk_of_what_is_not_known_exactly():
-    """Without spread as known; with it, the mean of the rates of drawn pairs."""
+def test_risk_of_what_is_not_known_exactly_is_the_mean_of_the_rates_of_drawn_pairs():
     hazard, gap = sl.PowerLawHazard(k0=0.02, k=2.5), 0.08
-    known = sl.Bilinear(0.6, 0.05, 0.05, yield_displacement=0.02)
-    motion = {"envelope": SHAPE}
+    spread = sl.Bilinear(sl.Uncertain(0.6, 0.4), 0.05, 0.05, yield_displacement=0.02)
 
     def risk(first, paths, seed=0):
-        return sl.pounding_risk(
-            first, ELASTIC[1], GROUND, gap, hazard, 15.0, paths=paths, seed=seed, **motion
-        )
+        options = {"envelope": SHAPE, "paths": paths, "seed": seed}
+        return sl.pounding_risk(first, ELASTIC[1], GROUND, gap, hazard, 15.0, **options)
 
-    still = sl.Bilinear(sl.Uncertain(0.6, 0.0), 0.05, 0.05, yield_displacement=0.02)
-    one, other = (float(risk(each, 64).annual_rate) for each in (still, known))
-    assert one == pytest.approx(other, rel=1e-6)
-    spread = sl.Bilinear(sl.Uncertain(0.6, 0.4), 0.05, 0.05, yield_displacement=0.02)
     table = risk(spread, 512)
-    random = np.random.default_rng(9)
-    factors = np.exp(0.4 * random.standard_normal(24))
+    factors = np.exp(0.4 * np.random.default_rng(9).standard_normal(24))
     pairs = [spread.at({"period": float(factor)}) for factor in factors]
     drawn = np.array([float(risk(one, 32, 50 + n).annual_rate) for n, one in enumerate(pairs)])
     error = np.hypot(drawn.std(ddof=1) / np.sqrt(24), float(table.annual_rate_standard_error))

@@ -66,11 +66,6 @@ class PairMoments(NamedTuple):
     v_v: Array  # [m^2/s^2]
     bandwidth: Array  # [-] of d
 
-    @property
-    def product(self) -> Array:
-        """``E[u_1 u_2]`` [m^2]."""
-        return 0.5 * (self.u_1 + self.u_2 - self.d_d)
-
 
 def moments_of_pair(
     system: Arrangement,
@@ -213,7 +208,8 @@ def _table(motion: RelativeMotion, heights: Array, distance: Gap, confidence: fl
     ):
         table[name] = (TIME, HEIGHT), np.sqrt(motion.mean(np.maximum(variance, 0)))
     product = table.displacement_std_1 * table.displacement_std_2
-    table["rho"] = motion.mean(moments.product) / product.where(product > 0)
+    shared = 0.5 * (moments.u_1 + moments.u_2 - moments.d_d)  # E[u_1 u_2]
+    table["rho"] = motion.mean(shared) / product.where(product > 0)
     table["required_gap"] = HEIGHT, motion.gap_for(confidence)
     for name, chance in (
         ("instantaneous_probability", chances.now),
@@ -233,26 +229,17 @@ def _at_all_heights(table: xr.Dataset) -> xr.Dataset:
     The variables at each height have the ending ``_at_height``; the displacements have none.
     ``confidence_of_no_pounding_at_least`` is Boole's bound.
     """
-    largest = table[["instantaneous_probability", "required_gap"]].max(HEIGHT, skipna=False)
     confidences = [f"confidence_of_no_pounding{ending}" for ending in ("", "_poisson")]
-    smallest = table[confidences].min(HEIGHT, skipna=False)
+    worst = table[["instantaneous_probability", "required_gap"]].max(HEIGHT, skipna=False)
+    worst = worst.assign(table[confidences].min(HEIGHT, skipna=False).data_vars)
+    for name, array in table.items():
+        if not str(name).startswith("displacement"):
+            worst[f"{name}_at_height"] = array
     missed = (1 - table.confidence_of_no_pounding).sum(HEIGHT, skipna=False)
+    worst["confidence_of_no_pounding_at_least"] = (1 - missed).clip(0)
     governing = table.required_gap.fillna(-1.0).idxmax(HEIGHT)
-    at_height = {
-        f"{name}_at_height": array
-        for name, array in table.items()
-        if not str(name).startswith("displacement")
-    }
-    return (
-        table.isel({HEIGHT: -1}, drop=True)
-        .assign(largest.data_vars)
-        .assign(smallest.data_vars)
-        .assign(at_height)
-        .assign(
-            confidence_of_no_pounding_at_least=(1 - missed).clip(0),
-            governing_height=governing.where(table.required_gap.notnull().all(HEIGHT)),
-        )
-    )
+    worst["governing_height"] = governing.where(table.required_gap.notnull().all(HEIGHT))
+    return table.isel({HEIGHT: -1}, drop=True).assign(worst.data_vars)
 
 
 def gaps_in_a_row(distance: Gap) -> Array:

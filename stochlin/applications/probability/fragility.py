@@ -10,7 +10,7 @@ import xarray as xr
 from stochlin.applications.probability.formulas import by_formula
 from stochlin.applications.probability.probability import REFERENCES, PathsIfAny, simulated_columns
 from stochlin.applications.risk.rates import (
-    Fragility,
+    FRAGILITY,
     SeparationsByIntensity,
     lognormal_fragility,
     simulated_separations,
@@ -141,7 +141,11 @@ def pounding_fragility(
     try:
         part = part_of(progress, 0.0, OF_FORMULA if paths else 1.0)
         formulas = by_formula(pair, ground, distance, course, confidence, scatter, part, levels)
-        table = table.assign(_of_formulas(xr.concat(formulas, along).isel(time=-1, drop=True)))
+        last = xr.concat(formulas, along).isel(time=-1, drop=True)
+        for ending in ("", "_poisson"):
+            missed = 1 - last[f"confidence_of_no_pounding{ending}"]
+            table[f"pounding_probability{ending}"] = missed
+        table["required_gap"] = last.required_gap
     except ArithmeticError as error:
         if not paths:
             raise
@@ -179,15 +183,6 @@ def _increasing(intensity: Parameter) -> Array:
     return levels
 
 
-def _of_formulas(table: xr.Dataset) -> dict[str, xr.DataArray]:
-    """Probabilities of pounding, and required gaps, from the confidences at the end of the motion."""
-    return {
-        "pounding_probability": 1 - table.confidence_of_no_pounding,
-        "pounding_probability_poisson": 1 - table.confidence_of_no_pounding_poisson,
-        "required_gap": table.required_gap,
-    }
-
-
 def _of_motions(
     motions: SeparationsByIntensity, distance: Gap, confidence: float
 ) -> dict[str, xr.DataArray]:
@@ -199,9 +194,9 @@ def _of_motions(
     fits = xr.apply_ufunc(
         lambda gap: lognormal_fragility(motions, gap),
         gap,
-        output_core_dims=[()] * len(Fragility._fields),
+        output_core_dims=[()] * len(FRAGILITY),
         vectorize=True,
     )
-    fragility = Fragility(*fits).named()
-    status = fragility["fragility_status"].astype(np.int8).drop_attrs()
-    return columns | fragility | {"fragility_status": status.assign_attrs(STATUS)}
+    columns |= {f"fragility_{name}": fit for name, fit in zip(FRAGILITY, fits, strict=True)}
+    status = columns["fragility_status"].astype(np.int8).drop_attrs()
+    return columns | {"fragility_status": status.assign_attrs(STATUS)}

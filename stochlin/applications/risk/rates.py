@@ -7,7 +7,7 @@ extrapolated with the slope of linear structures.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
@@ -24,6 +24,8 @@ from stochlin.solver.simulation.finite_motions import pair_separation
 from stochlin.solver.simulation.simulation import simulate
 
 TINY = 1e-12  # smallest separation [m], in place of zero in logarithms
+# Median intensity of pounding, standard deviation of its logarithm, their errors, or why there are none.
+FRAGILITY = "median", "dispersion", "median_standard_error", "dispersion_standard_error", "status"
 FITTED, TOO_FEW_POUND, ALL_POUND, TOO_FEW_INTENSITIES, NOT_SIMULATED = range(5)
 
 
@@ -40,17 +42,16 @@ class SeparationsByIntensity(NamedTuple):
         The first interval is below the lowest simulated intensity, the last one above the highest.
         Without pounding in an interval, both intensities are equal.
         """
-        x = np.log(self.intensity)
+        x = np.broadcast_to(np.log(self.intensity), self.separation.shape)
         beyond = np.log(np.maximum(self.separation, TINY)) - np.log(gap)
-        left, right = beyond[:, :-1], beyond[:, 1:]
+        first = beyond[:, :1]  # from where the gap is reached, below the lowest intensity
+        x = np.hstack([x[:, :1] - np.maximum(first, 0) / self.power, x, np.full_like(first, np.inf)])
+        beyond = np.hstack([np.minimum(first, 0), beyond, beyond[:, -1:]])
+        left, right, low, high = beyond[:, :-1], beyond[:, 1:], x[:, :-1], x[:, 1:]
         with np.errstate(divide="ignore", invalid="ignore"):
-            at = x[:-1] + (x[1:] - x[:-1]) * np.clip(left / (left - right), 0, 1)
-        begin = np.where(left > 0, x[:-1], np.where(right > 0, at, x[1:]))
-        end = np.where(right > 0, x[1:], np.where(left > 0, at, x[1:]))
-        first, last = beyond[:, :1], beyond[:, -1:]
-        low = np.where(first > 0, x[0] - first / self.power, x[0]), np.full_like(first, x[0])
-        high = np.full_like(last, x[-1]), np.where(last > 0, np.inf, x[-1])
-        begin, end = (np.hstack(parts) for parts in zip(low, (begin, end), high, strict=True))
+            at = low + (high - low) * np.clip(left / (left - right), 0, 1)
+        begin = np.where(left > 0, low, np.where(right > 0, at, high))
+        end = np.where(right > 0, high, np.where(left > 0, at, high))
         return np.exp(begin), np.exp(end)
 
 
@@ -81,54 +82,28 @@ def times_intensity(ground: Any, factor: float) -> Any:
     return replace(ground, intensity=ground.intensity * factor)
 
 
-def rates(motions: SeparationsByIntensity, gap: float, frequency: Callable[[Array], Array]) -> Array:
-    """Annual frequency of pounding [1/yr] of each motion in each interval of intensity (paths, n + 1).
+def lognormal_fragility(
+    motions: SeparationsByIntensity, gap: float
+) -> tuple[float, float, float, float, int]:
+    """`FRAGILITY` by maximum likelihood from the lowest intensity of pounding in each motion.
 
-    Its mean over the motions is the mean annual frequency of the interval. ``frequency`` is the annual
-    frequency of exceedance of an intensity.
-    """
-    begin, end = motions.crossings(gap)
-    exceeded = [np.where(np.isfinite(at), frequency(np.where(np.isfinite(at), at, 1.0)), 0.0)
-                for at in (begin, end)]  # fmt: skip
-    return np.maximum(exceeded[0] - exceeded[1], 0.0)
-
-
-class Fragility(NamedTuple):
-    """Lognormal fragility: median intensity of pounding, and standard deviation of its logarithm."""
-
-    median: float = np.nan
-    dispersion: float = np.nan
-    median_error: float = np.nan
-    dispersion_error: float = np.nan
-    status: int = FITTED  # or why there is none
-
-    def named(self) -> dict[str, Any]:
-        """The numbers of the fragility by the names of their variables."""
-        columns = {
-            name.replace("_error", "_standard_error"): value for name, value in self._asdict().items()
-        }
-        return {f"fragility_{name}": value for name, value in columns.items()}
-
-
-def lognormal_fragility(motions: SeparationsByIntensity, gap: float) -> Fragility:
-    """Fragility by maximum likelihood from the lowest intensity of pounding in each motion.
-
-    For a motion without pounding, this intensity is known to be above the highest one. The result is
-    NaN, with the reason as its status, if fewer than two motions have pounding, all of them already at
+    For a motion without pounding, this intensity is known to be above the highest one. The numbers are
+    NaN, with the reason as their status, if fewer than two motions have pounding, all of them already at
     the lowest intensity, or a structure falls.
     """
+    nothing = (np.nan,) * 4
     if not np.isfinite(motions.separation).all() or not 0 < gap < np.inf:
-        return Fragility(status=NOT_SIMULATED)
+        return *nothing, NOT_SIMULATED
     if motions.intensity.size < 2:
-        return Fragility(status=TOO_FEW_INTENSITIES)
+        return *nothing, TOO_FEW_INTENSITIES
     if (motions.separation[:, 0] > gap).all():
-        return Fragility(status=ALL_POUND)
+        return *nothing, ALL_POUND
     begin, end = motions.crossings(gap)
     first = np.where(end > begin, begin, np.inf).min(axis=1)
     seen = np.isfinite(first)
     known = np.log(first[seen])
     if known.size < 2 or np.ptp(known) == 0:
-        return Fragility(status=TOO_FEW_POUND)
+        return *nothing, TOO_FEW_POUND
     top, never = np.log(motions.intensity[-1]), int((~seen).sum())
 
     def surprise(parameters: Array) -> float:
@@ -150,7 +125,7 @@ def lognormal_fragility(motions: SeparationsByIntensity, gap: float) -> Fragilit
         [mixed, 2 * z @ z + most * (most * bend - tail)],
     ]
     of_mean, of_log_b = np.sqrt(np.diag(np.linalg.inv(curvature)))
-    return Fragility(median, b, float(median * of_mean), float(b * of_log_b))
+    return median, b, float(median * of_mean), float(b * of_log_b), FITTED
 
 
 def range_of_rate(risk: xr.Dataset, left_out: float) -> tuple[float, float]:

@@ -15,7 +15,7 @@ import numpy as np
 import scipy.optimize
 import xarray as xr
 
-from stochlin.applications.risk.rates import SeparationsByIntensity, rates, simulated_separations
+from stochlin.applications.risk.rates import SeparationsByIntensity, simulated_separations
 from stochlin.applications.sites.intensity import scale_ground
 from stochlin.applications.sites.simulated_spectra import PGA_STEP
 from stochlin.kernels.basics.arrays import Array
@@ -48,8 +48,9 @@ from stochlin.solver.tables.checks import check_duration, standing
 
 POINTS = 13  # number of simulated intensities
 RETURN_PERIODS = (5.0, 2e5)  # [yr] of the lowest and highest intensity of a hazard without a table
-CERTAIN = 1.96  # standard errors to each side of a 95 % interval
+ENDS = {"": 0.0, "_lower": -1.96, "_upper": 1.96}  # standard errors at the ends of a 95 % interval
 CLOSE = 1e-6  # relative tolerance of a required gap
+HIGHEST = 1e100  # intensity from which on nothing is added
 ROUNDING = 1e-12  # relative rounding error allowed at the end of a hazard curve
 UNITS = {"pga": "m/s^2", "sa": "m/s^2", "intensity": "m^2/s^3"}
 _RISK = re.compile(r"\s*(\d++\.?\d*+|\.\d++)\s*%\s*in\s*(\d++\.?\d*+)\s*(?:yr|years|a)\s*")
@@ -231,11 +232,7 @@ def _over_cells(
         return result(simulated_risk(structures, ground, hazard, motion, progress))
 
     models = {**structures, "ground": ground}
-    what = (
-        "pounding of two structures"
-        if len(structures) > 1
-        else "one structure crossing its property line"
-    )
+    what = "pounding of two structures", "one structure crossing its property line"
     return labels.with_run_information(
         labels.label(over_cells(of_cell, models, long_enough)).assign_attrs(
             paths=paths,
@@ -246,7 +243,7 @@ def _over_cells(
             **({"pga_step_s": PGA_STEP} if hazard.measure == "pga" else {}),
             **labels.of_scatter(scatter),
         ),
-        f"Risk of {what}, {median_of(ground).name} ground",
+        f"Risk of {what[len(structures) == 1]}, {median_of(ground).name} ground",
         f"{call}(duration={duration:g}, paths={paths}, seed={seed})",
         {**models, "hazard": hazard},
         REFERENCES,
@@ -302,16 +299,23 @@ class SimulatedRisk(NamedTuple):
 
     def _frequency(self, intensity: Array) -> Array:
         """Annual frequency of exceedance [1/yr]; constant below a table of the hazard, zero beyond."""
-        known, top = intensity, np.inf
+        least, top = 0.0, HIGHEST
         if isinstance(self.hazard, HazardCurve):
             least, top = self.hazard.intensities[0], self.hazard.intensities[-1]
-            known = np.clip(intensity, least, top)
-        frequencies = np.asarray(self.hazard.frequency(xr.DataArray(known)))
-        return np.where(intensity > top * (1 + ROUNDING), 0.0, frequencies)
+        frequencies = self.hazard.frequency(xr.DataArray(np.clip(intensity, least, top)))
+        return np.where(intensity > top * (1 + ROUNDING), 0.0, np.asarray(frequencies))
+
+    def rates(self, gap: float) -> Array:
+        """Annual frequency of pounding [1/yr] of each motion in each interval (paths, n + 1).
+
+        Its mean over the motions is the mean annual frequency of the interval of intensities.
+        """
+        begin, end = (self._frequency(each) for each in self.motions.crossings(gap))
+        return np.maximum(begin - end, 0.0)
 
     def rate(self, gap: float) -> tuple[float, float]:
         """Mean annual frequency of pounding [1/yr], and its standard error."""
-        return mean_with_error(rates(self.motions, gap, self._frequency).sum(axis=1))
+        return mean_with_error(self.rates(gap).sum(axis=1))
 
     def of_gap(self, gap: float, years: float) -> xr.Dataset:
         """The result of `pounding_risk`."""
@@ -322,17 +326,15 @@ class SimulatedRisk(NamedTuple):
         axis = {"intensity": ("intensity", motions.intensity, attrs)}
         samples = xr.DataArray(motions.separation, dims=("path", "intensity"), coords=axis)
         begin = {"from_intensity": ("from_intensity", np.append(0.0, motions.intensity), attrs)}
-        by_interval = rates(motions, gap, self._frequency).mean(axis=0)
-        ends = {"": 0.0, "_lower": -CERTAIN, "_upper": CERTAIN}
         return xr.Dataset(
             {
                 "annual_rate": rate,
                 "annual_rate_standard_error": error,
                 "annual_rate_unseen": spared * float(self._frequency(motions.intensity[-1:])[0]),
-                "annual_rate_by_intensity": ("from_intensity", by_interval),
+                "annual_rate_by_intensity": ("from_intensity", self.rates(gap).mean(axis=0)),
                 **{
                     f"probability_in_years{end}": -np.expm1(-max(rate + times * error, 0.0) * years)
-                    for end, times in ends.items()
+                    for end, times in ENDS.items()
                 },
                 **{f"pounding_{name}": each for name, each in exceedance(samples, gap).items()},
             },
@@ -359,18 +361,10 @@ class SimulatedRisk(NamedTuple):
                 return 0.0
             return float(np.exp(scipy.optimize.brentq(excess, low, high, xtol=CLOSE)))
 
-        gap = gap_at(0.0)
-        mean, error = self.rate(gap) if gap else (np.nan, np.nan)
-        return xr.Dataset(
-            {
-                "required_gap": gap,
-                "required_gap_lower": gap_at(-CERTAIN),
-                "required_gap_upper": gap_at(CERTAIN),
-                "target_rate": target,
-                "annual_rate": mean,
-                "annual_rate_standard_error": error,
-            }
-        )
+        gaps = {f"required_gap{end}": gap_at(errors) for end, errors in ENDS.items()}
+        mean, error = self.rate(gap) if (gap := gaps["required_gap"]) else (np.nan, np.nan)
+        rate = {"annual_rate": mean, "annual_rate_standard_error": error}
+        return xr.Dataset({**gaps, "target_rate": target, **rate})
 
 
 def simulated_risk(
