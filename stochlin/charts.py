@@ -24,7 +24,7 @@ from stochlin.views.figures.motions import recorded_gap_chart as recorded_gap_ch
 from stochlin.views.figures.pictures import PICTURES as PICTURES
 from stochlin.views.figures.pictures import draw as draw
 from stochlin.views.pounding.pictures import draw_pound as draw_pound
-from stochlin.views.sensitivity.pictures import draw_sensitivity as draw_sensitivity
+from stochlin.views.sensitivity.tornado import draw_sensitivity as draw_sensitivity
 from stochlin.views.separation.pictures import draw_heights as draw_heights
 from stochlin.views.shared.style import CURVES as CURVES
 from stochlin.views.shared.style import STYLE as STYLE

@@ -120,10 +120,3 @@ def test_changes_against_two_independent_runs(size):
         change = float(one.gap_change.diff("end").item())
         assert abs(change - (gaps[1] - gaps[0])) < 3.5 * np.hypot(own.sum(), np.hypot(*errors))
         assert (own < np.hypot(*errors) * np.sqrt(8)).all()  # of as many other motions
-
-
-def test_arrays_and_structures_of_the_wrong_kind_are_refused():
-    with pytest.raises(ValueError, match="scalars"):
-        sl.sensitivity(sl.Bilinear([0.5, 0.6], 0.05), SECOND, GROUND, **MOTION, paths=32)
-    with pytest.raises(TypeError, match="first"):
-        sl.sensitivity(0.5, SECOND, GROUND, **MOTION, paths=32)

@@ -10,7 +10,7 @@ from click.testing import CliRunner
 
 import stochlin as sl
 from stochlin.views.command import main
-from stochlin.views.sensitivity.words import blocks, rows
+from stochlin.views.sensitivity.tornado import blocks, rows
 from stochlin.views.shared.blocks import ViewSection
 from stochlin.views.shared.screen import lines
 from stochlin.views.shared.words import MINUS, SPACE
@@ -53,9 +53,10 @@ def test_a_tornado_chart_has_a_bar_a_number(table):
     figure = sl.charts.draw_sensitivity(table)
     (axes,) = figure.axes
     bars = [bar.get_width() for bar in axes.patches]
-    np.testing.assert_allclose(bars[:2], 100 * table.gap_change[rows(table)[0].place])
-    assert len(bars) == 2 * len(rows(table))
-    low, high = (axes.patches[n] for n in (0, 1))
+    count = len(rows(table))  # all low ends, then all high ones
+    np.testing.assert_allclose(bars[::count], 100 * table.gap_change[rows(table)[0].place])
+    assert len(bars) == 2 * count
+    low, high = axes.patches[::count]
     assert low.get_hatch()  # told apart in grey
     assert not high.get_hatch()
     with pytest.raises(ValueError, match="a dataset that sensitivity returns"):

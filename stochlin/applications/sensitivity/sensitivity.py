@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from typing import Any, NamedTuple
@@ -9,14 +10,14 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from stochlin.applications.sensitivity.inputs import Input, changed, described, inputs_of
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.arguments import Duration, Paths, Probability, Scatter, Seed, checked
+from stochlin.models.buildings import RegularBuilding
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.systems import AnyStructure
-from stochlin.models.uncertain import UncertainModel, median_of
+from stochlin.models.uncertain import Uncertain, UncertainModel, median_of
 from stochlin.solver.linearization.strength import strength_in_metres
 from stochlin.solver.simulation.finite_motions import (
     pair_separation,
@@ -28,7 +29,16 @@ from stochlin.solver.simulation.structures_in_motion import GROUND, INPUT, draw,
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_duration, standing
 
+WITHOUT = ("peak_factor", "mass")  # of an oscillator: part of a definition, and without influence
+STEP = 0.1  # relative change of a known input, to either side
+RANGE = 0.16, 0.84  # probabilities at the ends of the range of an uncertain input
 END, ENDS = "end", ("low", "high")
+OF_INPUTS = {
+    INPUT: "number of a model",
+    "input_median": "the input, or its median, in its unit",
+    "input_unit": "unit of the input",
+    "uncertain": "1 where the input is not known exactly",
+}
 GROUPS = 32  # groups of motions for the jackknife, each of which is left out once
 NEAR = 0.25  # share of the motions, with responses nearest to the quantile, in the local regression
 REFERENCES = "Cleveland, W. S. (1979), J. Am. Stat. Assoc. 74."
@@ -116,13 +126,13 @@ def sensitivity(
         models[role] = models[role].changed(lambda s: strength_in_metres(s, usual))
     check_repeated([*both.values()], usual, duration, paths, 2 * (1 + len(inputs)))
     draws = {"paths": paths, "seed": seed, "scatter": float(scatter)}
-    responses = _responses(models, inputs, (duration, envelope), draws, progress)
-    table = labels.label(_table(responses, inputs, confidence))
+    factors, responses = _responses(models, inputs, (duration, envelope), draws, progress)
+    table = labels.label(_table(inputs, factors, responses, confidence))
     subject = "the set-back of a building" if second is None else "the gap of two buildings"
     return labels.with_run_information(
         table.assign_attrs(
             confidence=confidence,
-            paths=responses.base.size,
+            paths=responses.shape[1],
             seed=seed,
             duration_s=float(duration),
             envelope="none" if envelope is None else envelope.describe(),
@@ -135,23 +145,18 @@ def sensitivity(
     )
 
 
-class _Responses(NamedTuple):
-    """Separations [m] in the same motions with different values of the inputs."""
-
-    base: Array  # (motions,), with the samples that `separation` has
-    usual: Array  # (motions,), with all inputs at their medians
-    ends: Array  # (inputs, 2, motions), with an input at the ends of its range
-    factors: Array  # (inputs, 2), these values of the input over its median
-
-
 def _responses(
     models: Mapping[str, UncertainModel],
     inputs: Sequence[Input],
     motion: tuple[float, Envelope | None],
     draws: Mapping[str, Any],
     progress: Progress | None,
-) -> _Responses:
-    """Responses of all simulations, with the time step and the samples of the first."""
+) -> tuple[Array, Array]:
+    """Factors (inputs, 2) on the inputs, and separations (2 + 2 inputs, motions) [m] with them.
+
+    The first separations are those of `separation`, the next those with all inputs at their medians. All
+    simulations have the time step and the samples of the first.
+    """
     steps: list[float] = []  # of the simulations so far
     made: dict[str, list[Any]] = {}  # samples of the models in the first simulation
 
@@ -164,8 +169,7 @@ def _responses(
         drawn = draw(structures, ground, draws["paths"], draws["seed"])
         if not steps:
             made.update({role: drawn.samples_of(role) for role in drawn.factors})
-        kept = {role: made[role] for role in drawn.factors if role not in changes}
-        drawn = drawn._replace(made=kept)
+        drawn = drawn._replace(made={role: made[role] for role in drawn.factors if role not in changes})
         structures, ground = drawn.medians
         moving = structures_in_motion(structures, ground, None, False, drawn.stacks())
         options = {**draws, "grounds": drawn.samples_of(GROUND), "step": steps[0] if steps else None}
@@ -176,49 +180,48 @@ def _responses(
             progress(len(steps) / (2 * len(inputs) + 2))
         return pair_separation(table).to_numpy()
 
-    of_samples, factors, ends = run({}), np.ones((len(inputs), 2)), []
+    responses = [run({}), run({role: described(model.median()) for role, model in models.items()})]
+    factors = np.ones((len(inputs), 2))
     for n, entry in enumerate(inputs):
         for side, factor in enumerate(entry.ends()):
             with suppress(ValueError):  # not allowed
                 changed(models[entry.role], entry.key, factor)
                 factors[n, side] = factor
-            ends.append(run({entry.role: changed(models[entry.role], entry.key, factors[n, side])}))
-    medians = run({role: described(model.median()) for role, model in models.items()})
-    return _Responses(of_samples, medians, np.reshape(ends, (len(inputs), 2, -1)), factors)
+            known = changed(models[entry.role], entry.key, factors[n, side])
+            responses.append(run({entry.role: known}))
+    return factors, np.array(responses)
 
 
-def _table(responses: _Responses, listed: Sequence[Input], confidence: float) -> xr.Dataset:
-    base, level = responses.base, np.array([confidence])
-    falls = float(np.isposinf([base, responses.usual]).mean())
-    if falls or np.isposinf(responses.ends).any():
+def _table(listed: Sequence[Input], factors: Array, responses: Array, confidence: float) -> xr.Dataset:
+    base, falls = responses[0], float(np.isposinf(responses[:2]).mean())
+    if falls or np.isposinf(responses).any():
         raise ArithmeticError(
             f"a structure falls in {100 * falls:.3g} % of the motions, or with a changed input, so that "
             "the changes of the gap are infinite; give it more hardening or strength, or weaker "
             "motions: separation takes it as it is"
         )
-    gap, lower, upper = (float(end[0]) for end in quantile_intervals(base, level))
-    of_ends = np.vstack([responses.ends.reshape(-1, base.size), responses.usual])
-    changes, errors = changed_quantiles(base, of_ends, base[None], confidence)
-    medians = [entry.value for entry in listed]
+    changes, errors = changed_quantiles(base, responses[1:], confidence)
+    columns = zip(
+        *((f"{e.role}.{e.key}", e.value, e.units, np.int8(e.quantity.spread > 0)) for e in listed),
+        strict=True,
+    )
     coords: dict[str, Any] = {
-        INPUT: (INPUT, [entry.name for entry in listed], {"long_name": "number of a model"}),
-        "input_median": (INPUT, medians, {"long_name": "the input, or its median, in its unit"}),
-        "input_unit": (INPUT, [entry.units for entry in listed], {"long_name": "unit of the input"}),
-        "uncertain": (INPUT, np.array([entry.uncertain for entry in listed], np.int8),
-                      {"long_name": "1 where the input is not known exactly"}),
-        END: (END, list(ENDS), {"long_name": "end of the range of the input"}),
-    }  # fmt: skip
-    table = xr.Dataset({"gap": gap, "gap_lower": lower, "gap_upper": upper}, coords)
-    table["gap_of_medians"] = gap + changes[-1]
-    table["gap_of_medians_standard_error"] = errors[-1]
-    table["input_factor_at"] = (INPUT, END), responses.factors
-    table["gap_change"] = (INPUT, END), changes[:-1].reshape(-1, len(ENDS))
-    table["gap_change_standard_error"] = (INPUT, END), errors[:-1].reshape(-1, len(ENDS))
+        name: (INPUT, [*column], {"long_name": text})
+        for (name, text), column in zip(OF_INPUTS.items(), columns, strict=True)
+    }
+    coords[END] = END, [*ENDS], {"long_name": "end of the range of the input"}
+    gaps = (float(end[0]) for end in quantile_intervals(base, np.array([confidence])))
+    table = xr.Dataset(dict(zip(("gap", "gap_lower", "gap_upper"), gaps, strict=True)), coords)
+    table["gap_of_medians"] = table.gap + changes[0]
+    table["gap_of_medians_standard_error"] = errors[0]
+    table["input_factor_at"] = (INPUT, END), factors
+    table["gap_change"] = (INPUT, END), changes[1:].reshape(factors.shape)
+    table["gap_change_standard_error"] = (INPUT, END), errors[1:].reshape(factors.shape)
     return table
 
 
-def changed_quantiles(response: Array, more: Array, less: Array, level: float) -> tuple[Array, Array]:
-    """Quantiles of responses ``more`` minus those of ``less`` (k, motions), and standard errors (k,).
+def changed_quantiles(response: Array, changed: Array, level: float) -> tuple[Array, Array]:
+    """Quantiles of ``changed`` responses (k, motions) minus that of ``response``, and their errors (k,).
 
     The differences of the sorted responses are interpolated at the quantile by a local linear regression
     over ``response`` (Cleveland 1979). This has less noise than the difference of two quantiles, and is
@@ -231,7 +234,6 @@ def changed_quantiles(response: Array, more: Array, less: Array, level: float) -
         """The changes without a group of the motions; -1 leaves out none."""
         kept = number % groups != left
         y = np.sort(response[kept])
-        changes = np.sort(more[:, kept], axis=1) - np.sort(less[:, kept], axis=1)
         beyond = y - np.quantile(y, level)
         far = np.abs(beyond)
         width = np.sort(far)[int(np.ceil(NEAR * y.size)) - 1] or 1.0
@@ -239,8 +241,65 @@ def changed_quantiles(response: Array, more: Array, less: Array, level: float) -
         weight /= weight.sum()
         mean = (weight * beyond).sum()
         spread = (weight * (beyond - mean) ** 2).sum() or 1.0
-        estimates: Array = (changes * (weight * (1 - (beyond - mean) * mean / spread))).sum(axis=1)
+        weight *= 1 - (beyond - mean) * mean / spread
+        estimates: Array = ((np.sort(changed[:, kept], axis=1) - y) * weight).sum(axis=1)
         return estimates
 
     parts = np.array([estimate(left) for left in range(groups)])
     return estimate(-1), np.sqrt((groups - 1) * parts.var(axis=0))
+
+
+class Input(NamedTuple):
+    """An input: one number of a model, or the common factor of several numbers."""
+
+    role: str
+    key: str
+    value: float  # median; 1 for a common factor
+    units: str
+    quantity: Uncertain  # with spread 0 if the input is known exactly
+
+    def ends(self) -> tuple[float, float]:
+        """Ends of the range over the median: quantiles of 16 and 84 %, or 10 % to either side."""
+        if not self.quantity.spread:
+            return 1 - STEP, 1 + STEP
+        return float(self.quantity.factor(RANGE[0])), float(self.quantity.factor(RANGE[1]))
+
+
+def changed(model: UncertainModel, key: str, factor: float) -> UncertainModel:
+    """The model with an input known to be ``factor`` times its median; other samples stay.
+
+    Raises a ValueError if that is no value of the input.
+    """
+    value = model.arguments[key]
+    known: Any = factor * np.asarray(median_of(value))
+    if isinstance(value, Uncertain):
+        known = Uncertain(known, 0.0)
+    new = dataclasses.replace(model, arguments={**model.arguments, key: known})
+    new.median()
+    return new
+
+
+def described(model: Any) -> UncertainModel:
+    """The model as one with uncertain parameters, of which there may be none."""
+    if isinstance(model, UncertainModel):
+        return model
+    fields = [field.name for field in dataclasses.fields(model) if field.init]
+    return UncertainModel(type(model), {name: getattr(model, name) for name in fields})
+
+
+def inputs_of(role: str, model: UncertainModel) -> list[Input]:
+    """The inputs of a model: its declared parameters that are not 0, arrays as a common factor."""
+    median = model.median()
+    kinds = (type(median), RegularBuilding)
+    inputs = []
+    for key, value in model.arguments.items():
+        kind = next((kind for kind in kinds if key in kind.parameter_names()), None)
+        if kind is None or value is None or (key in WITHOUT and not hasattr(median, "masses")):
+            continue
+        quantity = value if isinstance(value, Uncertain) else Uncertain(np.asarray(value, float), 0.0)
+        usual = getattr(median, key) if kind is type(median) else quantity.median
+        one_number = np.ndim(usual) == 0
+        size = float(np.asarray(usual)) if one_number else float(np.any(usual))
+        if size:
+            inputs.append(Input(role, key, size, kind.units(key) if one_number else "1", quantity))
+    return inputs

@@ -24,12 +24,13 @@ from stochlin.views.shared.screen import cut
 from stochlin.views.shared.style import (
     AS_GIVEN,
     CURVES,
+    caption_of,
     filled,
     legend_above,
     open_frame,
     styled,
 )
-from stochlin.views.shared.words import FAR, length, roles_in_words, rule_label, with_interval
+from stochlin.views.shared.words import FAR, length, rule_label, with_interval
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -111,7 +112,7 @@ def draw_heights(dataset: xr.Dataset, caption: bool = True) -> Figure:
             f"dataset has the dimensions {dict(dataset.sizes)}; allowed: the separation of one pair of "
             "buildings with storeys, which could meet at several heights"
         )
-    text = caption_of(dataset) if caption else ""
+    text = caption_of(dataset, CAPTION) if caption else ""
     figure, axes = _panel(LINE * len(text.splitlines()))
     _gaps(axes, dataset)
     legend_above(axes)
@@ -159,14 +160,6 @@ def _gaps(axes: Axes, dataset: xr.Dataset) -> None:
     share = f"{100 * float(dataset.attrs['confidence']):.4g} %"
     quantity = f"{gap_of(dataset)} [cm] not exceeded in {share} of the motions"
     axes.set(ylabel="height [m]", xlabel=quantity, ylim=(0, 1.04 * heights[-1]))
-
-
-def caption_of(dataset: xr.Dataset) -> str:
-    """What is shown, the buildings, the ground and the motions, in lines."""
-    attrs = dataset.attrs
-    lines = [attrs["title"], *roles_in_words(attrs, "first", "second", "ground", "envelope")]
-    lines.append(f"{attrs['paths']} motions of {attrs['duration_s']:g} s, seed {attrs['seed']}")
-    return filled(lines, CAPTION, "    ")
 
 
 class Dimension(NamedTuple):

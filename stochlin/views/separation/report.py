@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 
 from stochlin._version import __version__
 from stochlin.applications.cases.shaking import doubts
-from stochlin.views.sensitivity import words as what_matters
-from stochlin.views.sensitivity.pictures import draw_sensitivity
+from stochlin.views.sensitivity import tornado
 from stochlin.views.separation import pictures, words
 from stochlin.views.separation.risk import risk_blocks
 from stochlin.views.shared.blocks import Block, Items, Picture, Table, Text, ViewSection, texts
@@ -36,7 +35,8 @@ def first_sections(answer: CaseAnswer) -> list[ViewSection]:
 
 def answer_sections(answer: CaseAnswer) -> list[ViewSection]:
     """The answer first, then the existing gap, the rules and the risk, and the small print."""
-    case, about = answer.case, words.subject_of(answer.case)
+    case, about, matters = answer.case, words.subject_of(answer.case), answer.matters
+    influence = [] if matters is None else tornado.blocks(matters, words.names_of(answer))
     return [
         *first_sections(answer),
         ViewSection(f"The existing {about.gap}", words.allowances(answer)),
@@ -47,7 +47,7 @@ def answer_sections(answer: CaseAnswer) -> list[ViewSection]:
         ViewSection("The records", [_records(answer)]),
         *words.rules_sections(answer),
         ViewSection("Pictures", _pictures(answer), on_screen=False, columns=True),
-        ViewSection("Influence of the inputs", _influence(answer)),
+        ViewSection("Influence of the inputs", influence),
         ViewSection("Method", [Items(words.method(case)), words.assumptions(answer)], on_screen=False),
         ViewSection("The case", words.case_file(case), on_screen=False),
         ViewSection("", [Text(words.signed(answer), "signed")], on_screen=False),
@@ -93,17 +93,3 @@ def _records(answer: CaseAnswer) -> Block:
         for n, record in enumerate(case.site.records)
     ]
     return Table.of(("record", *heads.values()), rows)
-
-
-def _influence(answer: CaseAnswer) -> list[Block]:
-    """The influence of the inputs: sentences, a row for each input, and the picture."""
-    table = answer.matters
-    if table is None:
-        return []
-    names, quantity = words.names_of(answer), what_matters.asked(table)
-    blocks = what_matters.blocks(table, names)
-    if not what_matters.rows(table, names):
-        return blocks
-    text = f"Change of the {quantity} with each input at the ends of its range; lines: standard errors."
-    draw = partial(draw_sensitivity, table, names, caption=False)
-    return [*blocks, Picture(f"Influence of each input on the {quantity}", text, draw)]

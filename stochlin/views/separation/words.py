@@ -272,14 +272,15 @@ def allowances(answer: CaseAnswer) -> list[Block]:
 
 def _strength(limits: xr.Dataset, table: xr.Dataset) -> list[tuple[str, ...]]:
     """Rows for the strength of both buildings, changed by one factor; none if neither yields."""
-    rows = []
-    yielding = [(n, now) for n, now in enumerate(of_each(table, "reduction_factor"), 1) if now > 0]
-    for n, now in yielding[:1]:
-        for end, bound in (("largest", "at least"), ("least", "at most")):
-            value, low, high = with_interval(limits, f"{end}_reduction_factor", f"_{n}")
-            if end == "largest" or value > 0:
-                what = "strength, times the present one"
-                rows.append(_limit(what, bound, now / value, now / high, now / low))
+    what, rows = "strength, times the present one", []
+    factors = [(n, now) for n, now in enumerate(of_each(table, "reduction_factor"), 1) if now > 0]
+    for n, now in factors[:1]:
+        value, low, high = (now / x for x in with_interval(limits, "largest_reduction_factor", f"_{n}"))
+        rows.append(_limit(what, "at least", value, high, low))
+        least = with_interval(limits, "least_reduction_factor", f"_{n}")
+        if least[0] > 0:
+            value, low, high = (now / x for x in least)
+            rows.append(_limit(what, "at most", value, high, low))
     return rows
 
 

@@ -17,6 +17,7 @@ from stochlin.messages import brief, check_names
 from stochlin.models.arguments import checked
 from stochlin.solver.tables.storage import whole_file
 from stochlin.views.shared.blocks import PICTURES, typeset
+from stochlin.views.shared.words import roles_in_words
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -76,6 +77,14 @@ def filled(lines: Iterable[str], width: int, hang: str = "") -> str:
     return "\n".join(fill(BEFORE_UNIT.sub("\0", line)) for line in lines).replace("\0", " ")
 
 
+def caption_of(dataset: xr.Dataset, width: int) -> str:
+    """What is shown, the buildings, the ground and the motions, in lines of so many characters."""
+    attrs = dataset.attrs
+    lines = [attrs["title"], *roles_in_words(attrs, "first", "second", "ground", "envelope")]
+    lines.append(f"{attrs['paths']} motions of {attrs['duration_s']:g} s, seed {attrs['seed']}")
+    return filled(lines, width, "    ")
+
+
 @checked
 def ratio_ticks(axis: Any, values: np.ndarray) -> None:
     """Label a logarithmic axis of period ratios with plain numbers."""
@@ -110,23 +119,13 @@ def label_axis(axes: Axes, way: Literal["x", "y"], values: xr.DataArray) -> None
     axes.set(**{f"{way}label": quantity(values)})
 
 
-def legend_above(axes: Axes, columns: int = 2, size: float = 8.5, handles: Any = None) -> None:
+def legend_above(axes: Axes, columns: int = 2, size: float = 8.5) -> None:
     """The legend above the axes, in so many columns; none where nothing has a label."""
-    if handles := axes.get_legend_handles_labels()[0] if handles is None else handles:
+    if axes.get_legend_handles_labels()[0]:
         axes.legend(
-            handles=handles, loc="lower left", bbox_to_anchor=(-0.02, 1.0), ncols=columns,
+            loc="lower left", bbox_to_anchor=(-0.02, 1.0), ncols=columns,
             borderaxespad=0.2, fontsize=size, columnspacing=1.2, handlelength=2.6, labelspacing=0.25,
         )  # fmt: skip
-
-
-def swatches(looks: Mapping[str, tuple[str, str]], edge: str) -> list[Any]:
-    """Handles of a legend: for each label a patch with its face and hatch."""
-    from matplotlib.patches import Patch
-
-    return [
-        Patch(facecolor=face, hatch=hatch, edgecolor=edge, lw=0.6, label=label)
-        for label, (face, hatch) in looks.items()
-    ]
 
 
 def open_frame(axes: Axes, sides: Sequence[str] = ("top", "right")) -> None:

@@ -1,0 +1,166 @@
+"""The influence of the inputs on a gap: sentences, a row for each input, and the tornado chart."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from stochlin.models.buildings import OF_STOREYS
+from stochlin.models.descriptions import shown_unit
+from stochlin.views.shared.blocks import Block, Picture, Table, Text, texts
+from stochlin.views.shared.style import (
+    AS_GIVEN,
+    caption_of,
+    filled,
+    legend_above,
+    name_rows,
+    open_frame,
+    styled,
+)
+from stochlin.views.shared.words import MINUS, SPACE, behind, per_cent, short
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+NAMES = {"structure_1": "building 1", "structure_2": "building 2", "ground": "the ground"}
+CENTIMETRES = 100.0
+LARGE_GAP = 0.05  # [m]: from here on tenths of a centimetre tell enough of a change
+NOTHING = 1e-6  # of the gap: what moves it by less does not matter
+KINDS = f"±{SPACE}10{SPACE}%", f"16 to 84{SPACE}%"  # ranges of known and of uncertain inputs
+WIDTH, HEAD, AXIS, LINE, ROW = 4.6, 0.28, 0.5, 0.17, 0.48  # inches; a row may have three lines
+NAME, CAPTION = 34, 66  # characters on a line
+LEFT, RIGHT = 0.47, 0.97  # of the width
+MOST = 14  # inputs that are drawn
+EDGE: Any = {"edgecolor": "#1b1b1b", "lw": 0.6, "error_kw": {"lw": 1.0}}
+ENDS = {"low": ("#f2f2f2", "////", -0.19), "high": ("#7a9cbf", "", 0.19)}  # distinct in grey
+
+
+class InputLine(NamedTuple):
+    """One input as it is shown."""
+
+    place: int  # in the dataset
+    label: str
+    range: str
+    kind: str
+    change: str
+
+
+def rows(table: xr.Dataset, names: Mapping[str, str] = NAMES) -> list[InputLine]:
+    """The inputs that change the gap: uncertain ones, then known ones, by decreasing influence."""
+    moves = np.abs(table.gap_change).max("end").values
+    order = np.lexsort((-moves, 1 - table.uncertain.values))
+    least = NOTHING * max(float(table.gap), float(moves.max()))
+    return [_row(table.isel(input=n), int(n), names) for n in order if moves[n] > least]
+
+
+def _row(table: xr.Dataset, place: int, names: Mapping[str, str]) -> InputLine:
+    role, _, key = str(table.input.item()).partition(".")
+    unit, median = str(table.input_unit.item()), float(table.input_median)
+    if unit == "1" and key in OF_STOREYS:  # a factor on all values
+        unit = "times"
+    else:
+        unit, scale = shown_unit(unit, median)
+        median *= scale
+    low, high = (short(median * float(factor)) for factor in table.input_factor_at)
+    digits = 1 if float(table.gap) >= LARGE_GAP else 2
+    changes = [f"{CENTIMETRES * float(change):+.{digits}f}" for change in table.gap_change]
+    return InputLine(
+        place=place,
+        label=f"{key.replace('_', ' ')} of {names[role]}",
+        range=f"{low} to {high}{behind(unit)}",
+        kind=KINDS[int(table.uncertain)],
+        change=" / ".join(changes).replace("-", MINUS),
+    )
+
+
+def blocks(table: xr.Dataset, names: Mapping[str, str] = NAMES) -> list[Block]:
+    """The result in sentences, a row for each input, and the chart."""
+    shown, quantity = rows(table, names), _asked(table)
+    if not shown:
+        return [Text("No parameter of the buildings or of the ground changes it.")]
+    most = shown[0]
+    sentences = [
+        f"The {quantity} depends most on the {most.label}: at the ends of its range, {most.range} "
+        f"({most.kind}), it changes by {most.change}{SPACE}cm."
+    ]
+    if table.uncertain.any():
+        less = float(table.gap_of_medians / table.gap) - 1
+        error = float(table.gap_of_medians_standard_error / table.gap)
+        sentences.append(
+            f"If all inputs were known to be at their medians, the {quantity} would be "
+            f"{100 * abs(less):.0f} ± {per_cent(error)} {'smaller' if less < 0 else 'larger'}."
+        )
+    listed = Table.of(
+        ["input", "range", "of it", f"{quantity} [cm]"], [row[1:] for row in shown], ("range",)
+    )
+    text = f"Change of the {quantity} with each input at the ends of its range; lines: standard errors."
+    draw = partial(draw_sensitivity, table, names, caption=False)
+    return [*texts(sentences), listed, Picture(f"Influence of each input on the {quantity}", text, draw)]
+
+
+def _asked(table: xr.Dataset) -> str:
+    """The quantity of the answer: a gap, or the set-back of one building."""
+    return "gap" if "second" in table.attrs else "set-back"
+
+
+@styled(AS_GIVEN | {"font.size": 9, "hatch.linewidth": 0.7})
+def draw_sensitivity(
+    dataset: xr.Dataset, names: Mapping[str, str] = NAMES, caption: bool = True
+) -> Figure:
+    """Draw what `stochlin.sensitivity` returns: a bar for every input, the longest on top.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        From memory or from a file.
+    names : mapping
+        Names of ``structure_1``, ``structure_2`` and ``ground`` in the chart.
+    caption : bool
+        Whether to describe the case below the chart.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        How the gap changes with each input at the low and at the high end of its range, with standard
+        errors. Uncertain inputs come first, below them known inputs, 10 % to either side.
+        Inputs without influence on the gap are left out, and so are the smallest of more than 14.
+
+    Raises
+    ------
+    ValueError
+        If the dataset is another one.
+    """
+    from matplotlib.figure import Figure
+
+    if "gap_change" not in dataset or "input" not in dataset.dims:
+        raise ValueError(
+            f"dataset has the dimensions {tuple(dataset.dims)}; allowed: a dataset that sensitivity "
+            "returns"
+        )
+    shown = rows(dataset, names)[:MOST]
+    text = caption_of(dataset, CAPTION) if caption else ""
+    foot = LINE * len(text.splitlines())
+    place, high = np.arange(len(shown)), ROW * max(len(shown), 1)
+    height = high + HEAD + AXIS + foot
+    figure = Figure(figsize=(WIDTH, height))
+    axes = figure.add_axes((LEFT, (AXIS + foot) / height, RIGHT - LEFT, high / height))
+    drawn = dataset.isel(input=[row.place for row in shown])
+    for end, (face, hatch, shift) in ENDS.items():
+        at_end = CENTIMETRES * drawn.sel(end=end)
+        style = EDGE | {"color": face, "hatch": hatch, "label": f"input {end}"}
+        axes.barh(place + shift, at_end.gap_change, 0.36, xerr=at_end.gap_change_standard_error, **style)
+    reach = CENTIMETRES * (np.abs(drawn.gap_change) + drawn.gap_change_standard_error)
+    right = max(1e-9, float(reach.max())) if shown else 1e-9
+    axes.axvline(0, color="#1b1b1b", lw=0.8, zorder=4)
+    labels = [f"{filled([row.label], NAME)}\n{row.range}, {row.kind}" for row in shown]
+    name_rows(axes, place, labels, 8.5)
+    axes.set(xlim=(-1.05 * right, 1.05 * right), xlabel=f"change of the {_asked(dataset)} [cm]")
+    open_frame(axes, ("top", "right", "left"))
+    legend_above(axes)
+    figure.text(0.02, foot / height, text, va="top", size=8.5)
+    return figure
