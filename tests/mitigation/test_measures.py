@@ -129,22 +129,17 @@ def test_links_ask_for_masses():
 def test_measures_of_buildings_that_are_not_known_exactly():
     """Without spread as known; with it, more is required. Only the last searches for what is enough."""
 
-    def table(size, gap=0.5):
-        pair = [
+    def pair(size):
+        return [
             sl.Bilinear(sl.Uncertain(T, size), 0.05, 0.05, reduction_factor=3, mass=1e6)
             for T in (0.6, 1.0)
         ]
-        ground = sl.named_ground("firm", intensity=0.01)
-        given = {"link": sl.Measure(link=sl.Link(1e7, 1e6))}
-        return pair, sl.mitigate(*pair, ground, 8.0, gap, given, paths=32)
 
-    pair, still = table(0.0)
-    ground = sl.named_ground("firm", intensity=0.01)
-    known = sl.mitigate(
-        *(one.median() for one in pair), ground, 8.0, 0.5,
-        {"link": sl.Measure(link=sl.Link(1e7, 1e6))}, paths=32,
-    )  # fmt: skip
+    def table(both, gap=0.5):
+        given = {"link": sl.Measure(link=sl.Link(1e7, 1e6))}
+        return sl.mitigate(*both, GROUND, 8.0, gap, given, paths=32)
+
+    still, known = table(pair(0.0)), table([one.median() for one in pair(0.0)])
     np.testing.assert_allclose(still.required_gap, known.required_gap, rtol=5e-3)
     np.testing.assert_allclose(still.rho, known.rho, rtol=0.05)
-    _, spread = table(0.3, gap=0.08)
-    assert float(spread.required_gap[0]) > float(still.required_gap[0])
+    assert float(table(pair(0.3), gap=0.08).required_gap[0]) > float(still.required_gap[0])

@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from itertools import chain
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from stochlin.applications.mitigation.mitigated_pair import (
-    AS_BUILT,
-    GIVEN,
-    MeasureLine,
-    MitigatedPair,
-)
+from stochlin.applications.separation.energy_gap import SIDES
+from stochlin.applications.separation.existing_gap import DAMPINGS, Required
 from stochlin.applications.separation.separation import NOT_AVAILABLE, VERDICT_ATTRS, verdict_of
+from stochlin.applications.separation.storeys import linearized_at_roof
+from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
+from stochlin.kernels.simulation.contacts import reduced_mass
 from stochlin.messages import brief
 from stochlin.models.arguments import (
     Duration,
@@ -29,15 +31,28 @@ from stochlin.models.arguments import (
 )
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
+from stochlin.models.links import Link
 from stochlin.models.measures import Measure
 from stochlin.models.parameters import expect
-from stochlin.models.systems import AnyStructure
+from stochlin.models.systems import AnyStructure, Arrangement, arrangement_of, first_mode
 from stochlin.models.uncertain import applied, median_of
 from stochlin.solver.linearization.strength import strength_in_metres
-from stochlin.solver.simulation.simulation import check_repeated
+from stochlin.solver.simulation.finite_motions import (
+    LINK_PEAKS,
+    enough_motions,
+    keeping_apart,
+    pair_separation,
+    quantiles_of,
+    required_gaps,
+)
+from stochlin.solver.simulation.simulation import check_repeated, simulate
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_duration
+from stochlin.solver.tables.labels import LINK
 
+AS_BUILT, GIVEN, LEAST = "as built", "given", "least"  # kinds of measures
+QUANTILE = 0.95  # of the forces, strokes and energies of devices over motions
+CONSTANTS = np.append(0.0, np.geomspace(1e-3, 10, 13))  # damping constants that are tried, over 2 m w
 VERDICTS = "answer enough not_enough within_error not_available no_verdict"  # numbered as those of rules
 SIMULATIONS = 60  # usual number of simulations of all searches together
 TEXTS: dict[str, str] = {
@@ -131,7 +146,8 @@ def mitigate(
     >>> table.measure.values[-1].item()
     'least dashpot between'
     """
-    _check(measures)
+    if not isinstance(measures, Mapping):
+        raise TypeError(f"measures = {brief(measures)}; allowed: a mapping of them by name")
     usual = median_of(ground)
     left, right = (
         applied(lambda s: strength_in_metres(s, usual), structure) for structure in (first, second)
@@ -147,19 +163,21 @@ def mitigate(
         motion={**motion, "quantiles": [confidence]},
         paths=check_repeated([*both.values()], usual, duration, paths, simulations),
     )
-    lines = [MeasureLine(AS_BUILT, AS_BUILT, Measure())]
+    rows = [partial(pair.row, AS_BUILT, AS_BUILT, Measure())]
     for name, measure in measures.items():
+        check_label("the name of a measure", name)
+        expect(measure, Measure, f"measures[{brief(name)}]")
         try:
             pair.system(measure)
         except ValueError as error:
             raise ValueError(f"measures[{brief(name)}]: {error}") from error
-        lines.append(MeasureLine(name, GIVEN, measure))
-    searches = pair.searches()
+        rows.append(partial(pair.row, name, GIVEN, measure))
+    rows += [partial(pair.least, *search) for search in pair.searches()]
     tables = []
-    for line in chain(lines, map(pair.least, searches)):
-        tables.append(pair.row(line))
+    for row in rows:
+        tables.append(row())
         if progress is not None:
-            progress(len(tables) / (len(lines) + len(searches)))
+            progress(len(tables) / len(rows))
     return labels.with_run_information(
         _table(tables, confidence).assign_attrs(
             gap_m=float(gap),
@@ -173,15 +191,6 @@ def mitigate(
         f"mitigate(gap={gap:g}, duration={duration:g}, confidence={confidence:g}, seed={seed})",
         {"first": first, "second": second, "ground": ground},
     )
-
-
-def _check(measures: Mapping[str, Measure]) -> None:
-    """Raise an error unless these are measures by name."""
-    if not isinstance(measures, Mapping):
-        raise TypeError(f"measures = {brief(measures)}; allowed: a mapping of them by name")
-    for name, measure in measures.items():
-        check_label("the name of a measure", name)
-        expect(measure, Measure, f"measures[{brief(name)}]")
 
 
 def _table(rows: list[xr.Dataset], confidence: float) -> xr.Dataset:
@@ -199,3 +208,164 @@ def _table(rows: list[xr.Dataset], confidence: float) -> xr.Dataset:
         if name in table:
             table[name] = table[name].fillna("").astype(str).assign_attrs(long_name=text)
     return table.set_coords([name for name in TEXTS if name in table])
+
+
+@dataclass(frozen=True)
+class MitigatedPair:
+    """Two structures, with strengths in metres, and all conditions that a measure does not change."""
+
+    structures: tuple[Any, Any]
+    ground: Ground
+    gap: float
+    motion: Mapping[str, Any]  # other options of `simulate`
+    paths: tuple[int, int]  # fewest and most motions
+
+    def changed(self, measure: Measure) -> list[Any]:
+        """The structures with the added damping of the measure."""
+        added = measure.added_damping_1, measure.added_damping_2
+        return [
+            applied(partial(_damped, added=float(more), number=number), structure)
+            for number, (structure, more) in enumerate(zip(self.structures, added, strict=True), 1)
+        ]
+
+    def known(self, measure: Measure) -> tuple[Any, Any]:
+        """The changed structures with uncertain parameters at their medians."""
+        first, second = map(median_of, self.changed(measure))
+        return first, second
+
+    def system(self, measure: Measure) -> Arrangement:
+        """The structures with the links of the measure, which have to fit."""
+        return arrangement_of(self.known(measure), measure.links)
+
+    @cached_property
+    def built(self) -> xr.Dataset:
+        """The simulated motions of the buildings as built."""
+        return enough_motions(partial(self.simulated, Measure()), *self.paths)
+
+    def simulated(self, measure: Measure, paths: int | None = None) -> xr.Dataset:
+        """The simulated motions, as many as for the buildings as built or another number of them."""
+        return simulate(
+            self.changed(measure),
+            self.ground,
+            **self.motion,
+            paths=paths or self.built.sizes["path"],
+            link=measure.links,
+        )
+
+    def row(self, name: str, kind: str, measure: Measure | None, missing: str = "") -> xr.Dataset:
+        """All results of a measure; none if it is None, since a search found ``missing``."""
+        described = "" if measure is None else measure.describe()
+        texts = {"kind": kind, "description": described, "missing": missing}
+        table = xr.Dataset(texts, {"measure": name})
+        if measure is None:
+            return table
+        motions = self.built if measure == Measure() else self.simulated(measure)
+        gaps = zip(labels.VALUE_AND_ENDS, required_gaps(motions), strict=True)
+        columns = {
+            "added_damping_1": measure.added_damping_1,
+            "added_damping_2": measure.added_damping_2,
+            "link_damping_constant": _of_dashpots(measure.links),
+            **{f"required_gap{end}": gap for end, gap in gaps},
+            **keeping_apart(pair_separation(motions), self.gap),
+            **self._linearized(measure),
+        }
+        devices = _devices(motions, self.system(measure)) if measure.links else xr.Dataset()
+        return table.assign(columns).merge(devices)
+
+    def _linearized(self, measure: Measure) -> dict[str, float]:
+        """Correlation and standard deviation of ``u_1 - u_2`` by linearization; NaN if not solved."""
+        rho = apart = np.nan
+        # There is no solution, or no stationary response: storeys without stiffness.
+        with suppress(ArithmeticError, ValueError):
+            rho, apart = linearized_at_roof(self.known(measure), median_of(self.ground), measure.links)
+        return {"rho": rho, "relative_displacement_std": apart}
+
+    def searches(self) -> list[tuple[str, Callable[[float], Measure], Array, str]]:
+        """Searches for the least measures: names, measures of a value, values, and what these are.
+
+        They are for added damping, and for a dashpot if the structures have masses; there is none if the
+        gap is enough as built.
+        """
+        if required_gaps(self.built)[0] <= self.gap:
+            return []
+        listed: list[tuple[str, Callable[[float], Measure], Array, str]] = []
+        pair = self.known(Measure())
+        for side, shares in SIDES.items():
+            present = max(float(s.damping) for s, share in zip(pair, shares, strict=True) if share)
+            tried = DAMPINGS[present + DAMPINGS < 1]
+            searched = f"added damping up to {100 * tried[-1]:.3g} % of critical"
+            listed.append((f"least damping, {side}", partial(_damping, shares), tried, searched))
+        if (scale := self._dashpot_scale()) is not None:
+            tried = scale * CONSTANTS
+            searched = f"a damping constant up to {1e-6 * tried[-1]:.3g} MN s/m"
+            listed.append(("least dashpot between", _dashpot, tried, searched))
+        return listed
+
+    def least(
+        self, name: str, build: Callable[[float], Measure], values: Array, searched: str
+    ) -> xr.Dataset:
+        """The row with the least measure of a search, or the reason why there is none."""
+
+        def gaps(value: float, paths: int) -> tuple[float, float, float]:
+            return required_gaps(self.simulated(build(value), paths))
+
+        paths, known = self.built.sizes["path"], {0.0: required_gaps(self.built)}
+        value = Required(gaps, self.gap, paths, known, interval=False).least(values).value
+        if np.isfinite(value):
+            return self.row(name, LEAST, build(value))
+        return self.row(name, LEAST, None, f"{searched} was searched, and none is enough")
+
+    def _dashpot_scale(self) -> float | None:
+        """``2 m w`` [N s/m], with the reduced mass and the mean circular frequency of the first modes.
+
+        None if a structure has no mass or no floors are at the same level.
+        """
+        try:
+            self.system(_dashpot(0.0))
+        except ValueError:
+            return None
+        modes = [first_mode(structure).arrays() for structure in self.known(Measure())]
+        mass = float(reduced_mass(*(float(mode["mass"]) for mode in modes)))
+        return 2 * mass * float(np.mean([2 * np.pi / float(mode["period"]) for mode in modes]))
+
+
+def _damped(structure: Any, added: float, number: int) -> Any:
+    """The structure, of this number, with more damping."""
+    total = structure.damping + added
+    if (largest := float(np.max(total))) >= 1:
+        raise ValueError(
+            f"added_damping_{number} = {added:g} raises the damping to {largest:g}; allowed: less than "
+            "1 in total"
+        )
+    return replace(structure, damping=total)
+
+
+def _damping(shares: tuple[float, float], added: float) -> Measure:
+    return Measure(shares[0] * added, shares[1] * added)
+
+
+def _dashpot(constant: float) -> Measure:
+    return Measure(link=Link(damping_constant=constant))
+
+
+def _of_dashpots(links: Sequence[Link]) -> float:
+    """Damping constant of all links between both structures; NaN if some dashpots are not linear."""
+    dashpots = [link for link in links if not link.within_one and link.damping_constant]
+    if any(link.exponent != 1 for link in dashpots):
+        return np.nan
+    return sum(link.number("damping_constant") for link in dashpots)
+
+
+def _devices(motions: xr.Dataset, system: Arrangement) -> xr.Dataset:
+    """Kind and place of each link, and means and 95 % quantiles of its force, stroke and energy."""
+    floors = system.floors
+    ends = [(floors[t.floor], floors[t.other] if t.other >= 0 else "ground") for t in system.ties]
+    columns: dict[str, Any] = {
+        "link_kind": ["damper" if tie.link.within_one else "link" for tie in system.ties],
+        "link_place": [f"{low} to {high}" for low, high in ends],
+    }
+    columns |= {
+        f"{name}_quantile": quantiles_of(motions[name].values, np.array(QUANTILE)) for name in LINK_PEAKS
+    }
+    means = motions[[f"{name}_mean" for name in LINK_PEAKS]]
+    return means.assign({name: (LINK, each) for name, each in columns.items()})
