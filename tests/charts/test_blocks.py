@@ -68,10 +68,16 @@ def test_the_page_has_the_same_and_leaves_out_what_is_empty() -> None:
     text = page("A title", SECTIONS, ["foot"], ["annex"])
     body = text.partition("<main>")[2]
     words = " ".join(html.unescape(re.sub("<[^>]+>", " ", body)).split())
-    assert "Block & annex The rules Rule Gap [cm] Verdict 1 SRSS 9.5 safe sum 12.0 within error" in words
-    assert "height 9.6 m" in words
-    assert words.endswith("foot")
+    for part in (
+        "Block & annex",
+        "1 SRSS 9.5 safe",
+        "sum 12.0 within error",
+        "height 9.6 m",
+        "foot",
+    ):
+        assert part in words
     assert "depends on <i>ρ</i>" in body
+    assert "Gap [cm]" in words
     for absent in ("Nothing here", "On screens", "needs zone", 'class="doubt"'):
         assert absent not in body
 

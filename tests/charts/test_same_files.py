@@ -15,7 +15,18 @@ from stochlin.views.figures.charts import rounded
 pytestmark = pytest.mark.invariant
 
 FIGURES = sorted((Path(__file__).parents[2] / "figures").glob("*.nc"))
-SMALL = "charts --points 9 --simulated-points 3 --paths 16 --reduction-factors 2,4 --out"
+SMALL = [
+    "charts",
+    "--points",
+    "9",
+    "--simulated-points",
+    "3",
+    "--paths",
+    "16",
+    "--reduction-factors",
+    "2,4",
+    "--out",
+]
 # Kernels of linear algebra that add in other orders; both run on any x86-64 processor with AVX2.
 PROCESSORS = (
     {"OPENBLAS_CORETYPE": "Haswell", "OPENBLAS_NUM_THREADS": "1", "NUMBA_NUM_THREADS": "1"},
@@ -27,7 +38,7 @@ PROCESSORS = (
 def test_files_are_the_same_on_other_processors_and_with_more_threads(tmp_path):
     runs = [
         subprocess.Popen(
-            [sys.executable, "-m", "stochlin", *SMALL.split(), str(tmp_path / str(number))],
+            [sys.executable, "-m", "stochlin", *SMALL, str(tmp_path / str(number))],
             env=os.environ | processor,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,

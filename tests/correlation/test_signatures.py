@@ -158,6 +158,15 @@ def test_shipped_displacements_are_those_simulated_anew(monkeypatch):
 # --- pairs ------------------------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize("R", [0.1, 0.4])
+def test_elastic_limit_is_exact_on_narrow_band_ground(R):
+    """The references yield; what they tell must be nothing."""
+    weak = [building(0.3, R, 0.05), building(0.42, R, 0.2, 0.02)]
+    table = sl.correlate(*weak, LAKEBED, closure="drift")
+    elastic = sl.correlate(sl.Bilinear(0.3, 0.05), sl.Bilinear(0.42, 0.02), LAKEBED)
+    assert float(table.rho) == pytest.approx(float(elastic.rho), abs=1e-9 if R < 0.2 else 2e-3)
+
+
 @pytest.mark.parametrize(
     ("first", "second", "damping"),
     [
@@ -183,6 +192,10 @@ def test_cautions_are_those_of_each_cell():
     assert np.isnan(table.rho_error.values[[0, 4]]).all()
     assert (table.rho_error.values[1:4] > 0).all()
     assert np.isfinite(table.rho).all()
+    for change in ({"damping": 0.004}, {"hardening": 0.009}, {"reduction_factor": 13.0}):
+        outside = sl.correlate(building(**change), building(1.5), LAKEBED, closure="drift")
+        assert int(outside.caution) == 2
+        assert np.isnan(outside.rho_error)
     narrow = sl.KanaiTajimi(1.0, 0.02)
     assert int(sl.correlate(building(), building(1.5), narrow, closure="drift").caution) == 2
     for high_pass_period, caution in ((10.0, 0), (40.0, 2)):

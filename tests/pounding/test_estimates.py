@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import stochlin as sl
 
@@ -28,22 +29,17 @@ def pair(rng, yields):
 
 def amplifications(structures, gap, contact, motions):
     """Computed and estimated, over motions and structures; NaN in motions without an impact."""
-    each = [sl.pound(structures, gap, contact, motion) for motion in motions]
-    both = []
-    for motion, table in zip(motions, each, strict=True):
-        strengths = (
-            {"hardening": s.hardening, "yield_displacement": s.yield_displacement} if s.yields else {}
-            for s in structures
-        )
-        radii = [
-            float(sl.pseudo_energy_radius(motion, s.period, 0.05, **strength).pseudo_energy_radius)
-            for s, strength in zip(structures, strengths, strict=True)
-        ]
-        hit = sl.pounding_estimate(*structures, gap, contact, *radii)
-        estimate = [max(1.0, float(hit[f"largest_radius_amplification_{n}"])) for n in (1, 2)]
-        both.append([table.amplification.values, estimate])
-    met = np.array([int(hit.impacts.sum()) > 0 for hit in each])
-    return np.where(met[:, None], np.moveaxis(np.array(both), 1, 0), np.nan)
+    table = sl.pound(structures, gap, contact, motions)
+    radii = []
+    for s in structures:
+        own = {"hardening": s.hardening, "yield_displacement": s.yield_displacement} if s.yields else {}
+        each = [sl.pseudo_energy_radius(motion, s.period, 0.05, **own) for motion in motions]
+        values = [float(one.pseudo_energy_radius) for one in each]
+        radii.append(xr.DataArray(values, dims="path"))
+    hit = sl.pounding_estimate(*structures, gap, contact, *radii)
+    estimate = [hit[f"largest_radius_amplification_{n}"].clip(1.0) for n in (1, 2)]
+    both = np.array([table.amplification.values, np.transpose(estimate)])
+    return np.where(table.impacts.values > 0, both, np.nan)
 
 
 def mean_and_error(logs):

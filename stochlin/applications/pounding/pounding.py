@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -236,23 +236,29 @@ def pound(
     levels = np.asarray(quantiles, float)
     if motion is None:
         raise TypeError("motion is not given; allowed: a record or several, as read_record gives them")
-    ensemble = checked_ensemble(motion)
+    motions, over, names = checked_ensemble(motion)
     links = checked_links(link, len(row_of))
     standing = build_row(row_of, spaces, contact, links)
-    paces = paces_of(standing, contact, ensemble.motions.grounds, steps_per_contact)
+    paces = paces_of(standing, contact, motions.grounds, steps_per_contact)
     if progress is not None:
         progress(0.0)
-    table = response_table(standing, ensemble, paces, progress).merge(contacts(standing.places, links))
+    table = response_table(standing, motions, over, paces, progress)
+    table = table.merge(contacts(standing.places, links))
     table = table.assign(gap=("contact", standing.gap))
     if len(row_of) == 1:
         table = table.drop_dims(OF_CONTACTS, errors="ignore")
     else:
         table = table.merge(between_neighbours(table))
-    call = f"steps_per_contact={steps_per_contact}"
-    if not ensemble.single:
-        table = with_statistics(table, ensemble.over, levels)
+    call, described = f"steps_per_contact={steps_per_contact}", motions.describe()
+    if motions.names is not None:
+        table = with_statistics(table, over, levels)
         call = f"quantiles={levels.tolist()}, {call}"
-    table = labels.label(table).assign_attrs(motion=ensemble.describe())
+        if names is not None:
+            about = "record" if over == RECORD else "simulated motion"
+            table = table.assign_coords({over: names.assign_attrs(long_name=about)})
+        if over == PATH:
+            described = f"{len(motions.grounds)} simulated motions"
+    table = labels.label(table).assign_attrs(motion=described.removeprefix("record: "))
     models: dict[str, Any] = {f"structure_{n}": each for n, each in enumerate(row_of, start=1)}
     models |= {f"link_{n}": each for n, each in enumerate(links, start=1) if each is not None}
     title = "A building alone in a motion"
@@ -262,44 +268,28 @@ def pound(
     return labels.with_run_information(table, title, f"pound({call})", models, REFERENCES)
 
 
-class Ensemble(NamedTuple):
-    """One motion or several, and their dimension, ``path`` or ``record``."""
+def checked_ensemble(motion: Records) -> tuple[RecordedMotions, str, xr.DataArray | None]:
+    """One motion or several, checked, their dimension, and the coordinate along it if there is one.
 
-    motions: RecordedMotions
-    over: str
-    labels: xr.DataArray | None = None  # coordinate along the dimension
-
-    @property
-    def single(self) -> bool:
-        """Whether there is one motion, which adds no dimension to results."""
-        return self.motions.names is None
-
-    def describe(self) -> str:
-        """The motions in one line, for the run information."""
-        if not self.single and self.over == PATH:
-            return f"{len(self.motions.grounds)} simulated motions"
-        return self.motions.describe().removeprefix("record: ")
-
-
-def checked_ensemble(motion: Records) -> Ensemble:
-    """One motion or several, checked; an array over ``path`` and ``time`` has one motion a path."""
+    An array over ``path`` and ``time`` has one motion a path. One motion has no names, and adds no
+    dimension to results.
+    """
     try:
         if not isinstance(motion, xr.DataArray):
             motions = checked_motions(motion)
-            names = xr.DataArray(motions.names, dims=RECORD, attrs={"long_name": "record"})
-            return Ensemble(motions, RECORD, names)
+            return motions, RECORD, xr.DataArray(motions.names, dims=RECORD)
         if PATH not in motion.dims:
-            return Ensemble(checked_motions(motion), PATH)
+            return checked_motions(motion), PATH, None
         paths = {f"path {n}": motion.isel({PATH: n}, drop=True) for n in range(motion.sizes[PATH])}
-        own = motion[PATH].assign_attrs(long_name="simulated motion") if PATH in motion.coords else None
-        return Ensemble(checked_motions(paths), PATH, own)
+        return checked_motions(paths), PATH, motion[PATH] if PATH in motion.coords else None
     except (TypeError, ValueError) as error:
         raise type(error)(f"motion: {error}") from error
 
 
 def response_table(
     standing: Standing,
-    ensemble: Ensemble,
+    motions: RecordedMotions,
+    over: str,
     paces: Sequence[StepCounts],
     progress: Progress | None,
 ) -> xr.Dataset:
@@ -307,10 +297,13 @@ def response_table(
 
     The results of one of several motions that fails are NaN, with the reason in ``missing``.
     """
-    grounds, over, single = ensemble.motions.grounds, ensemble.over, ensemble.single
-    runs = [runs_of(standing, *each, halved=single) for each in zip(grounds, paces, strict=True)]
-    outcomes = responses([run for several in runs for run in several], standing, single, progress)
-    size = len(runs[0])
+    single, size = motions.names is None, 3 if motions.names is None else 2
+    runs = [
+        run
+        for ground, pace in zip(motions.grounds, paces, strict=True)
+        for run in runs_of(standing, ground, pace)[:size]
+    ]
+    outcomes = responses(runs, standing, single, progress)
     of_motions = [outcomes[begin : begin + size] for begin in range(0, len(outcomes), size)]
     reasons = [
         next(filter(None, (failure(standing, each) for each in of_motion)), "")
@@ -328,13 +321,11 @@ def response_table(
     }
     table = xr.Dataset(labelled(columns, standing, over), coords=floor_coords(standing))
     if single:
-        courses = histories(standing, outcomes[0], grounds[0], ensemble.motions.records[0]["time"])
+        courses = histories(standing, outcomes[0], motions.grounds[0], motions.records[0]["time"])
         return courses.assign(table.isel({over: 0}).drop_vars("energy_balance_error").data_vars)
     good = xr.DataArray([not reason for reason in reasons], dims=over)
     table = table.where(good)
     table["status"] = labels.status_where(good, labels.NOT_CONVERGED)
-    if ensemble.labels is not None:
-        table = table.assign_coords({over: ensemble.labels})
     return table.assign_coords(
         missing=(over, reasons, {"long_name": "missing results of a motion, and the reason"})
     )
@@ -349,7 +340,10 @@ def with_statistics(table: xr.Dataset, over: str, levels: Array) -> xr.Dataset:
     columns: Columns = {}
     for name in (each for each in STATISTICS if each in good):
         samples = good[name].transpose(over, ...)
-        columns |= _statistics(name, samples.dims[1:], samples.values, levels)
+        known, dims = samples.notnull().values.all(axis=0), samples.dims[1:]  # else NaN
+        values = np.where(known, samples.values, 0.0)
+        made = mean_columns(name, dims, values) | quantile_columns(name, dims, values, levels)
+        columns |= {what: (at, np.where(known, each, np.nan)) for what, (at, each) in made.items()}
     # Added at once, because each addition to a dataset takes a millisecond.
     table = table.assign(columns).assign_coords(quantile=labels.axis("quantile", "quantile", levels))
     if NEIGHBOURS not in table.dims:
@@ -369,11 +363,3 @@ def between_neighbours(table: xr.Dataset) -> xr.Dataset:
     joined = joined.rename({name: f"{name}_between" for name in BETWEEN} | {"left": NEIGHBOURS})
     coordinate = NEIGHBOURS, names, {"long_name": "both sides of the gap"}
     return joined.assign_coords({NEIGHBOURS: coordinate}).transpose(..., NEIGHBOURS)
-
-
-def _statistics(name: str, dims: tuple[Any, ...], values: Array, levels: Array) -> Columns:
-    """Mean and quantiles along the first axis, with their errors; NaN if any sample is NaN."""
-    known = ~np.isnan(values).any(axis=0)
-    values = np.where(known, values, 0.0)
-    columns = mean_columns(name, dims, values) | quantile_columns(name, dims, values, levels)
-    return {what: (over, np.where(known, each, np.nan)) for what, (over, each) in columns.items()}

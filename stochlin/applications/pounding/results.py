@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from stochlin.applications.pounding.rows import SIDES, Meeting, Standing
+from stochlin.applications.pounding.rows import COLUMN, SIDES, SLABS, Meeting, Standing
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.pounding import impacts
 from stochlin.kernels.pounding.run import RowResponse
@@ -122,7 +122,9 @@ def _course(standing: Standing, response: RowResponse, ground: SampledMotion) ->
     }
     linked: Quantities = {}
     if row.parts.spring.size:
-        values["link_force"] = LINK, _link_forces(standing, force, rate, drag)
+        linear = force[:, row.parts.spring] + row.parts.constant * rate[:, row.parts.spring]
+        power = np.where(row.parts.dashpot >= 0, drag[:, row.parts.dashpot], 0.0)
+        values["link_force"] = LINK, linear + power
         linked["link_stored_energy"] = OF_ROW, stored[:, n:].sum(axis=1)
         linked["link_lost_energy"] = OF_ROW, moving.links[:, DRAINED].sum(axis=0)
     return values | {
@@ -168,14 +170,6 @@ def _contact_forces(
     return pushed, (law.stiffness * np.maximum(depth, 0.0) ** power / power).sum(axis=1)
 
 
-def _link_forces(standing: Standing, force: Array, rate: Array, drag: Array) -> Array:
-    """Forces of the links against their first floor [N] (times, l)."""
-    parts = standing.row.parts
-    power = np.where(parts.dashpot >= 0, drag[:, parts.dashpot], 0.0)
-    link_forces: Array = force[:, parts.spring] + parts.constant * rate[:, parts.spring] + power
-    return link_forces
-
-
 def histories(
     standing: Standing, response: RowResponse, ground: SampledMotion, times: xr.DataArray
 ) -> xr.Dataset:
@@ -217,7 +211,7 @@ def contacts(places: Sequence[Meeting], links: Sequence[Link | None]) -> xr.Data
     }
     if np.isfinite([m.level for m in places]).any():
         columns |= {
-            "kind": ([m.kind for m in places], "what meets"),
+            "kind": ([COLUMN if m.struck else SLABS for m in places], "what meets"),
             "level": ([m.level for m in places], "level of the contact above the ground"),
             "floor_left": ([m.floor_left + 1 for m in places], "floor on the left"),
             "floor_right": ([m.floor_right + 1 for m in places], "floor on the right"),
@@ -307,8 +301,9 @@ def _tallies(standing: Standing, response: RowResponse) -> Quantities:
         values[name] = CONTACT, np.array([each[own].max(initial=none) for own in hit])
     values["contact_energy"] = CONTACT, hit @ line[LOST]
     received = np.zeros(standing.first.size - 1)
+    left = np.array([m.building for m in standing.places], np.int64)
     for side, energy in enumerate(energy_transferred(response).T):
-        np.add.at(received, standing.left[where] + side, energy)
+        np.add.at(received, left[where] + side, energy)
     values["energy_received"] = STRUCTURE, received
     return values
 

@@ -51,11 +51,6 @@ class Meeting(NamedTuple):
     struck: str = ""  # side of the column: "left", "right", or empty for slab to slab
     share: float = 1.0
 
-    @property
-    def kind(self) -> str:
-        """Kind of the contact, slab to slab or slab to column."""
-        return COLUMN if self.struck else SLABS
-
     def shares(self, side: str) -> dict[int, float]:
         """Shares of the floors in the displacement of what meets on one side, by their numbers."""
         floor = self.floor_left if side == SIDES[0] else self.floor_right
@@ -83,11 +78,6 @@ class Standing(NamedTuple):
     def first(self) -> Array:
         """Number of the first floor of each building, and of all floors (s + 1,)."""
         return self.arrangement.first
-
-    @property
-    def left(self) -> Array:
-        """Number of the building on the left of each contact, from 0 (c,)."""
-        return np.array([place.building for place in self.places], np.int64)
 
     @property
     def with_floors(self) -> bool:

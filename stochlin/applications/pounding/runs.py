@@ -98,13 +98,14 @@ class RowRun(NamedTuple):
     meets: bool = True  # whether contacts act
 
 
-def runs_of(
-    standing: Standing, ground: SampledMotion, pace: kernel.StepCounts, *, halved: bool
-) -> list[RowRun]:
-    """The row and each building alone in a motion, and if ``halved`` the row in steps twice as long."""
-    both = [RowRun(standing.row, ground, pace), RowRun(standing.alone, ground, pace, meets=False)]
-    coarser = RowRun(standing.row, ground, pace._replace(cuts=pace.cuts // 2))
-    return [*both, coarser] if halved else both
+def runs_of(standing: Standing, ground: SampledMotion, pace: kernel.StepCounts) -> list[RowRun]:
+    """The row in a motion, each building alone, and the row in steps twice as long."""
+    coarser = pace._replace(cuts=pace.cuts // 2)
+    return [
+        RowRun(standing.row, ground, pace),
+        RowRun(standing.alone, ground, pace, meets=False),
+        RowRun(standing.row, ground, coarser),
+    ]
 
 
 def responses(

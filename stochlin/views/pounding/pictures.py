@@ -17,6 +17,7 @@ from stochlin.applications.cases.pounding import (
     energy_of,
 )
 from stochlin.applications.pounding.rows import COLUMN
+from stochlin.solver.tables.labels import CONVERGED
 from stochlin.views.pounding.words import roof
 from stochlin.views.shared.screen import cut
 from stochlin.views.shared.style import AS_GIVEN, CURVES, filled, styled
@@ -167,14 +168,14 @@ def _frequencies(dataset: xr.Dataset) -> Figure:
     meets = "neighbours" in dataset.dims
     figure, panels = _panels(dataset, 1, 2, FREQUENCY)
     accelerations, displacements = panels
+    dataset = dataset.isel({dataset.status.dims[0]: dataset.status.values == CONVERGED})
     for building, (color, dash) in zip(along(dataset, "structure"), cycle(CURVES), strict=False):
         name = cut(f"{int(building.structure)} {building.building.item()}", LEGEND_NAME)
         for end, style in (("", {"lw": 1.6, "label": name}), ("_alone", {"lw": 0.6}))[: 1 + meets]:
-            look = {"color": color, "linestyle": dash} | style
+            look: Any = {"color": color, "linestyle": dash, "complementary": True} | style
             shaken = building[f"peak_acceleration{end}"].max({*building.peak.dims} & {"floor"})
-            _exceedance(accelerations, shaken.values / constants.g, look)
-            moved = CENTIMETRES * roof(building)[f"peak{end}"]
-            _exceedance(displacements, moved.values, look)
+            accelerations.ecdf(shaken.values / constants.g, **look)
+            displacements.ecdf(CENTIMETRES * roof(building)[f"peak{end}"].values, **look)
     accelerations.set(xlim=(0, None), xlabel="acceleration [g]", ylim=(0, 1.02))
     displacements.set(xlim=(0, None), xlabel="displacement [cm]", ylim=(0, 1.02))
     accelerations.set_ylabel("share of motions with more")
@@ -185,10 +186,3 @@ def _frequencies(dataset: xr.Dataset) -> Figure:
         title=dataset.attrs["title"], title_fontsize=10, alignment="left",
     )  # fmt: skip
     return figure
-
-
-def _exceedance(axes: Axes, samples: np.ndarray, style: dict[str, Any]) -> None:
-    """The share of the motions above each value; those that failed do not count."""
-    ordered = np.sort(samples[np.isfinite(samples)])
-    share = 1 - np.arange(ordered.size + 1) / ordered.size
-    axes.step(np.append(0.0, ordered), share, where="post", **style)
