@@ -20,10 +20,8 @@ from .models.laws.baber_noori import BoucWenBaberNoori as BoucWenBaberNoori
 from .models.laws.modified_clough import ModifiedClough as ModifiedClough
 from .models.laws.flag import Flag as Flag
 from .models.laws.hysteretic import Hysteretic as Hysteretic
-from .models.buildings import (
-    ShearBuilding as ShearBuilding,
-    ModalBuilding as ModalBuilding,
-)
+from .models.buildings.shear import ShearBuilding as ShearBuilding
+from .models.buildings.modal import ModalBuilding as ModalBuilding
 from .models.links import Link as Link
 from .solver.linearization.systems.state_space import (
     statespace as statespace,
@@ -112,7 +110,7 @@ from .applications.risk.risk import (
 # Impacts
 from .applications.pounding.pounding import pound as pound
 from .applications.pounding.estimates import pounding_estimate as pounding_estimate
-from .models.contacts import (
+from .models.contacts.elements import (
     LinearSpring as LinearSpring,
     Kelvin as Kelvin,
     NoTensionKelvin as NoTensionKelvin,

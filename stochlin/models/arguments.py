@@ -150,8 +150,7 @@ def check_truth(name: str, value: object) -> None:
 
 def check_two_numbers(name: str, value: object) -> None:
     """Raise a TypeError unless ``value`` is a pair of numbers."""
-    two = isinstance(value, (tuple, list, np.ndarray)) and len(value) == 2
-    if not two or not all(is_number(number) for number in value):  # type: ignore[attr-defined]
+    if as_numbers(name, value, "two numbers").shape != (2,):
         raise TypeError(f"{name} = {brief(value)}; allowed: two numbers")
 
 

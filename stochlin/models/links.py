@@ -6,7 +6,6 @@ from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
 import numpy as np
-import xarray as xr
 
 from stochlin.messages import brief
 from stochlin.models.arguments import Whole
@@ -109,13 +108,14 @@ class Link(Model):
 
     @property
     def exponent(self) -> float:
-        """Exponent of the dashpot [-], 1 by default; an error if it is an array."""
-        return 1.0 if self.damping_exponent is None else self.number("damping_exponent")
+        """Exponent of the dashpot [-], 1 by default; an error if a parameter is an array."""
+        return self.numbers[-1]
 
     @property
     def is_power_law(self) -> bool:
-        """Whether the link has a nonlinear dashpot; an error if its exponent is an array."""
-        return self.exponent != 1 and self.number("damping_constant") > 0
+        """Whether the link has a nonlinear dashpot; an error if a parameter is an array."""
+        *_, constant, exponent = self.numbers
+        return exponent != 1 and constant > 0
 
     @property
     def yields(self) -> bool:
@@ -135,33 +135,24 @@ class Link(Model):
         return f"floors {low} and {high}" if self.floors else ""
 
     @property
-    def springs(self) -> tuple[Any, Any, Any]:
-        """``post``, ``couple`` [N/m] and strength [m] of the spring; its force is ``post x + couple z``.
+    def parts(self) -> tuple[Any, ...]:
+        """``post``, ``couple`` [N/m], strength [m] of the spring; constant, exponent of the dashpot.
 
-        ``x`` is ``u1 - u2`` and ``z`` its elastic part. They are numbers, or arrays where the parameters
-        are.
+        The force of the spring is ``post x + couple z``, where ``x`` is ``u1 - u2`` and ``z`` its
+        elastic part. They are numbers, or arrays where the parameters are.
         """
         values = self.cells()
-        k = values["stiffness"]
-        if not self.yields:
-            return k, 0.0, np.inf
-        hardening = values["hardening"]
-        return hardening * k, (1 - hardening) * k, values["yield_displacement"]
+        k, hardening = values["stiffness"], values.get("hardening", 1.0)
+        spring = hardening * k, (1 - hardening) * k, values.get("yield_displacement", np.inf)
+        return *spring, values["damping_constant"], values.get("damping_exponent", 1.0)
 
     @property
-    def spring(self) -> tuple[float, float, float]:
-        """The same as numbers; an error if a parameter of the spring is an array."""
-        for name in ("stiffness", "hardening", "yield_displacement"):
-            self.number(name)
-        post, couple, strength = map(float, self.springs)
-        return post, couple, strength
-
-    def number(self, name: str) -> float:
-        """The parameter ``name`` as a number, NaN if it is not set; an error if it is an array."""
-        value = self.arrays().get(name, xr.DataArray(np.nan))
-        if value.ndim:
-            raise ValueError(f"Link: {name} is an array; allowed here: a scalar")
-        return float(value)
+    def numbers(self) -> tuple[float, ...]:
+        """The `parts` as numbers; an error if a parameter is an array."""
+        for name, value in self.cells().items():
+            if np.ndim(value):
+                raise ValueError(f"Link: {name} is an array; allowed here: a scalar")
+        return tuple(map(float, self.parts))
 
 
 def _two_numbers(name: str, numbers: object, lowest: int) -> tuple[int, int]:

@@ -61,8 +61,7 @@ class Measure(Model):
             raise TypeError(f"Measure: link = {brief(self.link)}; allowed: a Link, or a list of them")
         for number, each in enumerate(listed, start=1):
             expect(each, Link, f"Measure: link, number {number}")
-            for name in each.arrays():
-                each.number(name)  # raises an error for an array
+            _ = each.numbers  # raises an error for an array
         object.__setattr__(self, "link", tuple(listed))
 
     @property

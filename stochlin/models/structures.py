@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 import xarray as xr
 
-from stochlin.kernels.linearization.gaussian import Closure, ClosureInTime
+from stochlin.kernels.linearization.gaussian import Closure
 from stochlin.messages import listed
 from stochlin.models.parameters import PERIODS, POSITIVE, Model, Parameter, Range, parameter
 from stochlin.models.states import cannot_be_linearized, in_words
@@ -119,16 +119,16 @@ class Structure(Model):
             self._compiled.check_expectations(self._examples)
         return closed or self._compiled.gaussian
 
-    def closure_in_time(self) -> ClosureInTime:
-        """The Gaussian closure of this law with the means of its further states, if it has any.
+    def closure_in_time(self) -> tuple[Any, ...]:
+        """The Gaussian closure; of a law with further states also their number and their mean rates.
 
-        It raises an ArithmeticError as ``closure`` does, or if a further state has no mean.
+        Their means are then parameters after those of the law. It raises an ArithmeticError as
+        ``closure`` does, or if a further state has no mean.
         """
         if self.linearizes or not self._states:
-            return ClosureInTime(self.closure(GAUSSIAN))
+            return (self.closure(GAUSSIAN),)
         self._compiled.check_in_time(self._examples)
-        law = self._compiled
-        return ClosureInTime(law.held.gaussian, self._states - 1, law.mean_rates)
+        return self._compiled.held.gaussian, self._states - 1, self._compiled.mean_rates
 
     def further_states(self) -> tuple[str, ...]:
         """Names of the states besides z of a law that gives the rates of its states in symbols."""

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache, cached_property
+from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import sympy
+from sympy.core.relational import Relational
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.powers import exponential, logarithm, power
@@ -43,7 +45,7 @@ _FUNCTIONS = (  # that both numpy and math have
 _PARTS = (  # of expressions
     *(getattr(sympy, name) for name in _FUNCTIONS),
     *(sympy.Add, sympy.Mul, sympy.Pow, sympy.Symbol, sympy.Number, sympy.NumberSymbol),
-    *(sympy.functions.elementary.piecewise.ExprCondPair, sympy.core.relational.Relational),
+    *(sympy.functions.elementary.piecewise.ExprCondPair, Relational),
     *(sympy.And, sympy.Or, sympy.Not, sympy.logic.boolalg.BooleanAtom),
 )
 _POWER = sympy.Function("power")
@@ -287,20 +289,12 @@ def _is_rate_independent(rates: Callable[[Array], Array]) -> bool:
 
 def _kinks(expression: sympy.Expr) -> set[sympy.Expr]:
     """Values of ``z`` where the law may jump or bend: zeros of arguments that do not depend on ``v``."""
+    arguments = [node.args[0] for node in expression.atoms(sympy.Heaviside, sympy.sign, sympy.Abs)]
+    compared = [node.args for node in expression.atoms(sympy.Max, sympy.Min, Relational)]
+    arguments += [a - b for each in compared for a, b in combinations(each, 2)]
     kinks: set[sympy.Expr] = set()
-    for argument in _switch_arguments(expression):
-        for factor in sympy.Mul.make_args(sympy.factor(argument)):
-            if _Z in factor.free_symbols and _V not in factor.free_symbols:
-                with contextlib.suppress(NotImplementedError):  # no formula for the zeros
-                    kinks.update(sympy.solve(factor, _Z))
+    for factor in (each for one in arguments for each in sympy.Mul.make_args(sympy.factor(one))):
+        if _Z in factor.free_symbols and _V not in factor.free_symbols:
+            with contextlib.suppress(NotImplementedError):  # no formula for the zeros
+                kinks.update(sympy.solve(factor, _Z))
     return kinks
-
-
-def _switch_arguments(expression: sympy.Expr) -> Iterator[sympy.Expr]:
-    for node in sympy.preorder_traversal(expression):
-        if isinstance(node, (sympy.Heaviside, sympy.sign, sympy.Abs)):
-            yield node.args[0]
-        elif isinstance(node, (sympy.Max, sympy.Min)):
-            yield from (a - b for a in node.args for b in node.args if a is not b)
-        elif isinstance(node, sympy.core.relational.Relational):
-            yield node.lhs - node.rhs

@@ -22,7 +22,8 @@ import xarray as xr
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.systems import System
 from stochlin.messages import brief
-from stochlin.models.buildings import ModalBuilding, MultistoreyBuilding
+from stochlin.models.buildings.base import MultistoreyBuilding
+from stochlin.models.buildings.modal import ModalBuilding
 from stochlin.models.links import GROUND, Link
 from stochlin.models.parameters import expect
 from stochlin.models.structures import CURE, Structure

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import stochlin as sl
-from stochlin.models.buildings import GRAVITY
+from stochlin.models.buildings.base import GRAVITY
 from stochlin.models.links import Link
 from stochlin.models.systems import (
     arrangement_of,

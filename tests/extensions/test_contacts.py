@@ -64,11 +64,6 @@ def test_an_element_from_outside_pounds_as_its_force_law_says(toy, tmp_path):
             re.search(r"^Tsuji \(stiffness 9e\+11 N/m\^1.5, damping (.*)\)$", table.attrs["contact"])[1]
         )
         assert integrated_restitution(xi) == pytest.approx(RESTITUTION, abs=1e-5)  # damping is rounded
-        mass = 3.2e6 * 1.5e6 / 4.7e6
-        alone = 0.5 * (1 - RESTITUTION**2) * mass * table.approach_velocity**2
-        # The masses are not quite free: an impact takes 0.015 s, in which springs and ground push on.
-        fast = table.approach_velocity > 0.5 * table.approach_velocity.max()
-        np.testing.assert_allclose(table.energy_lost[fast], alone[fast], rtol=0.1)
 
     refused = toy("pound", case_file(tmp_path, "rubber"))
     assert refused.returncode != 0

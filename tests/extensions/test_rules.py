@@ -71,9 +71,6 @@ def test_rho_takes_the_rule(toy, tmp_path):
         periods = [period * math.sqrt(m) for period, m in zip((0.7, 1.1), mu, strict=True)]
         dampings = [0.05 + 0.04 * (m - 1) for m in mu]
         assert min(mu) > 1
-        for n in (0, 1):
-            assert float(table[f"period_eq_{n + 1}"]) == pytest.approx(periods[n], rel=1e-14)
-            assert float(table[f"damping_eq_{n + 1}"]) == pytest.approx(dampings[n], rel=1e-14)
         assert float(table.rho) == pytest.approx(eq_4(*periods, *dampings), rel=1e-12)
         assert table.attrs["rule"] == "root: Some author (2031), Some journal 4 [M]"
     pair = ("--period-1", "1s", "--period-2", "2s")

@@ -45,33 +45,6 @@ def test_a_table_has_the_law_of_each_cell_and_bad_cells_keep_to_themselves():
             assert float(table[name][n]) == pytest.approx(float(alone[name]), rel=1e-11)
 
 
-class Unknown(Softening):
-    """A law with a symbol that it does not declare."""
-
-    def symbolic(self):
-        return SOFTENING - sympy.Symbol("beta") * Z
-
-
-class Uneven(Softening):
-    """A law that is odd without a share only."""
-
-    def symbolic(self):
-        return V - SHARE * LIMIT * Z**2
-
-
-@pytest.mark.parametrize(
-    ("law", "message"),
-    [
-        (Unknown, r"'beta'.*allowed: 'v', 'z' and its parameters limit, share"),
-        (Uneven, r"law = .* with limit = 1, share = 0.5 differs with the direction"),
-    ],
-)
-def test_a_law_that_cannot_be_is_refused_when_it_is_used(law, message):
-    structure = law(1.0, 0.05, 0.1, reduction_factor=4)
-    with pytest.raises(ValueError, match=message):
-        sl.linearize(structure, GROUND)
-
-
 @pytest.mark.parametrize("gamma", [-0.5, -0.6, -50.0])
 def test_bouc_wen_without_a_bound_is_refused(gamma):
     """In loading ``z' = v (1 - (beta + gamma) |z|^n)``, which only a positive sum ends."""

@@ -28,28 +28,26 @@ def assert_same_response(one, other, tolerance=1e-9):
         np.testing.assert_allclose(first[name], second[name], rtol=tolerance, atol=0, err_msg=name)
 
 
-def bouc_wen_expression(beta, gamma, exponent):
-    names = {"beta": beta, "gamma": gamma, "exponent": exponent}
-    expression = bouc_wen.symbolic()
-    return expression.subs({s: names[s.name] for s in expression.free_symbols if s.name in names})
-
-
-def test_bilinear_law_as_an_expression():
-    symbolic = structure(sl.Hysteretic, np.random.default_rng(40), law=bilinear.symbolic())
-    closed = structure(sl.Bilinear, np.random.default_rng(40))
-    assert_same_response(symbolic, closed)
-
-
 @pytest.mark.parametrize(
-    ("beta", "gamma", "exponent"),
-    [(0.5, 0.5, 1), (0.7, -0.4, 1), (0.5, 0.5, 2), (0.9, 0.1, 3), (0.5, 0.5, 2.5), (0.6, 0.3, 1.2)],
+    "own",
+    [
+        None,
+        (0.5, 0.5, 1),
+        (0.7, -0.4, 1),
+        (0.5, 0.5, 2),
+        (0.9, 0.1, 3),
+        (0.5, 0.5, 2.5),
+        (0.6, 0.3, 1.2),
+    ],
 )
-def test_bouc_wen_law_as_an_expression(beta, gamma, exponent):
-    law = bouc_wen_expression(beta, gamma, exponent)
+def test_known_laws_as_expressions(own):
+    names = dict(zip(("beta", "gamma", "exponent"), own or (), strict=False))
+    law = bouc_wen.symbolic() if own else bilinear.symbolic()
+    law = law.subs({s: names[s.name] for s in law.free_symbols if s.name in names})
     symbolic = structure(sl.Hysteretic, np.random.default_rng(41), law=law)
-    closed = structure(
-        sl.BoucWen, np.random.default_rng(41), beta=beta, gamma=gamma, exponent=float(exponent)
-    )
+    kind = sl.BoucWen if own else sl.Bilinear
+    own_floats = {name: float(value) for name, value in names.items()}
+    closed = structure(kind, np.random.default_rng(41), **own_floats)
     assert_same_response(symbolic, closed)
 
 

@@ -16,9 +16,8 @@ from stochlin.applications.buildings.mode_files.csi_tables import RATIOS, tables
 from stochlin.applications.sheets.sheets import check_alone, sheets_of
 from stochlin.messages import DoubtfulInput, brief, listed, plain
 from stochlin.models.arguments import OneOf, checked
-from stochlin.models.buildings import ModalBuilding
 from stochlin.models.buildings.base import FLOOR, MODE
-from stochlin.models.buildings.modal import effective_masses_of
+from stochlin.models.buildings.modal import ModalBuilding, effective_masses_of
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.inputs import input_path
 

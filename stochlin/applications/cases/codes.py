@@ -16,7 +16,7 @@ from stochlin.applications.separation.storeys import of_storeys
 from stochlin.applications.sites.design_spectra import reduced_eurocode_8
 from stochlin.applications.sites.spectra import interpolated
 from stochlin.kernels.basics.arrays import Array
-from stochlin.models.buildings import MultistoreyBuilding
+from stochlin.models.buildings.base import MultistoreyBuilding
 from stochlin.models.rules.codes import BEHAVIOUR, IMPORTANCE, CodeRule, Site
 from stochlin.models.systems import arrangement_of, first_mode
 from stochlin.solver.simulation.structures_in_motion import at_height

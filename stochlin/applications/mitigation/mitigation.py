@@ -353,7 +353,7 @@ def _of_dashpots(links: Sequence[Link]) -> float:
     dashpots = [link for link in links if not link.within_one and link.damping_constant]
     if any(link.exponent != 1 for link in dashpots):
         return np.nan
-    return sum(link.number("damping_constant") for link in dashpots)
+    return sum(link.numbers[3] for link in dashpots)
 
 
 def _devices(motions: xr.Dataset, system: Arrangement) -> xr.Dataset:

@@ -10,8 +10,7 @@ import xarray as xr
 
 from stochlin.kernels.simulation.contacts import impact_loss, velocities_after_impact
 from stochlin.models.arguments import Points, checked
-from stochlin.models.contacts import Contact
-from stochlin.models.contacts.elements import checked_value
+from stochlin.models.contacts.elements import Contact, checked_value
 from stochlin.models.parameters import Parameter, Range, expect
 from stochlin.models.structures import Structure
 from stochlin.solver.tables import labels

@@ -14,8 +14,8 @@ from stochlin.kernels.pounding.run import BuildingRow
 from stochlin.kernels.simulation.contacts import Contacts, ForceLaw
 from stochlin.messages import brief
 from stochlin.models.arguments import as_numbers
-from stochlin.models.buildings import MultistoreyBuilding
-from stochlin.models.contacts import Contact, Element
+from stochlin.models.buildings.base import MultistoreyBuilding
+from stochlin.models.contacts.elements import Contact, Element
 from stochlin.models.links import Link
 from stochlin.models.parameters import expect
 from stochlin.models.systems import (

@@ -13,7 +13,7 @@ from stochlin.kernels.pounding import run as kernel
 from stochlin.kernels.pounding.run import RowResponse
 from stochlin.kernels.records.runs import SampledMotion
 from stochlin.kernels.simulation.moving import FAILED, Q
-from stochlin.models.contacts import Contact, Element
+from stochlin.models.contacts.elements import Contact, Element
 from stochlin.solver.simulation.connected_structures import shortest_mode
 from stochlin.solver.tables.checks import check_work
 

@@ -13,7 +13,7 @@ import xarray as xr
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.arguments import Duration, Paths, Probability, Scatter, Seed, checked
-from stochlin.models.buildings import RegularBuilding
+from stochlin.models.buildings.shear import RegularBuilding
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.systems import AnyStructure

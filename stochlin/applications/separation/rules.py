@@ -22,7 +22,7 @@ from stochlin.applications.separation.storeys import (
 )
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.systems.response import StationaryResponse
-from stochlin.models.buildings import MultistoreyBuilding
+from stochlin.models.buildings.base import MultistoreyBuilding
 from stochlin.models.grounds import Ground
 from stochlin.models.rules.codes import CodeRule, Site
 from stochlin.models.rules.effective_properties import (

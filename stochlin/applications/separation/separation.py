@@ -27,7 +27,7 @@ from stochlin.models.arguments import (
     Seed,
     checked,
 )
-from stochlin.models.buildings import MultistoreyBuilding
+from stochlin.models.buildings.base import MultistoreyBuilding
 from stochlin.models.envelopes import Envelope, strong_seconds
 from stochlin.models.grounds import Ground
 from stochlin.models.rules.codes import BOTH, Site

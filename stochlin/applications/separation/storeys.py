@@ -22,8 +22,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.systems import Modes
 from stochlin.kernels.linearization.systems.response import StationaryResponse
 from stochlin.messages import DoubtfulInput
-from stochlin.models.buildings import MultistoreyBuilding
-from stochlin.models.buildings.base import MODE
+from stochlin.models.buildings.base import MODE, MultistoreyBuilding
 from stochlin.models.grounds import Ground, WhiteNoise
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.links import Link

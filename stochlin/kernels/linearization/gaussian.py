@@ -39,18 +39,6 @@ class ClosureValue(NamedTuple):
 Closure = Callable[[Array, Array], ClosureValue]  # of the latent moments and the law's parameters
 
 
-def _no_rates(latent: Array, parameters: Array) -> Array:
-    return np.empty((0, latent.shape[1]))
-
-
-class ClosureInTime(NamedTuple):
-    """A closure in which the means of further states stand after the parameters of the law."""
-
-    closure: Closure
-    states: int = 0  # number of these means
-    mean_rates: Callable[[Array, Array], Array] = _no_rates  # their rates (states, n)
-
-
 def gaussian_covariance(latent: Array) -> Array:
     """``(Var v, Var z, Cov(v, z))`` of a Gaussian density with these ``(sv, sz, r)``."""
     sv, sz, r = latent

@@ -3,29 +3,3 @@
 Each element has its own relation between damping and coefficient of restitution. Eq. (15) of the paper
 is the relation of `Kelvin` and holds for this element only.
 """
-
-from stochlin.models.contacts.elements import (
-    Contact,
-    Element,
-    Hertz,
-    HertzDamp,
-    ImpactKelvin,
-    Jankowski,
-    Kelvin,
-    LinearSpring,
-    NoTensionKelvin,
-    Stereomechanical,
-)
-
-__all__ = [
-    "Contact",
-    "Element",
-    "Hertz",
-    "HertzDamp",
-    "ImpactKelvin",
-    "Jankowski",
-    "Kelvin",
-    "LinearSpring",
-    "NoTensionKelvin",
-    "Stereomechanical",
-]

@@ -11,7 +11,7 @@ import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.models.arguments import Duration, OneOf, Paths, Seed, checked
-from stochlin.models.buildings import MultistoreyBuilding
+from stochlin.models.buildings.base import MultistoreyBuilding
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import expect

@@ -13,7 +13,7 @@ from scipy.optimize import elementwise
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief
 from stochlin.models.arguments import checked
-from stochlin.models.buildings import MultistoreyBuilding
+from stochlin.models.buildings.base import MultistoreyBuilding
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import POSITIVE, Model, Parameter, parameter
 from stochlin.models.structures import DRIFT, GAUSSIAN, Structure

@@ -166,9 +166,10 @@ def elements_of(system: Arrangement, members: Array) -> tuple[Elements, Any]:
     force = np.transpose(storeys).tolist()
     own = [row for stack in stacks for row in stack.law_parameters]
     for along, tie in zip(drifts[n:], ties, strict=True):
-        force.append(list(tie.link.spring))
+        *spring, constant, _ = tie.link.numbers
+        force.append(spring)
         if not tie.link.is_power_law:
-            damping += tie.link.number("damping_constant") * np.outer(along, along)
+            damping += constant * np.outer(along, along)
         kinds.append(BILINEAR if tie.link.yields else LINEAR)
         own.append(np.empty(0))
     for along, tie in zip(drifts[n:], ties, strict=True):
@@ -176,7 +177,7 @@ def elements_of(system: Arrangement, members: Array) -> tuple[Elements, Any]:
             drifts = np.vstack([drifts, along])
             force.append([0.0, 0.0, np.inf])
             kinds.append(VISCOUS)
-            own.append(np.array([tie.link.number("damping_constant"), tie.link.exponent]))
+            own.append(np.array(tie.link.numbers[3:]))
     widest = max(row.size for row in own)
     post, couple, strength = np.array(force, float).T.copy()
     whole = System(mass, damping, np.ascontiguousarray(drifts), shapes, post, couple, strength)
@@ -231,7 +232,7 @@ def row_of(system: Arrangement, contacts: Contacts) -> BuildingRow:
     others = elements.kind.size - n
     powers = np.array([tie.link.is_power_law for tie in ties], bool)
     dashpot = np.where(powers, n + len(ties) + np.cumsum(powers) - 1, -1)
-    constant = [0.0 if tie.link.is_power_law else tie.link.number("damping_constant") for tie in ties]
+    constant = [0.0 if tie.link.is_power_law else tie.link.numbers[3] for tie in ties]
     shares = np.nan_to_num(system.shear_shares)  # shears that are not known are left out later
     parts = Parts(
         mass=storeys.mass,

@@ -138,9 +138,7 @@ def links_of(system: Arrangement) -> tuple[Array, Array]:
         row[tie.floor] = 1.0
         if tie.other >= 0:
             row[tie.other] = -1.0
-    links = [tie.link for tie in system.ties]
-    parameters = [[*link.spring, link.number("damping_constant"), link.exponent] for link in links]
-    return extensions, np.reshape(parameters, (-1, 5))
+    return extensions, np.reshape([tie.link.numbers for tie in system.ties], (-1, 5))
 
 
 def extremes_of(

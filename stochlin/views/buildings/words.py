@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stochlin.models.buildings import GRAVITY
+from stochlin.models.buildings.base import GRAVITY
 from stochlin.views.shared.blocks import Items, Table, Text, ViewSection
 from stochlin.views.shared.words import SPACE, TURNS, along, length, per_cent
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     import xarray as xr
 
-    from stochlin.models.buildings import ModalBuilding
+    from stochlin.models.buildings.modal import ModalBuilding
 
 MOST_COLUMNS = 6  # modes whose shapes are printed
 

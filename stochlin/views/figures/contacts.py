@@ -18,8 +18,7 @@ from scipy.integrate import solve_ivp
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.simulation import contacts as kernel
 from stochlin.models.arguments import checked
-from stochlin.models.contacts import Element
-from stochlin.models.contacts.elements import CONTACTS, Damped, WithRatio
+from stochlin.models.contacts.elements import CONTACTS, Damped, Element, WithRatio
 from stochlin.solver.tables import labels
 from stochlin.views.figures.charts import USUAL, ChartSettings, register_chart
 from stochlin.views.figures.pictures import PICTURES, in_a_row, is_narrow, panels

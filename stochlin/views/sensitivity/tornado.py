@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from stochlin.models.buildings import OF_STOREYS
+from stochlin.models.buildings.shear import OF_STOREYS
 from stochlin.models.descriptions import shown_unit
 from stochlin.views.shared.blocks import Block, Picture, Table, Text, texts
 from stochlin.views.shared.style import (

@@ -13,8 +13,8 @@ from stochlin.applications.probability.probability import pounding_probability
 from stochlin.applications.records.gaps import recorded_gap
 from stochlin.applications.records.response import respond, response_spectrum
 from stochlin.kernels.correlation.bilinear_pair import linearized_pair
-from stochlin.models.buildings import ShearBuilding
-from stochlin.models.contacts import Kelvin, LinearSpring
+from stochlin.models.buildings.shear import ShearBuilding
+from stochlin.models.contacts.elements import Kelvin, LinearSpring
 from stochlin.models.grounds import Ground, KanaiTajimi, WhiteNoise, named_ground
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.laws.bouc_wen import BoucWen

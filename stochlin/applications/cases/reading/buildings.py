@@ -30,13 +30,9 @@ from stochlin.applications.cases.reading.kinds import (
 from stochlin.applications.cases.reading.site import Site
 from stochlin.applications.cases.reading.tables import Form, Table
 from stochlin.messages import DoubtfulInput
-from stochlin.models.buildings import (
-    ModalBuilding,
-    MultistoreyBuilding,
-    RegularBuilding,
-    ShearBuilding,
-)
-from stochlin.models.buildings.base import MOST_STOREYS
+from stochlin.models.buildings.base import MOST_STOREYS, MultistoreyBuilding
+from stochlin.models.buildings.modal import ModalBuilding
+from stochlin.models.buildings.shear import RegularBuilding, ShearBuilding
 from stochlin.models.laws import laws_in_numbers
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Range

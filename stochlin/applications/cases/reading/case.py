@@ -41,8 +41,7 @@ from stochlin.applications.risk.risk import check_target
 from stochlin.kernels.simulation.stepping import whole_groups
 from stochlin.messages import hint, plain
 from stochlin.models.arguments import A_LABEL, checked, is_label
-from stochlin.models.contacts import Contact
-from stochlin.models.contacts.elements import CONTACTS, DAMPING, RESTITUTION
+from stochlin.models.contacts.elements import CONTACTS, DAMPING, RESTITUTION, Contact
 from stochlin.models.hazards import Hazard
 from stochlin.models.links import Link
 from stochlin.models.measures import Measure

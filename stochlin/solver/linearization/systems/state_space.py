@@ -50,7 +50,7 @@ def problem_of(models: Mapping[str, Any], *, in_time: bool = False) -> tuple[Arr
     numbers = [int(role.removeprefix(LINK)) for role in models if role.startswith(LINK)]
     ties = [models.get(f"{LINK}{n}") for n in range(1, 1 + max(numbers, default=0))]
     system = arrangement_of(structures, ties)
-    links = [_of_link(tie.link) for tie in system.ties]
+    links = [tie.link.parts for tie in system.ties]
     shapes = [stack.system.mass.shape[:-1] for stack in system.stacks]
     shapes += [np.shape(value) for value in (*sum(links, ()), *values.values())]
     cells = math.prod(np.broadcast_shapes(*shapes))
@@ -69,12 +69,6 @@ def problem_of(models: Mapping[str, Any], *, in_time: bool = False) -> tuple[Arr
     laws = _laws_of(system, cells, yielding.size, in_time)
     level = np.zeros(cells)
     return system, Springs(springs, soil, yielding, laws, dashpots, exponents, power, level)
-
-
-def _of_link(link: Link) -> tuple[Any, ...]:
-    """Post-yield stiffness, what yielding takes of it, strength, dashpot and exponent of a link."""
-    values = link.cells()
-    return *link.springs, values["damping_constant"], values.get("damping_exponent", 1.0)
 
 
 def _laws_of(system: Arrangement, cells: int, springs: int, in_time: bool) -> list[Law]:
