@@ -293,7 +293,7 @@ def _kinks(expression: sympy.Expr) -> set[sympy.Expr]:
     compared = [node.args for node in expression.atoms(sympy.Max, sympy.Min, Relational)]
     arguments += [a - b for each in compared for a, b in combinations(each, 2)]
     kinks: set[sympy.Expr] = set()
-    for factor in (each for one in arguments for each in sympy.Mul.make_args(sympy.factor(one))):
+    for factor in {f for each in arguments for f in sympy.Mul.make_args(sympy.factor(each))}:
         if _Z in factor.free_symbols and _V not in factor.free_symbols:
             with contextlib.suppress(NotImplementedError):  # no formula for the zeros
                 kinks.update(sympy.solve(factor, _Z))
