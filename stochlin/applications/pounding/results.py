@@ -14,7 +14,6 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.pounding import impacts
 from stochlin.kernels.pounding.run import RowResponse
 from stochlin.kernels.records.runs import SampledMotion
-from stochlin.kernels.simulation.contacts import ForceLaw, forces
 from stochlin.kernels.simulation.moving import (
     ACCELERATION,
     APPROACH,
@@ -29,13 +28,12 @@ from stochlin.kernels.simulation.moving import (
     HELD,
     IMBALANCE,
     LARGEST,
+    LAST,
     LOST,
     MISSING,
     MOST,
     PULL,
     SHEAR,
-    SLOW,
-    SPEED,
     SPENT,
     VISCOUS_LOSS,
     Q,
@@ -99,7 +97,7 @@ def _course(standing: Standing, response: RowResponse, ground: SampledMotion) ->
     force = system.post * extension + system.couple * z
     stored = 0.5 * (system.post * extension**2 + system.couple * z**2)
     drag = _drags(standing, rate)
-    pushed, squeezed = _contact_forces(standing, response, q, v)
+    pushed, squeezed = _contact_forces(standing, response, q)
     load = _products(v, system.damping) + _products(force + drag, system.extensions.T)
     shear = _products(force[:, :n], arrangement.shear_shares)
     most, missing = moving.motions[MOST], np.abs(moving.motions[MISSING])
@@ -154,20 +152,15 @@ def _drags(standing: Standing, rate: Array) -> Array:
     return drag
 
 
-def _contact_forces(
-    standing: Standing, response: RowResponse, u: Array, v: Array
-) -> tuple[Array, Array]:
+def _contact_forces(standing: Standing, response: RowResponse, u: Array) -> tuple[Array, Array]:
     """Forces of the contacts [N] (times, c), and the energy stored in all of them [J] (times,)."""
     contacts, known = standing.row.contacts, response.history.contacts
     if contacts.jumps:
         return (known[:, FORCE] * known[:, HELD]).T, np.zeros(len(u))
-    depth, rate = _products(u, contacts.weights) - contacts.gap, _products(v, contacts.weights)
-    approach, slow = known[:, SPEED].T, response.moving.motions[SLOW]
-    fields: dict[str, Any] = {name: contacts.law[name] for name in ForceLaw._fields}
-    law = ForceLaw(**fields)
-    pushed = forces(law, depth, rate, np.where(approach > slow, approach, 0.0))
-    power = law.exponent + 1.0
-    return pushed, (law.stiffness * np.maximum(depth, 0.0) ** power / power).sum(axis=1)
+    pushed = np.where(np.isnan(known[:, BEGIN]), 0.0, known[:, LAST]).T
+    squeezed = np.maximum(_products(u, contacts.weights) - contacts.gap, 0.0)
+    power = contacts.law["exponent"] + 1.0
+    return pushed, (contacts.law["stiffness"] * squeezed**power / power).sum(axis=1)
 
 
 def histories(

@@ -52,7 +52,7 @@ NOT_KEPT = (
     "compiles anew what it uses, which takes seconds to a minute; set the environment variable "
     "NUMBA_CACHE_DIR to a folder that can be written"
 )
-OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
+OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
 # Functions that only compiled code calls need no code to be called from elsewhere, a third of the time.
 INNER: Any = {"error_model": "numpy", "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 OFTEN: Any = INNER | {"forceinline": True}
@@ -84,19 +84,16 @@ def code_folder() -> Path | None:
     user = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
     of_user = Path(CONFIG.CACHE_DIR or user, "stochlin")
     name = f"kernels-{digest_of(KERNELS)}"
+    yesterday, names = time.time() - 86400.0, r"kernels-[0-9a-f]{16}"  # [s]
     for place in [of_user] if CONFIG.CACHE_DIR else [PROGRAM, of_user]:
         folder = place / name
         with suppress(OSError):
             folder.mkdir(parents=True, exist_ok=True)
-            remove_left(place, r"kernels-[0-9a-f]{16}", _is_old)
+            remove_left(place, names, lambda path: path.lstat().st_mtime < yesterday)
             tempfile.TemporaryFile(dir=folder).close()
             os.utime(folder)
             return folder
     return None
-
-
-def _is_old(path: Path) -> bool:
-    return time.time() - path.lstat().st_mtime > 86400.0  # [s], a day
 
 
 @contextmanager
@@ -121,9 +118,9 @@ def _kept_on_disk(function: Any) -> Iterator[bool]:
 class Entry:
     """A function that numba compiles at its first call, or finds compiled on the disk."""
 
-    def __init__(self, function: Any) -> None:
+    def __init__(self, function: Any, allocates: bool = True) -> None:
         self.py_func, self.__doc__ = function, function.__doc__
-        self.dispatcher: Any = nb.njit(**OPTIONS)(function)
+        self.dispatcher: Any = nb.njit(**OPTIONS | {"_nrt": allocates})(function)
         self._ready = False
 
     def __call__(self, *args: Any) -> Any:
@@ -140,10 +137,10 @@ class Entry:
             return self.dispatcher(*args)
 
 
-def entry(function: Any) -> Any:
-    """Compile a function that Python calls, and keep it on the disk."""
+def entry(function: Any, allocates: bool = True) -> Any:
+    """Compile a function that Python calls, and keep it on the disk; see `by_pointer`."""
     if not UNCOMPILED:
-        return Entry(function)
+        return Entry(function, allocates)
     warn_once(NOT_COMPILED)
     return np.errstate(all="ignore")(function)  # no warnings of overflow, as in compiled code
 
@@ -155,24 +152,28 @@ def variant(function: Any, name: str) -> Any:
     return copy
 
 
-def by_pointer(function: Any, *arguments: Any) -> Any:
+def by_pointer(function: Any, *arguments: Any, allocates: bool = False) -> Any:
     """The function as a C function for arguments of the types of these, which returns nothing.
 
     What calls it by its pointer does not contain it: each of both is compiled once, and only if used.
+    Only a function that ``allocates`` arrays counts the references to arrays, which takes up to a sixth
+    of the time of a step, and of the compiler.
     """
+    kinds = map(nb.typeof, arguments)
     with _naming_folder:
-        return function if UNCOMPILED else c_function(function, nb.void(*map(nb.typeof, arguments)))
+        return function if UNCOMPILED else c_function(function, nb.void(*kinds), allocates)
 
 
 @cache
-def c_function(function: Any, signature: Any) -> Any:
+def c_function(function: Any, signature: Any, allocates: bool = True) -> Any:
     """A C function with this signature, compiled now or found on the disk under its qualified name."""
+    options: Any = {"error_model": "numpy", "_nrt": allocates}
     try:
         with _kept_on_disk(function) as can_be_kept:
-            return nb.cfunc(signature, cache=can_be_kept, error_model="numpy")(function)
+            return nb.cfunc(signature, cache=can_be_kept, **options)(function)
     except OSError:  # of a full disk
         warn_once(NOT_KEPT)
-        return nb.cfunc(signature, error_model="numpy")(function)
+        return nb.cfunc(signature, **options)(function)
 
 
 def of_lane(value: Any, lane: int) -> Any:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from typing import TypeVar
 
 Result = TypeVar("Result")
@@ -18,10 +19,9 @@ def cores() -> int:
 
     if UNCOMPILED:
         return 1
-    try:
+    with suppress(AttributeError):  # the function is missing on macOS and Windows
         return len(os.sched_getaffinity(0))
-    except AttributeError:  # the function is missing on macOS and Windows
-        return os.cpu_count() or 1
+    return os.cpu_count() or 1
 
 
 def part_of(progress: Progress | None, begin: float, end: float) -> Progress:

@@ -8,6 +8,7 @@ the same buildings move each alone.
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -152,7 +153,7 @@ def _end(intervals, sample, motions, lanes, ended):
     return count
 
 
-@entry
+@partial(entry, allocates=False)
 def _run(
     step,
     look,
@@ -170,6 +171,7 @@ def _run(
     intervals,
     cuts,
     substeps,
+    lists,
     table,
     used,
     history,
@@ -177,13 +179,13 @@ def _run(
     """All motions ``x`` from their beginning, see `follow`; ``steps`` are without contacts.
 
     The first arguments are the functions of a step, ``short`` are steps with contacts, and ``old`` and
-    ``y`` are for the states before a step and for what moves near contact. The first motion is written
-    at the samples to ``history``, if it has any. Returns the number of samples written.
+    ``y`` are for the states before a step and for what moves near contact, ``lists`` (3, lanes) for
+    numbers of lanes, first of all. The first motion is written
+    at the samples to ``history``, if it has any.
     """
-    dt, lanes, written = steps.dt, ground.shape[1], 1
-    every, near, ended = np.arange(lanes), np.empty(lanes, np.int64), np.empty(lanes, np.int64)
-    first, place = np.zeros(1, np.int64), np.zeros(1, np.int64)
-    copy(x.state, first, history, place, min(1, history.shape[1]))
+    dt, lanes = steps.dt, ground.shape[1]
+    every, near, ended = lists[0], lists[1], lists[2]
+    copy(x.state, every, history, every, min(1, history.shape[1]))
     for s in range(cuts * (len(ground) - 1)):
         sample, cut, time = s // cuts, s % cuts, s * dt
         over = _end(intervals, sample, x.motions, lanes, ended)
@@ -211,11 +213,10 @@ def _run(
             settle(steps, short.contacts, parts, x, lanes)
             _end_failed(steps.extensions, parts.limit, time + dt, x.coordinates, x.motions, lanes)
             if history.shape[1] > 0:
-                place[0], written = sample + 1, sample + 2
-                copy(x.state, first, history, place, 1)
+                for row in range(len(history)):
+                    history[row, sample + 1] = x.state[row, 0]
     for lane in range(lanes):
         end_all(short.contacts, lane, x, lane, table, used)
-    return written
 
 
 def follow(row: BuildingRow, x: Moving, ground: GroundMotions, pace: StepCounts, history: Array) -> Any:
@@ -238,13 +239,13 @@ def follow(row: BuildingRow, x: Moving, ground: GroundMotions, pace: StepCounts,
         by_pointer(strike_all if row.contacts.jumps else watch_contacts, *known),
         by_pointer(balance, short, row.contacts, row.parts, y, lanes),
     )
-    numbers = ground.acceleration, ground.intervals, pace.cuts, pace.substeps
+    lists, history[:] = np.tile(np.arange(lanes), (3, 1)), np.nan
+    numbers = ground.acceleration, ground.intervals, pace.cuts, pace.substeps, lists
     moves = *functions, row.law, steps, short, row.parts, x, y, old, *numbers
-    written = _run(*moves, table, used, history)
+    _run(*moves, table, used, history)
     if used[0] > len(table):  # the motions again, with lines for all impacts
         table, x.state[:], used[:] = np.empty((used[0], COLUMNS)), begin, 0
-        written = _run(*moves, table, used, history)
-    history[:, written:] = np.nan
+        _run(*moves, table, used, history)
     table = table[: used[0]]
     return table[np.lexsort((table[:, CONTACT], table[:, BEGIN]))]
 
