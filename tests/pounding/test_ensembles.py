@@ -166,20 +166,6 @@ def test_a_motion_that_fails_is_named_and_spoils_no_other() -> None:
         sl.pound([WEAK, STIFF], 0.02, BUMPER, strong[[2, 2]])
 
 
-@pytest.mark.parametrize(
-    ("motion", "error", "says"),
-    [
-        ([], ValueError, "motion: record is empty"),
-        (motions(3).where(motions(3).time != 2), ValueError, "motion: record path 0: .* nan at 2 s"),
-        (motions(2).assign_attrs(units="g"), ValueError, "motion: record path 0: .*units 'g'"),
-        (motions(2).expand_dims("site"), ValueError, r"path 0: .*\('site', 'time'\)"),
-    ],
-)
-def test_what_is_no_ensemble_is_refused(motion: Any, error: type[Exception], says: str) -> None:
-    with pytest.raises(error, match=says):
-        sl.pound([SOFT, STIFF], 0.05, BUMPER, motion)
-
-
 def test_what_would_take_too_long_is_refused_before_the_work() -> None:
     stubby = sl.Bilinear(1e-6, 0.05, mass=1e5)
     with pytest.raises(ValueError, match=r"30 motions, 240 s of motion, .* fewer and shorter motions"):

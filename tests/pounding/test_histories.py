@@ -175,21 +175,6 @@ def test_a_motion_that_overflows_is_named():
 # --- Shear buildings --------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", ["kelvin", "stereomechanical", "jankowski"])
-def test_one_storey_is_one_degree_of_freedom(name):
-    record = synthetic(300)
-    oscillators, buildings = [soft(), stiff()], []
-    for s in oscillators:
-        k = s.mass * (2 * np.pi / s.period) ** 2
-        drift = {"hardening": s.hardening, "yield_drifts": s.yield_displacement}
-        buildings.append(sl.ShearBuilding([s.mass], [k], [3.0], s.damping, **drift))
-    one = sl.pound(oscillators, 0.01, CONTACTS[name], record)
-    two = sl.pound(buildings, 0.01, CONTACTS[name], record)
-    assert one.sizes["impact"] == two.sizes["impact"] > 3
-    for variable in ("displacement", "velocity"):
-        assert_near(two[variable].isel(floor=0), one[variable], 1e-7)
-
-
 # --- The estimate -----------------------------------------------------------------------------------
 
 

@@ -26,19 +26,6 @@ def pair(**law):
     ]
 
 
-@pytest.mark.parametrize(
-    ("link", "told"),
-    [
-        ([sl.Link(1e7), None], "2 given; allowed: one between each two"),
-        (["glue"], "link = 'glue' is of the wrong kind"),
-        (sl.Link([1e7, 2e7]), "link: stiffness is an array"),
-    ],
-)
-def test_links_that_do_not_fit_the_row_are_refused(link, told):
-    with pytest.raises((ValueError, TypeError), match=told):
-        sl.pound(pair(), FAR, SPRING, record(), link=link)
-
-
 def towers(**other):
     given = {"hardening": 0.05, "yield_drifts": 0.008} | other
     low = sl.ShearBuilding([2e5] * 2, [1e8, 8e7], [3.0] * 2, 0.05, **given)

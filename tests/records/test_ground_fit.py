@@ -150,22 +150,6 @@ def test_white_noise_has_no_ground_period():
         sl.fit_ground(noise, estimator="whittle")
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({"model": "kanai"}, "model = 'kanai' is not known; did you mean 'kanai_tajimi'"),
-        ({"estimator": "moments"}, "estimator = 'moments' is not known; allowed: psd, log_psd, whittle"),
-        ({"frequency_range": (5.0, 1.0)}, r"frequency_range = \(5, 1\) is out of range"),
-        ({"frequency_range": (0.0, 500.0)}, "is out of range"),
-        ({"frequency_range": (1.0, 1.1)}, r"or more apart in this part"),
-    ],
-)
-def test_options_of_a_fit_out_of_range_are_refused(options, message):
-    record = simulated(lambda w: kanai_tajimi_psd(w, 8.0, 0.3, 1.0), 40.0)
-    with pytest.raises(ValueError, match=message):
-        sl.fit_ground(record, **options)
-
-
 # --- Named grounds ----------------------------------------------------------------------------------
 
 

@@ -46,23 +46,6 @@ def test_steps_give_the_exact_answer_of_bilinear_pairs(seed):
     assert int(found.status) == int(exact.status)
 
 
-def test_a_building_of_one_storey_is_an_oscillator():
-    mass, period = 3e5, 0.5
-    strength = {"hardening": 0.1, "yield_drifts": 0.01}
-    building = sl.ShearBuilding([mass], [mass * (2 * np.pi / period) ** 2], [3.0], 0.05, **strength)
-    record, other = motion(), sl.Bilinear(0.9, 0.05)
-    one, exact = (sl.recorded_gap(s, other, record) for s in (building, building.oscillator()))
-    for name in ("separation", "peak_1", "peak_2", "rho", "srss"):
-        assert float(one[name]) == pytest.approx(float(exact[name]), rel=2e-4), name
-    assert float(one.ductility[0]) == pytest.approx(float(exact.peak_1) / 0.01, rel=2e-4)
-    histories = [sl.respond(s, record, refine=2) for s in (building, building.oscillator())]
-    scale = float(abs(histories[1].displacement).max())
-    for name, unit in (("displacement", scale), ("velocity", scale * 2 * np.pi / period), ("z", 1.0)):
-        np.testing.assert_allclose(
-            histories[0][name].values[:, 0], histories[1][name], rtol=0, atol=5e-4 * unit
-        )
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("law", ["bouc_wen", "sympy"])
 def test_other_laws_follow_an_ode_solver(law):

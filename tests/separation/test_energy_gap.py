@@ -122,18 +122,3 @@ def test_cells_records_and_grounds_are_taken_one_by_one():
     for name in ("least_added_damping", "least_added_damping_recorded", "critical_gap"):
         cell = table[name].isel(record=1, period=1, soil=1, missing_dims="ignore")
         np.testing.assert_allclose(cell, alone[name], rtol=1e-12)
-
-
-@pytest.mark.invariant
-def test_what_has_no_meaning_is_refused():
-    building = sl.ShearBuilding([1e5], [1e8], [3.0], 0.05)
-    reduced = sl.Bilinear(1.0, 0.05, 0.1, reduction_factor=3)
-    for change, message in (
-        ({"first": reduced}, "reduction_factor is for a ground"),
-        ({"second": building}, "second = .*oscillator"),
-        ({"ground": FIRST}, "ground = .* is of the wrong kind"),
-    ):
-        pair = {"record": noise(), "first": FIRST, "second": SECOND} | change
-        for call in (sl.energy_gap, lambda **pair: sl.damping_for_gap(gap=0.05, **pair)):
-            with pytest.raises((ValueError, TypeError), match=message):
-                call(**pair)

@@ -216,23 +216,3 @@ def test_limits_of_the_existing_gap_are_factors_on_what_there_is(answer: Any) ->
     beyond = shown(largest_reduction_factor=np.inf, least_reduction_factor=0.0, largest_intensity=np.nan)
     assert beyond == [("any", ""), ("none", ""), ("at least 0.1", "0.08 to 0.12")]
     assert shown(largest_reduction_factor=np.nan)[0] == ("none", "")
-
-
-@pytest.mark.parametrize(
-    ("name", "said"),
-    [
-        ("storeys", ["Floors are not level", "eq_3_drift: the drift closure"]),
-        ("mixed", ["9.6 m up, although it is 4 m high"]),
-        ("alike", ["no two real buildings do"]),
-        ("too few motions", ["or more; the motions are too few for an upper end"]),
-        ("codes without heights", ["asce_41", "needs height_1, height_2"]),
-        ("codes", ["asce_41 as you apply it 60.0"]),
-        ("oscillators", ["change sufficient 95 % interval", "rule gap [cm] error"]),
-    ],
-)
-def test_cautions_and_refusals_need_no_details(name: str, said: list[str], answer: Any) -> None:
-    sections = answer_sections(answer(name))
-    short, whole = (" ".join(" ".join(lines(sections, more)).split()) for more in (False, True))
-    assert all(part in short for part in said)
-    for detail in ("The shaking, mean", "Marks: S, compared"):
-        assert (detail in short, detail in whole) == (False, True)

@@ -10,7 +10,8 @@ import stochlin as sl
 
 G = 9.80665
 ENVELOPE = sl.AminAng(2.0, 12.0, 0.4)
-RECORD = sl.simulated_motions(sl.named_ground("firm", 0.01), 20.0, paths=2)[0]
+FIRM, YIELDING = sl.named_ground("firm", 0.01), sl.Bilinear(1.0, 0.05, 0.1, reduction_factor=3)
+RECORD = sl.simulated_motions(FIRM, 20.0, paths=2)[0]
 CODES = {
     f"type {kind}, {soil}": sl.eurocode_8(0.25 * G, soil, kind) for kind, soil in ((1, "D"), (2, "A"))
 }
@@ -91,16 +92,21 @@ def test_a_seed_is_an_answer_and_fewer_paths_are_the_first():
     np.testing.assert_allclose(louder, 2 * few)
 
 
+APART = {  # each value is allowed, and not with the others
+    "tl = 8 s; allowed: longer than TS = sd1/sds = 9 s": lambda: sl.asce_7(G, 9 * G, 8.0),
+    "step = 30.0 is out of range; allowed: 0 < step": lambda: sl.simulated_motions(FIRM, 9.0, step=30.0),
+    "nothing is given; allowed: one of pga, sa": lambda: sl.scale_records({"a": RECORD}),
+    "is not within the spectrum": lambda: sl.scale_records(
+        {"a": RECORD}, spectrum=CODES["ASCE 7"], band=(2.0, 80.0)
+    ),
+    "allowed: 0 < lower < upper": lambda: sl.fit_motion(RECORD, band=(2.0, 1.0)),
+    "or more apart in this part": lambda: sl.fit_ground(RECORD, frequency_range=(1.0, 1.1)),
+    "reduction_factor is for a ground": lambda: sl.energy_gap(YIELDING, YIELDING, RECORD),
+}
+
+
 @pytest.mark.invariant
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({"step": 30.0}, "step = 30.0 is out of range; allowed: 0 < step <= duration"),
-        ({"paths": 10**9}, "allowed: .* GB; shorten them"),
-        ({"ground": sl.KanaiTajimi([0.4, 0.5], 0.3, 0.01)}, "period is an array"),
-    ],
-)
-def test_motions_that_cannot_be_made_are_refused(options, message):
-    usual = {"ground": sl.named_ground("firm", intensity=0.01), "duration": 10.0}
+@pytest.mark.parametrize("message", APART)
+def test_values_that_do_not_go_together_are_refused(message):
     with pytest.raises(ValueError, match=message):
-        sl.simulated_motions(**usual | options)
+        APART[message]()

@@ -106,8 +106,3 @@ def test_a_fit_that_misses_the_duration_says_so():
 def test_what_cannot_be_fitted_is_refused(record, change, message):
     with pytest.raises(ValueError, match=message):
         sl.fit_motion(change(record.assign_attrs(event="Duzce", station="Bolu")))
-
-
-def test_a_band_that_is_none_is_refused(record):
-    with pytest.raises(ValueError, match="allowed: 0 < lower < upper"):
-        sl.fit_motion(record, band=(2.0, 1.0))

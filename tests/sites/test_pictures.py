@@ -33,14 +33,6 @@ def test_the_spectra_are_those_of_the_dataset(of_code, tmp_path):
             np.testing.assert_array_equal(drawn["wanted"], one.target)
 
 
-def test_what_is_no_such_spectrum_is_refused(of_code):
-    for other in (of_code.isel(period=[3]), of_code.drop_vars("pseudo_acceleration_quantile")):
-        with pytest.raises(ValueError, match="allowed: what simulated_spectrum"):
-            sl.charts.draw_spectrum(other)
-    with pytest.raises(ValueError, match="two periods or more"):
-        sl.charts.draw_spectrum(sl.charts.restitution_chart())
-
-
 def test_the_fit_of_a_case_is_told_in_the_band_of_its_buildings():
     """Buildings of 0.5 and 1 s have a band of 0.1 to 1.5 s: errors beyond it do not concern them."""
     period = np.array([0.05, 0.09, 0.11, 0.5, 1.4, 1.6, 8.0])

@@ -186,20 +186,6 @@ def test_scaled_to_a_peak_to_a_period_and_to_a_spectrum():
 
 
 @pytest.mark.invariant
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({}, "nothing is given; allowed: one of pga, sa with a period, spectrum"),
-        ({"spectrum": sl.eurocode_8(2.0, "A"), "band": (2.0, 8.0)}, "is not within the spectrum"),
-        ({"pga": 1.0, "band": (2.0, 1.0)}, "allowed: 0 < lower < upper"),
-    ],
-)
-def test_what_is_no_scale_is_refused(options, message):
-    with pytest.raises(ValueError, match=message):
-        sl.scale_records(SUITE, **options)
-
-
-@pytest.mark.invariant
 def test_a_factor_that_is_hardly_meant_is_asked_about():
     weak = 0.01 * SUITE["a"]
     with pytest.warns(UserWarning, match="a is scaled by"):
