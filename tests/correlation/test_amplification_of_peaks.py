@@ -51,20 +51,6 @@ def test_the_same_motions_of_simulate_give_the_same_ratio():
     assert float(table.ductility) == pytest.approx(inelastic.mean() / strength, rel=1e-12)
 
 
-@pytest.mark.invariant
-def test_cells_fail_alone_and_grounds_are_taken_one_by_one():
-    grounds = xr.DataArray([0.05, 0.6], dims="band")
-    periods = xr.DataArray([0.5, -1.0, 30.0], dims="period")
-    table = sl.amplification(weak(periods), sl.KanaiTajimi(2.0, grounds, 0.01), **MOTION)
-    assert table.status.transpose("band", "period").values.tolist() == [[0, 3, 3]] * 2
-    for n, band in enumerate(grounds.values):
-        alone = sl.amplification(weak(0.5), sl.KanaiTajimi(2.0, float(band), 0.01), **MOTION)
-        assert float(table.amplification.isel(band=n, period=0)) == pytest.approx(
-            float(alone.amplification), rel=1e-12
-        )
-    assert table.amplification.isel(period=[1, 2]).isnull().all()
-
-
 @pytest.mark.oracle
 @pytest.mark.extreme
 def test_building_of_one_storey_is_the_oscillator():

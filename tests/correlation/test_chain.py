@@ -2,46 +2,12 @@
 
 from dataclasses import replace
 
-import cases
 import numpy as np
 import pytest
 import xarray as xr
-from cases import axis, with_slow
+from cases import axis
 
 import stochlin as sl
-
-GROUNDS = ("white_noise", "kanai_tajimi", "clough_penzien")
-
-
-def random_pairs(count, kind, seed):
-    """Two structures and a ground for each of ``count`` cells, as models with arrays."""
-    rng = np.random.default_rng([seed, len(kind)])
-    pair = [sl.Bilinear(**cases.draw_structure(rng, cases.PRACTICE, count)) for _ in range(2)]
-    period, damping = (cases.log_uniform(rng, limits, count) for limits in ((0.15, 4.0), (0.03, 0.8)))
-    ground = {
-        "white_noise": sl.WhiteNoise(np.full(count, 0.01)),
-        "kanai_tajimi": sl.KanaiTajimi(period, damping, 0.01),
-        "clough_penzien": sl.CloughPenzien(period, damping, 4 * period, 0.6, 0.01),
-    }[kind]
-    return pair, ground
-
-
-@pytest.mark.oracle
-@pytest.mark.parametrize("kind", with_slow(GROUNDS, {"white_noise", "clough_penzien"}))
-def test_random_pairs_are_those_of_the_closed_forms(kind):
-    pair, ground = random_pairs(200, kind, 1)
-    usual, chain = sl.correlate(*pair, ground), sl.linearize_system(pair, ground)
-    np.testing.assert_array_equal(chain.status, usual.status)
-    of_pair = chain.isel(floor=0, floor_2=1)
-    for name in ("rho", "relative_displacement_std"):
-        np.testing.assert_allclose(of_pair[name], usual[name], rtol=1e-9, atol=1e-9, err_msg=name)
-    for n in range(2):
-        for name, array in (
-            ("displacement_std", chain.displacement_std.isel(floor=n)),
-            ("ductility_std", chain.ductility_std.isel(element=n)),
-        ):
-            np.testing.assert_allclose(array, usual[f"{name}_{n + 1}"], rtol=1e-9, err_msg=name)
-
 
 TABLE = [
     sl.Bilinear(axis("one", [0.5, 1.0]), 0.05, 0.05, reduction_factor=axis("R", [1.5, 4.0])),

@@ -158,15 +158,6 @@ def test_shipped_displacements_are_those_simulated_anew(monkeypatch):
 # --- pairs ------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("R", [0.1, 0.4])
-def test_elastic_limit_is_exact_on_narrow_band_ground(R):
-    """The references yield; what they tell must be nothing."""
-    weak = [building(0.3, R, 0.05), building(0.42, R, 0.2, 0.02)]
-    table = sl.correlate(*weak, LAKEBED, closure="drift")
-    elastic = sl.correlate(sl.Bilinear(0.3, 0.05), sl.Bilinear(0.42, 0.02), LAKEBED)
-    assert float(table.rho) == pytest.approx(float(elastic.rho), abs=1e-9 if R < 0.2 else 2e-3)
-
-
 @pytest.mark.parametrize(
     ("first", "second", "damping"),
     [

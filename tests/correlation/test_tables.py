@@ -10,7 +10,6 @@ import stochlin as sl
 from stochlin.kernels.correlation.errors import bias_of_difference, std_of_difference
 from stochlin.kernels.linearization.covariance import EquivalentSystem, own_covariance, pair_covariance
 from stochlin.kernels.linearization.filters import Filter
-from stochlin.solver.tables import labels
 
 pytestmark = pytest.mark.oracle
 
@@ -125,16 +124,3 @@ def test_a_table_has_the_numbers_of_its_pairs_side_by_side(options, period):
     for name, values in pairs.items():
         whole = table[name].broadcast_like(table.rho).transpose("a", "b").values.ravel()
         np.testing.assert_allclose(whole, values, rtol=1e-12, err_msg=name)
-
-
-def test_a_bad_cell_of_a_pair_blanks_its_row_and_nothing_else():
-    lakebed = sl.KanaiTajimi(2.0, 0.05)
-    rows = xr.DataArray([0.5, -1.0, 2.0], dims="row")
-    columns = xr.DataArray([0.7, 1.0], dims="column")
-    second = sl.Bilinear(columns, 0.05, 0.1, reduction_factor=2)
-    table = sl.correlate(sl.Bilinear(rows, 0.05, 0.1, reduction_factor=2), second, lakebed)
-    clean = sl.correlate(sl.Bilinear(rows[[0, 2]], 0.05, 0.1, reduction_factor=2), second, lakebed)
-    assert np.isnan(table.rho.isel(row=1)).all()
-    assert (table.status.isel(row=1) >= labels.NOT_CONVERGED).all()
-    np.testing.assert_allclose(table.rho.isel(row=[0, 2]), clean.rho, rtol=1e-12)
-    assert not np.isnan(table.displacement_std_2).any()

@@ -117,32 +117,6 @@ def test_states_along_random_histories(structure, pieces):
     assert (np.abs(found[:, 0]) <= 1.0 + 1e-12).all()
 
 
-def any_backbone(seed, lanes):
-    """Structures with any parameters, one in each lane."""
-    rng = np.random.default_rng(seed)
-    return sl.ModifiedClough(
-        **GIVEN,
-        unloading_exponent=rng.uniform(0.0, 1.0, lanes),
-        cracking=rng.uniform(0.0, 1.0, lanes),
-        uncracked_stiffness=rng.uniform(1.0, 4.0, lanes),
-        cap_ductility=rng.uniform(1.0, 5.0, lanes),
-        softening=rng.uniform(0.12, 2.0, lanes),
-        residual=rng.uniform(0.0, 1.0, lanes),
-    )
-
-
-def test_any_backbone_from_branch_to_branch():
-    structure, turns = any_backbone(6, 60), random_turns(7, 60, 20)
-    own = [array.to_numpy() for array in structure.law_parameters()]
-    found, _ = by_steps(structure.step(), turns, 2, own)
-    for lane in range(60):
-        cells = structure.isel({"case": lane}).cells()
-        law = Clough(sl.ModifiedClough(**{name: float(value) for name, value in cells.items()}))
-        for n in range(1, len(turns)):
-            law.move(turns[n, lane])
-            assert found[n, 0, lane] == pytest.approx(law.z, abs=1e-12)
-
-
 @pytest.mark.parametrize(
     "structure", [LAWS[1], LAWS[4], LAWS[8]], ids=["modified Clough", "flag", "backbone"]
 )

@@ -143,10 +143,3 @@ def test_linearization_refuses_a_law_whose_expectations_are_not_accurate(law, ca
     for linearizing in (sl.linearize, lambda one, ground: sl.linearize_system([one], ground)):
         with pytest.raises(ArithmeticError, match=f"cannot be linearized.*{cause}.*use simulation"):
             linearizing(one, GROUND)
-
-
-def test_parameters_of_a_law_are_named_with_their_values_where_it_is_refused():
-    beta, limit = sympy.symbols("beta limit")
-    law = compiled(V - beta * V * sympy.Max(abs(Z) - limit, 0) ** 0.1, ("beta", "limit"))
-    with pytest.raises(ArithmeticError, match=r"with beta = 0.5, limit = 0.7 "):
-        law.check_expectations(((0.5, 0.7),))

@@ -130,13 +130,6 @@ def test_sides_and_order_of_the_models(crossings, bandwidth):
         assert np.isnan(std) or 0 < std < 2
 
 
-def test_sine_with_a_random_envelope_has_the_peak_of_rayleigh():
-    """No bandwidth: whatever the duration, the envelope never changes."""
-    crossings = np.array([1.0, 10, 1e4])
-    np.testing.assert_allclose(VANMARCKE.mean(crossings, 0.0), np.sqrt(np.pi / 2), rtol=1e-12)
-    np.testing.assert_allclose(VANMARCKE.std(crossings, 0.0), np.sqrt(2 - np.pi / 2), rtol=1e-11)
-
-
 @pytest.mark.parametrize("sides", [1, 2])
 def test_outside_its_domain_a_model_says_nothing(sides):
     enough = 2 / sides

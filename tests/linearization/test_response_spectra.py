@@ -35,11 +35,6 @@ class Spectrum:
         return 2 * np.real(np.sum(self.density * first(self.w) * np.conj(second(self.w))))
 
 
-def elastic_transfer(period, damping):
-    w0 = 2 * np.pi / period
-    return lambda w: 1 / (w0**2 - w**2 + 2j * damping * w0 * w)
-
-
 def hysteretic_transfer(period, damping, hardening, c_eq, k_eq):
     """Transfer functions of u and of z, with ``z = -c_eq s/(s + k_eq) u``."""
     w0 = 2 * np.pi / period
@@ -67,21 +62,6 @@ def draw_ground(rng, kind):
     high_pass = {"high_pass_period": cases.log_uniform(rng, (2, 20)), "high_pass_damping": 0.6}
     resonances.append((2 * np.pi / high_pass["high_pass_period"], 0.6))
     return sl.CloughPenzien(**soil, **high_pass), resonances
-
-
-@pytest.mark.parametrize("seed", range(6))
-@pytest.mark.parametrize("kind", [sl.KanaiTajimi, sl.CloughPenzien])
-def test_elastic_variances_and_covariance(kind, seed):
-    rng = np.random.default_rng([60, seed])
-    ground, resonances = draw_ground(rng, kind)
-    pair = [(cases.log_uniform(rng, (0.15, 4.0)), rng.uniform(0.01, 0.1)) for _ in range(2)]
-    spectrum = Spectrum(ground, resonances + [(2 * np.pi / period, xi) for period, xi in pair])
-    transfer = [elastic_transfer(*one) for one in pair]
-    std = [np.sqrt(spectrum.moment(h, h)) for h in transfer]
-    table = sl.correlate(*(sl.Bilinear(*one) for one in pair), ground)
-    assert float(table.displacement_std_1) == pytest.approx(std[0], rel=1e-10)
-    assert float(table.displacement_std_2) == pytest.approx(std[1], rel=1e-10)
-    assert float(table.rho) == pytest.approx(spectrum.moment(*transfer) / np.prod(std), abs=1e-10)
 
 
 @pytest.mark.parametrize("seed", range(6))

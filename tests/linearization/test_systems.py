@@ -131,12 +131,16 @@ def test_pairs_are_those_of_the_fast_path(kind, pairs):
 def assert_fast_path(pair, ground):
     """The moments of two structures at once, and of each alone."""
     table = sl.linearize_system(pair, ground)
-    assert float(table.rho[0, 1]) == pytest.approx(float(sl.correlate(*pair, ground).rho), abs=1e-9)
-    names = {name: name for name in ("displacement_std", "velocity_std", "z_std", "c_eq")}
+    both = sl.correlate(*pair, ground)
+    assert float(table.rho[0, 1]) == pytest.approx(float(both.rho), abs=1e-9)
+    apart = float(table.relative_displacement_std[0, 1])
+    assert apart == pytest.approx(float(both.relative_displacement_std), rel=1e-9, abs=1e-9)
+    shared = ("displacement_std", "velocity_std", "ductility_std", "z_std", "c_eq")
+    names = {name: name for name in shared}
     for n, one in enumerate(pair):
         alone = sl.linearize(one, ground)
         for ours, theirs in (names | {"yield_drift": "yield_displacement"}).items():
-            if one.yields or ours not in ("z_std", "c_eq"):
+            if one.yields or ours not in ("z_std", "c_eq", "ductility_std"):
                 assert float(table[ours][n]) == pytest.approx(float(alone[theirs]), rel=1e-9)
         found = float(table.velocity_z_corr[n])
         assert found == pytest.approx(float(alone.velocity_z_corr), abs=1e-9)
@@ -275,23 +279,6 @@ def test_rigid_link_makes_one_floor_of_two():
     assert float(forces[2].link_force_std[0]) == pytest.approx(
         float(forces[1].link_force_std[0]), rel=1e-6
     )
-
-
-def test_link_that_yields_is_an_element():
-    """So strong that it stays elastic it is the elastic link; weak, a dashpot and a soft spring."""
-    usual = sl.linearize_system([TALL, LOW], GROUND, [sl.Link(5e7)])
-    strong = sl.linearize_system(
-        [TALL, LOW], GROUND, [sl.Link(5e7, hardening=0.1, yield_displacement=1.0)]
-    )
-    np.testing.assert_allclose(strong.drift_std[:6], usual.drift_std, rtol=1e-11)
-    np.testing.assert_allclose(strong.link_force_std, usual.link_force_std, rtol=1e-11)
-    assert strong.element.values[-1] == "link 1"
-    weak = sl.linearize_system(
-        [TALL, LOW], GROUND, [sl.Link(5e7, hardening=0.02, yield_displacement=1e-5)]
-    )
-    soft = sl.linearize_system([TALL, LOW], GROUND, [sl.Link(1e6)])
-    np.testing.assert_allclose(weak.drift_std[:6], soft.drift_std, rtol=2e-2)
-    assert float(weak.c_eq[-1]) > -0.1
 
 
 def test_dampers_and_weight_act_as_they_do_on_one_storey():

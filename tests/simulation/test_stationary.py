@@ -21,8 +21,6 @@ pytestmark = pytest.mark.oracle
 
 ERRORS = 4.0  # standard errors: beyond them once in 16 000 numbers
 NOISE = sl.WhiteNoise(0.01)
-VALUES = ("displacement_std", "ductility_std", "drift", "rho")
-STATISTICS = (*VALUES, "displacement_std_standard_error", "rho_standard_error")
 
 
 def yielding(period, strength_ratio, hardening=0.05, model=sl.Bilinear):
@@ -180,33 +178,6 @@ def test_paths_come_in_whole_groups_and_progress_ends_at_one():
     table = sl.simulate(MIXED[:1], NOISE, **SHORT | {"paths": 65}, progress=shares.append)
     assert table.attrs["paths"] == 96
     np.testing.assert_allclose(shares, [1 / 3, 2 / 3, 1])
-
-
-# ---- (5) Bad input ----
-
-PLAIN = yielding(1.0, 1.0)
-
-
-def test_run_that_does_not_fit_into_memory_is_refused_before_it_starts(monkeypatch):
-    def never(*_):
-        raise AssertionError("work has begun")
-
-    monkeypatch.setattr("stochlin.solver.simulation.simulation.structures_in_motion", never)
-    monkeypatch.setattr("stochlin.solver.tables.checks._installed", lambda: 16e9)
-    with pytest.raises(
-        ValueError, match=r"3000 structures on one ground need [\d.]+ GB; allowed: \d+ GB"
-    ):
-        sl.simulate([PLAIN] * 3000, NOISE)
-
-
-def test_cells_out_of_range_spoil_only_themselves():
-    several, other = sl.Bilinear([1.0, -1.0, 0.7], damping=0.05), sl.Bilinear(0.9, 0.05)
-    options = {"paths": 64, "relaxation_times": 2.0}
-    table = sl.correlate(several, other, NOISE, "simulation", **options)
-    assert list(np.isfinite(table.rho)) == [True, False, True]
-    assert list(table.status) == [labels.CONVERGED, labels.INVALID_INPUT, labels.CONVERGED]
-    alone = sl.simulate([*map(sl.Bilinear, (1.0, 0.7), (0.05, 0.05)), other], NOISE, **options)
-    np.testing.assert_array_equal(table.rho[[0, 2]], alone.rho[:2, 2])
 
 
 # --- Structures that yield rarely -----------------------------------------------------------------

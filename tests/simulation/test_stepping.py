@@ -166,33 +166,6 @@ def test_bouc_wen_motion_converges_to_the_exact_one_with_the_square_of_the_step(
     assert SECOND_ORDER[0] < order < SECOND_ORDER[1]
 
 
-def one_by_one(law, steps):
-    """States (steps + 1, 3, LANES) and mean forcings, one call of the kernel a step."""
-    f, dt = step_means(steps), SECONDS / steps
-    state = rest()
-    states = [state[:, 0].copy()]
-    for s in range(steps):
-        bilinear_block(f[s : s + 1], dt, law[None], *state, 2, np.empty((0, 1, LANES)), 0)
-        states.append(state[:, 0].copy())
-    return np.stack(states), f, dt
-
-
-def test_energy_that_enters_is_stored_damped_or_lost_in_plastic_work():
-    d, k, h, _ = OSCILLATOR
-    states, f, dt = one_by_one(OSCILLATOR, STEPS)
-    u, v, z = states.transpose(1, 0, 2)
-    v_mean, z_mean = 0.5 * (v[1:] + v[:-1]), 0.5 * (z[1:] + z[:-1])
-    entered = np.cumsum(f * v_mean * dt, axis=0)
-    damped = np.cumsum(d * v_mean**2 * dt, axis=0)
-    plastic = h * z_mean * (np.diff(u, axis=0) - np.diff(z, axis=0))
-    stored = 0.5 * (v**2 + k * u**2 + h * z**2)[1:]
-    scale = entered[-1].max()
-    lost = np.cumsum(plastic, axis=0)
-    np.testing.assert_allclose(entered, stored + damped + lost, rtol=0, atol=1e-12 * scale)
-    assert plastic.min() > -1e-13 * scale  # the law gives no energy back
-    assert (lost[-1] > 0.1 * entered[-1]).all()
-
-
 def test_blocks_of_any_length_and_sampling_give_one_history():
     laws = np.stack([OSCILLATOR, OSCILLATOR * [1, 4, 4, 1]])
     f, dt = step_means(STEPS), SECONDS / STEPS
@@ -258,19 +231,6 @@ def ground_system(filters, structures=()):
     row = np.array([w**2, 2 * xi * w])
     output = row if len(filters) == 2 else matrix[-1]  # xf'' is the high-passed acceleration itself
     return matrix, noise, output
-
-
-@every_step
-@pytest.mark.parametrize("filters", list(GROUNDS.values())[1:], ids=list(GROUNDS)[1:])
-def test_step_of_the_ground_preserves_its_stationary_covariance(filters, dt):
-    intensity = 0.7
-    matrix, noise, output = ground_system(filters)
-    steps = filter_steps(matrix, noise, output, intensity, dt)
-    exact = scipy.linalg.solve_continuous_lyapunov(matrix, -intensity * np.outer(noise, noise))
-    after = steps.transition @ exact @ steps.transition.T + np.outer(steps.gain, steps.gain)
-    np.testing.assert_allclose(after, exact, rtol=0, atol=1e-12 * np.abs(exact).max())
-    discrete = scipy.linalg.solve_discrete_lyapunov(steps.transition, np.outer(steps.gain, steps.gain))
-    np.testing.assert_allclose(discrete, exact, rtol=1e-9, atol=1e-10 * np.abs(exact).max())
 
 
 @every_ground
