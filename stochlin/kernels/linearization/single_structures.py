@@ -134,8 +134,7 @@ def iterate(problem: SingleStructures, start: Array, most: int) -> FixedPoint:
         if number % STUCK == 0:
             step /= np.where(done, LARGEST_STEP, np.abs(step).max(axis=0)) / LARGEST_STEP
         valid = np.isfinite(norm + step.sum(axis=0))
-        more_elastic = unknowns - np.array([0 * norm, 0 * norm + 1.0, 0.5 * unknowns[2]])
-        shorter = np.where(np.isinf(before), more_elastic, base + 0.25 * (unknowns - base))
+        shorter = base + 0.25 * (unknowns - base)
         solution.unknowns[:, cells] = np.where(valid, unknowns + step, shorter)
         solution.iterations[cells] += 1
         solution.residual[cells] = np.where(valid, norm, before)
