@@ -118,9 +118,9 @@ def _kept_on_disk(function: Any) -> Iterator[bool]:
 class Entry:
     """A function that numba compiles at its first call, or finds compiled on the disk."""
 
-    def __init__(self, function: Any, allocates: bool = True) -> None:
+    def __init__(self, function: Any) -> None:
         self.py_func, self.__doc__ = function, function.__doc__
-        self.dispatcher: Any = nb.njit(**OPTIONS | {"_nrt": allocates})(function)
+        self.dispatcher: Any = nb.njit(**OPTIONS)(function)
         self._ready = False
 
     def __call__(self, *args: Any) -> Any:
@@ -137,10 +137,10 @@ class Entry:
             return self.dispatcher(*args)
 
 
-def entry(function: Any, allocates: bool = True) -> Any:
-    """Compile a function that Python calls, and keep it on the disk; see `by_pointer`."""
+def entry(function: Any) -> Any:
+    """Compile a function that Python calls, and keep it on the disk."""
     if not UNCOMPILED:
-        return Entry(function, allocates)
+        return Entry(function)
     warn_once(NOT_COMPILED)
     return np.errstate(all="ignore")(function)  # no warnings of overflow, as in compiled code
 
@@ -152,28 +152,24 @@ def variant(function: Any, name: str) -> Any:
     return copy
 
 
-def by_pointer(function: Any, *arguments: Any, allocates: bool = False) -> Any:
+def by_pointer(function: Any, *arguments: Any) -> Any:
     """The function as a C function for arguments of the types of these, which returns nothing.
 
     What calls it by its pointer does not contain it: each of both is compiled once, and only if used.
-    Only a function that ``allocates`` arrays counts the references to arrays, which takes up to a sixth
-    of the time of a step, and of the compiler.
     """
-    kinds = map(nb.typeof, arguments)
     with _naming_folder:
-        return function if UNCOMPILED else c_function(function, nb.void(*kinds), allocates)
+        return function if UNCOMPILED else c_function(function, nb.void(*map(nb.typeof, arguments)))
 
 
 @cache
-def c_function(function: Any, signature: Any, allocates: bool = True) -> Any:
+def c_function(function: Any, signature: Any) -> Any:
     """A C function with this signature, compiled now or found on the disk under its qualified name."""
-    options: Any = {"error_model": "numpy", "_nrt": allocates}
     try:
         with _kept_on_disk(function) as can_be_kept:
-            return nb.cfunc(signature, cache=can_be_kept, **options)(function)
+            return nb.cfunc(signature, cache=can_be_kept, error_model="numpy")(function)
     except OSError:  # of a full disk
         warn_once(NOT_KEPT)
-        return nb.cfunc(signature, **options)(function)
+        return nb.cfunc(signature, error_model="numpy")(function)
 
 
 def of_lane(value: Any, lane: int) -> Any:

@@ -8,7 +8,6 @@ the same buildings move each alone.
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -153,7 +152,7 @@ def _end(intervals, sample, motions, lanes, ended):
     return count
 
 
-@partial(entry, allocates=False)
+@entry
 def _run(
     step,
     look,

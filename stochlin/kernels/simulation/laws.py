@@ -215,7 +215,7 @@ def by_number(laws: tuple[RateLaw, ...]) -> Any:
         chosen(kind, lanes, v, w, own, dt, new)
 
     lane, rows = np.empty(1), np.empty((1, 1))
-    return by_pointer(named(names, of_kind), 1, 1, lane, rows, rows, 0.1, rows, allocates=True)
+    return by_pointer(named(names, of_kind), 1, 1, lane, rows, rows, 0.1, rows)
 
 
 @compiled
