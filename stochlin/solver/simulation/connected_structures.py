@@ -46,14 +46,17 @@ class SteppedGroup(NamedTuple):
 
 def stepped_groups(system: Arrangement) -> list[SteppedGroup]:
     """All structures of a system, with the links between them."""
-    on_links = {floor for tie in system.ties for floor in (tie.floor, tie.other)}
-    floors = zip(system.stacks, system.first[:-1], strict=True)
-    alone = [
-        n for n, (stack, floor) in enumerate(floors) if stack.is_oscillator and floor not in on_links
-    ]
+    alone = unlinked_oscillators(system)
     groups = oscillator_groups([system.stacks[n] for n in alone], system.first[alone])
     linked = (members for members in _tied(system) if members[0] not in alone)
     return [*groups, *(_connected(system, members) for members in linked)]
+
+
+def unlinked_oscillators(system: Arrangement) -> list[int]:
+    """Numbers of the oscillators that no link ties, from 0."""
+    tied = {floor for tie in system.ties for floor in (tie.floor, tie.other)}
+    floors = zip(system.stacks, system.first[:-1], strict=True)
+    return [n for n, (stack, floor) in enumerate(floors) if stack.is_oscillator and floor not in tied]
 
 
 def oscillator_groups(stacks: Sequence[Stack], watched: Array) -> list[SteppedGroup]:

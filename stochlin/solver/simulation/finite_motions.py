@@ -21,7 +21,7 @@ from stochlin.solver.simulation.ensembles import SimulationRun, seconds_of
 from stochlin.solver.simulation.structures_in_motion import STRUCTURE, StructuresInMotion, pairs_of
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_duration, check_work
-from stochlin.solver.tables.labels import ELEMENT, LINK, element_coordinates, link_coordinates
+from stochlin.solver.tables.labels import ELEMENT, LINK, link_coordinates
 
 TAIL = (1 - 0.95) / 2  # probability on each side of a 95 % interval
 FAR = 1e200  # [m], in place of infinity, between which and a number no quantile can be
@@ -103,13 +103,11 @@ def simulate_finite(
         "peak_negative": (over, highest["floors"][1]),
         "peak": (over, either["floors"]),
     }
-    coords = {k: v for k, v in moving.floor_coords().items() if not k.endswith("_2")}
     heights = np.unique([height for _, height in moving.places])
-    samples |= _separations(system, heights, highest["pairs"])
+    samples |= _separations(system, highest["pairs"])
     names = [f"{number}" for number in range(1, len(system.stacks) + 1)]
-    coords |= {STRUCTURE: names, f"{STRUCTURE}_2": names}
+    coords = moving.coords | {STRUCTURE: names, f"{STRUCTURE}_2": names}
     if moving.has_storeys:
-        coords |= element_coordinates(system)
         samples["peak_drift"] = ("path", ELEMENT), either["drifts"]
     if moving.places:
         samples["peak_at_height"] = _at_heights(moving, heights, either["places"])
@@ -125,7 +123,7 @@ def simulate_finite(
     (_, *over_pairs), apart_most = samples["separation"]
     quantile = quantile_columns("separation", over_pairs, apart_most, levels)
     if np.isfinite(moving.limits).any():
-        means |= _collapses(fallen)
+        means |= share_columns("collapse_probability", [STRUCTURE], fallen)
     coords["quantile"] = "quantile", levels, {"units": "1", "long_name": "quantile"}
     # Made at once, because each addition to a dataset takes a millisecond.
     return xr.Dataset(samples | means | quantile, coords, finite_attributes(run, duration, envelope))
@@ -190,14 +188,6 @@ def _means(samples: Columns) -> Columns:
     return means
 
 
-def _collapses(fallen: Array) -> Columns:
-    """Probability that each structure falls, and its 95 % interval; by ``fallen`` (paths, s)."""
-    count = fallen.sum(axis=0)
-    ends = count / len(fallen), *share_interval(count, len(fallen))
-    shares = zip(labels.VALUE_AND_ENDS, ends, strict=True)
-    return {f"collapse_probability{end}": ((STRUCTURE,), share) for end, share in shares}
-
-
 def finite_attributes(
     run: SimulationRun, duration: float, envelope: Envelope | None
 ) -> dict[str, float | int | str]:
@@ -220,25 +210,21 @@ def _at_heights(moving: StructuresInMotion, heights: Array, peaks: Array) -> Col
     return ("path", STRUCTURE, "height"), values
 
 
-def _separations(system: Arrangement, heights: Array, largest: Array) -> Columns:
+def _separations(system: Arrangement, largest: Array) -> Columns:
     """Peak relative displacements [m], over all heights and, with storeys, at each height.
 
     ``largest`` (2, paths, p) are those of all pairs, to both sides.
     """
-    count, paths = len(system.stacks), largest.shape[1]
-    whole = np.zeros((paths, count, count))
-    over = "path", STRUCTURE, f"{STRUCTURE}_2"
-    at_height = np.full((paths, count, count, heights.size), np.nan)
-    for pair, *sides in zip(pairs_of(system), *largest.swapaxes(1, 2), strict=True):
-        for (i, j), value in zip(
-            ((pair.first, pair.second), (pair.second, pair.first)), sides, strict=True
-        ):
-            whole[:, i, j] = np.maximum(whole[:, i, j], value)
-            if not np.isnan(pair.height):
-                at_height[:, i, j, np.searchsorted(heights, pair.height)] = value
-    columns: Columns = {"separation": (over, whole)}
-    if heights.size:
-        columns["separation_at_height"] = (*over, "height"), at_height
+    count, over = len(system.stacks), ("path", STRUCTURE, f"{STRUCTURE}_2")
+    *both, height = np.reshape(pairs_of(system), (-1, 3)).T
+    heights = np.unique(height)  # with NaN, of oscillators, at the end
+    (i, j), place = np.array(both, int), np.searchsorted(heights, height)
+    at_height = np.full((largest.shape[1], count, count, heights.size), np.nan)
+    at_height[:, i, j, place], at_height[:, j, i, place] = largest
+    known = int(np.isfinite(heights).sum())
+    columns: Columns = {"separation": (over, np.fmax.reduce(at_height, axis=-1, initial=0.0))}
+    if known:
+        columns["separation_at_height"] = (*over, "height"), at_height[..., :known]
     return columns
 
 
@@ -282,17 +268,11 @@ def exceedance(samples: xr.DataArray, gap: float | xr.DataArray) -> xr.Dataset:
         raise ValueError(f"samples has the dimensions {samples.dims}; allowed: one of them is 'path'")
     if not is_number(gap) and not (isinstance(gap, xr.DataArray) and gap.dtype.kind in "iuf"):
         raise TypeError(f"gap = {brief(gap)}; allowed: a number or an xarray.DataArray, in metres")
-    paths = samples.sizes["path"]
-    count = ((samples > gap) | np.isposinf(samples)).sum("path")  # what falls exceeds any gap
-    lower, upper = share_interval(count.to_numpy(), paths)
-    table = xr.Dataset(
-        {
-            "probability": count / paths,
-            "probability_lower": count.copy(data=lower),
-            "probability_upper": count.copy(data=upper),
-        }
+    beyond = (samples > gap) | np.isposinf(samples)  # what falls exceeds any gap
+    beyond = beyond.transpose("path", ...)
+    return labels.label(
+        xr.Dataset(share_columns("probability", beyond.dims[1:], beyond.values), {**beyond.coords})
     )
-    return labels.label(table)
 
 
 def pair_separation(motions: xr.Dataset) -> xr.DataArray:
@@ -363,11 +343,13 @@ def keeping_apart(separation: xr.DataArray, gap: float | xr.DataArray) -> dict[s
     }
 
 
-def share_interval(count: Array, motions: int) -> tuple[Array, Array]:
-    """95 % interval of the probability of an event, from the number of motions in which it occurs."""
-    lower = betaincinv(count, motions - count + 1, TAIL)
-    upper = betaincinv(count + 1, motions - count, 1 - TAIL)
-    return np.nan_to_num(lower, nan=0.0), np.nan_to_num(upper, nan=1.0)
+def share_columns(name: str, over: Sequence[Any], events: Array) -> Columns:
+    """Share of the motions with an event (paths, ...), and its 95 % interval."""
+    n, count = len(events), events.sum(axis=0)
+    lower = np.nan_to_num(betaincinv(count, n - count + 1, TAIL), nan=0.0)
+    upper = np.nan_to_num(betaincinv(count + 1, n - count, 1 - TAIL), nan=1.0)
+    shares = zip(labels.VALUE_AND_ENDS, (count / n, lower, upper), strict=True)
+    return {f"{name}{end}": (over, share) for end, share in shares}
 
 
 def mean_with_error(samples: Array) -> tuple[Any, Any]:

@@ -27,7 +27,7 @@ from stochlin.solver.simulation.finite_motions import check_response
 from stochlin.solver.simulation.structures_in_motion import StructuresInMotion
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_work
-from stochlin.solver.tables.labels import ELEMENT, element_coordinates
+from stochlin.solver.tables.labels import ELEMENT
 
 ROUNDING = 1e-13  # relative size of a sum, over its terms, below which it is a rounding error
 NOT_STATIONARY = 5.0  # change of a variance, in standard errors, above which a run is not stationary
@@ -64,33 +64,27 @@ def stationary_moments(
     run = with_length(run._replace(drift_time=np.where(rare, 0.0, expected)), relaxation_times)
     memory = np.where(rare, expected, run.drift_time)
     moments = simulate_moments(run, np.concatenate([moving.floors, moving.drifts]), progress)
-    n, over = len(moving.floors), moving.floor
+    n, over, names = len(moving.floors), moving.floor, moving.system.floors
     check_response(moving.system, np.isfinite(moments.displacement_std[None, :n]))
     for group in moving.groups:  # all floors of a structure move with the storey that yields rarely
         if isinstance(group.part, SteppedStructures):
             memory[group.watched] = memory[group.watched].max()
     status = np.where(memory[:n] > too_slow, labels.NOT_RESOLVED, moments.status[:n])
-    table = xr.Dataset(
-        {
-            "displacement_std": (over, moments.displacement_std[:n]),
-            "displacement_std_standard_error": (over, moments.displacement_error[:n]),
-            "drift": (over, moments.drift[:n]),
-            "drift_memory": (over, memory[:n]),
-            "status": (over, status),
-            "rho": ((over, f"{over}_2"), moments.rho[:n, :n]),
-            "rho_standard_error": ((over, f"{over}_2"), moments.rho_error[:n, :n]),
-        },
-        coords=moving.floor_coords(),
-        attrs=run_attributes(run),
-    )
-    ductility = moments.displacement_std[:n]
+    pairs, drifts = (over, f"{over}_2"), moments.displacement_std[n if moving.has_storeys else 0 :]
+    columns = {
+        "displacement_std": (over, moments.displacement_std[:n]),
+        "displacement_std_standard_error": (over, moments.displacement_error[:n]),
+        "drift": (over, moments.drift[:n]),
+        "drift_memory": (over, memory[:n]),
+        "status": (over, status),
+        "rho": (pairs, moments.rho[:n, :n]),
+        "rho_standard_error": (pairs, moments.rho_error[:n, :n]),
+        "ductility_std": (moving.element, drifts / moving.system.watched_strength),
+    }
     if moving.has_storeys:
-        ductility = moments.displacement_std[n:]
-        table["drift_std"] = ELEMENT, ductility
-        table["drift_std_standard_error"] = ELEMENT, moments.displacement_error[n:]
-        table = table.assign_coords(element_coordinates(moving.system))
-    table["ductility_std"] = moving.element, ductility / moving.system.watched_strength
-    return table
+        columns["drift_std"] = ELEMENT, drifts
+        columns["drift_std_standard_error"] = ELEMENT, moments.displacement_error[n:]
+    return xr.Dataset(columns, moving.coords | {f"{over}_2": names}, run_attributes(run))
 
 
 def with_length(run: SimulationRun, relaxation_times: float) -> SimulationRun:
@@ -169,18 +163,12 @@ def _time_constant(history: Array) -> float:
 
 def simulate_moments(run: SimulationRun, functions: Array, progress: Progress | None) -> MomentEstimates:
     """Second moments with standard errors of linear functions (m, w) of all that is watched."""
-    sums = stationary_sums(run.crowd, run.rows(functions), progress)
-    variance, variance_error, rho, rho_error, drift = _estimates(sums, run.plan.groups * LANES)
-    std = np.sqrt(variance)
-    status = np.where(np.abs(drift) <= NOT_STATIONARY, labels.CONVERGED, labels.NOT_CONVERGED)
-    return MomentEstimates(
-        std, variance_error / (2 * std), rho, rho_error, drift, status.astype(np.int8)
-    )
+    return _estimates(stationary_sums(run.crowd, run.rows(functions), progress), run.plan.groups * LANES)
 
 
 @np.errstate(all="ignore")  # cells that overflow get a status
-def _estimates(sums: Sums, paths: int) -> tuple[Array, Array, Array, Array, Array]:
-    """Variance and its standard error, rho and its standard error, and change of the variance.
+def _estimates(sums: Sums, paths: int) -> MomentEstimates:
+    """Second moments with standard errors, from sums over all motions.
 
     The errors follow from the scatter between paths. That of ``rho`` is the standard error of the mean
     of its influence function, ``g_12/(s_1 s_2) - rho/2 (g_11/s_1^2 + g_22/s_2^2)``, with the mean
@@ -202,7 +190,9 @@ def _estimates(sums: Sums, paths: int) -> tuple[Array, Array, Array, Array, Arra
     variance_error = np.sqrt((np.diag(sums.own) - paths * variance**2) / (paths * (paths - 1)))
     change = sums.change / paths
     change_error = np.sqrt((sums.change_squares / paths - change**2) / (paths - 1))
-    return variance, variance_error, rho, rho_error, change / change_error
+    std, drift = np.sqrt(variance), change / change_error
+    status = labels.status_where(np.abs(drift) <= NOT_STATIONARY, labels.NOT_CONVERGED)
+    return MomentEstimates(std, variance_error / (2 * std), rho, rho_error, drift, status)
 
 
 def run_attributes(run: SimulationRun) -> dict[str, float | int]:

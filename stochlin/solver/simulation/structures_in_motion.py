@@ -32,9 +32,15 @@ from stochlin.solver.simulation.connected_structures import (
     SteppedGroup,
     connected_groups,
     stepped_groups,
+    unlinked_oscillators,
 )
 from stochlin.solver.simulation.ensembles import SimulationRun, drift_time_of, prepare
-from stochlin.solver.tables.labels import ELEMENT, FLOOR, floor_coordinates
+from stochlin.solver.tables.labels import (
+    ELEMENT,
+    FLOOR,
+    element_coordinates,
+    floor_coordinates,
+)
 
 STRUCTURE = "structure"
 PATH, INPUT, GROUND = "path", "input", "ground"
@@ -141,13 +147,12 @@ class StructuresInMotion(NamedTuple):
             "pairs": np.reshape(relative, (-1, len(floors))) @ floors,
         }
 
-    def floor_coords(self) -> dict[str, Any]:
-        """Coordinates of both dimensions of a table over pairs of floors."""
+    @property
+    def coords(self) -> dict[str, Any]:
+        """Coordinates along `floor` and `element`."""
         if not self.has_storeys:
-            names = self.system.floors
-            return {STRUCTURE: names, f"{STRUCTURE}_2": names}
-        coords: dict[str, Any] = floor_coordinates(self.system)
-        return coords | {f"{FLOOR}_2": coords[FLOOR][1]}
+            return {STRUCTURE: self.system.floors}
+        return {**floor_coordinates(self.system), **element_coordinates(self.system)}
 
     def run(self, ground: Ground, **options: Any) -> SimulationRun:
         """Ensemble of the structures, without a duration; the options are those of `prepare`."""
@@ -181,27 +186,17 @@ def structures_in_motion(
 
 
 def _drift_times(
-    structures: Sequence[AnyStructure],
+    structures: Sequence[Any],
     ground: Ground,
     system: Arrangement,
     links: Sequence[Link | None],
 ) -> Array:
     """Relaxation times [s] of all that is `watched` by linearization; 0 if elastic."""
-    linked = {
-        system.owners[floor] for tie in system.ties for floor in (tie.floor, tie.other) if floor >= 0
-    }
-    alone = [
-        number
-        for number, structure in enumerate(structures)
-        if isinstance(structure, Structure) and number not in linked
-    ]
-    times = np.zeros(len(system.watched))
+    alone, times = unlinked_oscillators(system), np.zeros(len(system.watched))
     if len(alone) < len(structures):
         times = _joint_drift_times(structures, ground, system, links)
     for number in alone:
-        structure = structures[number]
-        assert isinstance(structure, Structure)
-        times[system.first[number]] = drift_time_of(structure, ground)
+        times[system.first[number]] = drift_time_of(structures[number], ground)
     return times
 
 
