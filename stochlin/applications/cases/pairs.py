@@ -7,7 +7,7 @@ import re
 import xarray as xr
 
 from stochlin.applications.cases.reading.case import Case
-from stochlin.applications.cases.rows import gap_of, motion_of, named_errors, pair_of
+from stochlin.applications.cases.rows import gap_of, motion_of, pair_of
 from stochlin.applications.cases.shaking import shaking_of
 from stochlin.applications.mitigation.mitigation import mitigate
 from stochlin.applications.probability.probability import pounding_probability
@@ -37,7 +37,7 @@ def mitigate_case(case: Case, progress: Progress | None = None) -> xr.Dataset:
         cure = 'write existing = "5 cm" in [separation], "0 cm" for buildings that touch'
         raise case.whole.table.error("", f"measures are compared for the existing gap; {cure}")
     models = first.sampled, second.sampled, case.site.sampled_ground
-    with named_errors(case):
+    with case.whole.table.naming("", ""):
         table = mitigate(*models, gap=gap, measures=case.measures, **motion_of(case), progress=progress)
     table = table.assign(shaking_of(case).data_vars)
     table = table.assign_coords(measure=table.measure.copy(data=_of_buildings(case, table)))

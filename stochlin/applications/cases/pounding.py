@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.applications.cases.reading.case import Case
-from stochlin.applications.cases.rows import motion_of, named_errors
+from stochlin.applications.cases.rows import motion_of
 from stochlin.applications.cases.shaking import recorded_shaking, shaking_of
 from stochlin.applications.pounding.pounding import pound
 from stochlin.applications.pounding.rows import SIDES
@@ -28,7 +28,6 @@ ENERGIES = {
     "contacts": ("contact_lost_energy",),
     "remaining": ("kinetic_energy", "elastic_energy", "contact_stored_energy"),
 }
-Structures = list[Any]  # one or several, oscillators and buildings
 OF_MOTIONS = ("ground", "envelope", "scatter")  # attributes of simulated motions that are kept
 
 
@@ -67,10 +66,8 @@ def pound_case(
 
     Raises
     ------
-    ValueError, TypeError
-        If the case lacks data, or as in `stochlin.pound`. The message names the file and the cure.
-    ArithmeticError
-        As in `stochlin.pound`.
+    ValueError
+        If the case lacks data, or for an error of `stochlin.pound`. The message names the file.
 
     Notes
     -----
@@ -78,7 +75,8 @@ def pound_case(
     to the record.
     """
     _check(case, simulated=motions is not None)
-    records, structures, about = case.site.records, _in_metres(case), dict[str, Any]()
+    records, about = case.site.records, dict[str, Any]()
+    structures = [strength_in_metres(each.structure, case.site.ground) for each in case.buildings]
     strengths = [xr.Dataset(recorded_shaking(record, case.periods)) for record in records.values()]
     shaken: Any
     if motions is not None:
@@ -92,7 +90,7 @@ def pound_case(
         shaken, what = dict(records), f"{len(records)} records"
         strength = xr.concat(strengths, "record", combine_attrs="drop")
     gaps, steps = list(case.wanted.existing), steps_per_contact
-    with named_errors(case):
+    with case.whole.table.naming("", ""):
         table = pound(structures, gaps, case.contact, shaken, steps_per_contact=steps, progress=progress)
     table = _named(table.assign(strength.data_vars), case, structures)
     if {"contact", "time"} <= set(table.dims):
@@ -109,14 +107,6 @@ def _simulated(case: Case, motions: int) -> xr.DataArray:
     return simulated_motions(case.site.ground, **motion | {"paths": motions, "step": step})
 
 
-def _in_metres(case: Case) -> Structures:
-    """The structures of the buildings, with strengths in metres."""
-    return [
-        item.structure if item.has_storeys else strength_in_metres(item.structure, case.site.ground)
-        for item in case.buildings
-    ]
-
-
 def _check(case: Case, simulated: bool = False) -> None:
     """Raise a ValueError if the case lacks motions, gaps or a contact."""
     alone, records = case.alone, case.site.records or simulated
@@ -130,7 +120,7 @@ def _check(case: Case, simulated: bool = False) -> None:
             raise case.whole.table.error("", f"pounding needs {what}")
 
 
-def _named(table: xr.Dataset, case: Case, structures: Structures) -> xr.Dataset:
+def _named(table: xr.Dataset, case: Case, structures: list[Any]) -> xr.Dataset:
     """The dataset with the names of the buildings, and their floors or yield displacements."""
     names, each = [building.name for building in case.buildings], case.buildings
     table = table.assign_coords(building=("structure", names, {"long_name": "name of the building"}))

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -14,15 +12,6 @@ if TYPE_CHECKING:
     from stochlin.applications.cases.reading.case import Case
 
 TOUCHING = 1e-6  # m, in place of a gap of 0: any motion towards each other closes it, and formulas hold
-
-
-@contextmanager
-def named_errors(case: Case) -> Iterator[None]:
-    """Add the file to errors of the work inside the context, which keep their kind."""
-    try:
-        yield
-    except (ValueError, TypeError, ArithmeticError) as error:
-        raise type(error)(f"{case.whole.table.source.name}: {error}") from error
 
 
 def one_or_two(case: Case) -> tuple[Building, ...]:

@@ -38,6 +38,7 @@ from stochlin.models.arguments import (
     Whole,
     checked,
 )
+from stochlin.models.plausible import Plausible
 from stochlin.solver.tables.inputs import input_path, read_text
 
 FILE = "file"  # name of the table column with the paths of the records
@@ -46,7 +47,7 @@ PEER_TABLE = "_SearchResults.csv"
 PEER_FILES, PEER_FACTOR = r"Horizontal-[12] Acc\. Filename", "Scale Factor"
 PEER_ABOUT = {"event": ("Earthquake Name", "Year"), "station": ("Station Name",)}
 ABOUT = ("event", "station", "component")  # columns that become attributes
-LARGEST_FACTOR = 10.0
+SCALE = Plausible(0.1, 10.0, "0.1 to 10, which leave a record one of its kind")
 
 Suite = dict[str, xr.DataArray]
 Row = Mapping[str, str]
@@ -302,18 +303,11 @@ def scale_records(
         acceleration, _ = checked_record(record)
         own = np.abs(acceleration).max() if pga is not None else _spectrum(record, periods, damping)
         factor = float(np.exp(np.mean(np.log(target / own))))
-        if warning := doubtful_factor(factor):
-            warnings.warn(
-                f"{plain(name)} is scaled by {factor:.3g}; {warning}", DoubtfulInput, stacklevel=3
-            )
+        if warning := SCALE.doubt(factor):
+            what = f"{plain(name)} is scaled by {factor:.3g}; {warning}"
+            warnings.warn(what, DoubtfulInput, stacklevel=3)
         suite[name] = scaled_record(record, factor)
     return suite
-
-
-def doubtful_factor(factor: float) -> str:
-    """Text of a warning on an implausible factor of a record; empty if it is plausible."""
-    plausible = 1 / LARGEST_FACTOR <= factor <= LARGEST_FACTOR
-    return "" if plausible else "between 0.1 and 10 a record is still one of its kind"
 
 
 def scaled_record(record: xr.DataArray, factor: float) -> xr.DataArray:

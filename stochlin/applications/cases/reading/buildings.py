@@ -50,7 +50,7 @@ DIVISOR = Quantity("1", OF_IMPORTANCE)
 DUCTILITY = Quantity("1", Range(1.0, reason="1 for a building that just does not yield"))
 TWO_MODES = ListOf(integer(1, MOST_STOREYS), length=2)
 PER_STOREY = 0.01, 2.0  # s, first periods over the number of storeys without a warning
-STRENGTH, HEIGHTS = "strength", "height of its storeys"
+STRENGTH, OF_HEIGHTS = "strength", {"height of its storeys": ("storey_height", "heights")}
 WITH_HARDENING = (
     *("reduction_factor", "yield_displacement", "ductility"),
     *("base_shear_coefficient", "yield_drifts", "yield_displacements"),
@@ -160,10 +160,7 @@ class Regular(Storeyed):
     """A building with equal floors, by a few numbers."""
 
     goes_with: ClassVar[Any] = (*Storeyed.goes_with, ("storey_height", "storeys"))
-    one_of: ClassVar[Any] = {
-        STRENGTH: ("base_shear_coefficient", "pushover", "elastic"),
-        HEIGHTS: ("storey_height", "heights"),
-    }
+    one_of: ClassVar[Any] = OF_HEIGHTS | {STRENGTH: ("base_shear_coefficient", "pushover", "elastic")}
 
     period: Any = of(RegularBuilding, "period")
     floor_mass: Any = of(RegularBuilding, "mass")
@@ -184,10 +181,7 @@ class Regular(Storeyed):
 class Singly(Storeyed):
     """A building storey by storey, from the ground up."""
 
-    one_of: ClassVar[Any] = {
-        STRENGTH: ("yield_drifts", "pushover", "elastic"),
-        HEIGHTS: ("storey_height", "heights"),
-    }
+    one_of: ClassVar[Any] = OF_HEIGHTS | {STRENGTH: ("yield_drifts", "pushover", "elastic")}
 
     masses: Any = of(ShearBuilding, "masses", single="")
     stiffnesses: Any = of(ShearBuilding, "stiffnesses", single="")

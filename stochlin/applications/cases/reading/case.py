@@ -40,7 +40,7 @@ from stochlin.applications.cases.reading.tables import NO_TABLE, Form, Table, re
 from stochlin.applications.risk.risk import check_target
 from stochlin.kernels.simulation.stepping import whole_groups
 from stochlin.messages import hint, plain
-from stochlin.models.arguments import A_LABEL, checked, is_label
+from stochlin.models.arguments import checked
 from stochlin.models.contacts.elements import CONTACTS, DAMPING, RESTITUTION, Contact
 from stochlin.models.hazards import Hazard
 from stochlin.models.links import Link
@@ -219,8 +219,7 @@ class OfContact(Form):
 
     def contact(self) -> Contact:
         """The contact."""
-        contact: Contact = self.table.made(CONTACTS[self.model], **self.more)
-        return contact
+        return self.table.made(CONTACTS[self.model], **self.more)
 
 
 class OfLink(Form):
@@ -239,8 +238,7 @@ class OfLink(Form):
         if not {"stiffness", "damping_constant"} & self.more.keys():
             what = "is a link that does nothing; allowed: a stiffness, a damping constant, or both"
             raise self.table.error("", what)
-        link: Link = self.table.made(Link, **self.more, **ends)
-        return link
+        return self.table.made(Link, **self.more, **ends)
 
 
 class Between(OfLink):
@@ -291,8 +289,7 @@ class OfMeasure(Form):
         for number, devices in enumerate((self.dampers_1, self.dampers_2), start=1):
             if devices is not None:
                 links += devices.links(number, buildings[number - 1])
-        measure: Measure = self.table.made(Measure, **self.more, link=links)
-        return measure
+        return self.table.made(Measure, **self.more, link=links)
 
 
 def _in_units(known: Key, units: str) -> Key:
@@ -302,11 +299,8 @@ def _in_units(known: Key, units: str) -> Key:
 
 def _measures(table: Table, buildings: Sequence[Building]) -> dict[str, Measure]:
     """The measures for the first two buildings, by name, in the order of the file."""
-    for name in table.values:
-        if not is_label(name):
-            raise table.error(name, f"has a name that cannot be shown; allowed: {A_LABEL}")
-        if len(buildings) == 1:
-            raise table.error(name, "is a measure for two buildings; allowed: with [building_2]")
+    if table.values and len(buildings) == 1:
+        raise table.error("", "are measures for two buildings; allowed: with [building_2]")
     return {n: table.table(n).read(OfMeasure).measure(buildings[:2]) for n in table.values}
 
 

@@ -25,7 +25,7 @@ from stochlin.applications.cases.reading.tables import Form, Table
 from stochlin.applications.records.records import read_record
 from stochlin.applications.sites.hazard_files import read_hazard
 from stochlin.applications.sites.suites import (
-    doubtful_factor,
+    SCALE,
     read_records,
     scale_records,
     scaled_record,
@@ -37,6 +37,7 @@ from stochlin.models.plausible import PLAUSIBLE
 
 TIME, YEARS = Quantity("s", POSITIVE), Quantity("yr", POSITIVE)
 FACTOR, TWO_TIMES = Quantity("1", POSITIVE), ListOf(TIME, length=2)
+FACTOR_OF_RECORD = Quantity("1", POSITIVE, SCALE)
 PEAK, RESPONSE = (Quantity("m/s^2", POSITIVE, PLAUSIBLE[name]) for name in ("pga", "sa"))
 PLACE = ListOf(Quantity("1", Range(-360.0, 360.0, True, True)), length=2)
 INTENSITIES = {
@@ -62,18 +63,14 @@ class Record(Reading):
     """A record of a site."""
 
     name: str = key(TEXT, "Name in results", "")
-    scale: float = key(FACTOR, "Factor on the accelerations", 1.0)
+    scale: float = key(FACTOR_OF_RECORD, "Factor on the accelerations", 1.0)
 
     def read(self) -> xr.DataArray:
         """The record with its factor."""
         path = self.table.path("path")
         with self.table.naming("path", "cannot be read: "):
             record = read_record(path, **self.given(*READING))
-        if self.scale == 1:
-            return record
-        if warning := doubtful_factor(self.scale):
-            self.table.warn("scale", f"is doubtful: {warning}")
-        return scaled_record(record, self.scale)
+        return record if self.scale == 1 else scaled_record(record, self.scale)
 
 
 class Suite(Reading):
@@ -111,18 +108,16 @@ def read_records_of(
     singly: Sequence[Record], suite: Suite | None, spectrum: xr.DataArray | None
 ) -> dict[str, xr.DataArray]:
     """All records by name, in the order of the file; no name is used twice."""
+    read: list[Any] = [(form, form.name or Path(form.path).name, form.read()) for form in singly]
+    if suite is not None:
+        read += [(suite, *item) for item in suite.read(spectrum).items()]
     records: dict[str, xr.DataArray] = {}
-    for record in singly:
-        name = record.name or Path(record.path).name
+    for form, name, record in read:
         if name in records:
-            where = "name" if record.name else "path"
-            raise record.table.error(where, "is used twice; allowed: another name")
-        records[name] = record.read()
-    several = {} if suite is None else suite.read(spectrum)
-    if suite and (twice := next((name for name in several if name in records), "")):
-        what = f"has {brief(twice)}, as site.records has; allowed: another name there"
-        raise suite.table.error("path", what)
-    return records | several
+            what = f"names a record {brief(name)}, as another one is; allowed: another name"
+            raise form.table.error("name" if "name" in form.table else "path", what)
+        records[name] = record
+    return records
 
 
 class OfHazard(Form):

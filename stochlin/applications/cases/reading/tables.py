@@ -17,6 +17,7 @@ from stochlin.solver.tables.inputs import input_path
 from stochlin.solver.tables.toml import read_toml
 
 F = TypeVar("F", bound="Form")
+M = TypeVar("M")
 Place = tuple[str | int, ...]
 """Names of the tables that contain a key, and the key; numbers count tables of the same name."""
 MOST_LISTED = 32
@@ -74,12 +75,16 @@ class Table:
         warnings.warn(str(self.error(name, what)), DoubtfulInput, stacklevel=2)
 
     @contextmanager
-    def naming(self, name: str, what: str = "cannot be used: ") -> Iterator[None]:
-        """Add the file, the line and the key to errors of the work inside the context."""
+    def naming(self, name: str | None, what: str = "cannot be used: ") -> Iterator[None]:
+        """Add the file, the line and the key, or the one that it names, to errors inside the context."""
         try:
             yield
-        except (OSError, ValueError, ArithmeticError) as error:
-            raise self.error(name, f"{what}{sentence(error, LONGEST_MESSAGE)}") from error
+        except (OSError, ValueError, TypeError, ArithmeticError) as error:
+            text = sentence(error, LONGEST_MESSAGE)
+            if name is None:
+                about = text.partition(";")[0]
+                name = next((n for n in self.values if re.search(rf"\b{re.escape(n)}\b", about)), "")
+            raise self.error(name, f"{what}{text}") from error
 
     def table(self, name: str, *number: int) -> Table:
         """The table of this name, of several that of a number; an empty one if there is none."""
@@ -135,14 +140,10 @@ class Table:
         more = {n: values.pop(n) for n in [*values] if n not in keys_of(form)}
         return form(table=self, more=more, **values)
 
-    def made(self, build: Callable[..., Any], /, **values: Any) -> Any:
+    def made(self, build: Callable[..., M], /, **values: Any) -> M:
         """A model of these values; its error is at the key that it names."""
-        try:
+        with self.naming(None, "does not fit: "):
             return build(**values)
-        except (ValueError, TypeError) as error:
-            text = str(error)
-            named = (n for n in self.values if re.search(rf"\b{re.escape(n)}\b", text.partition(";")[0]))
-            raise self.error(next(named, ""), f"does not fit: {text}") from error
 
     def _unknown(self, name: str, form: type[Form], keys: Mapping[str, Key]) -> ValueError:
         names = [key for key in keys if key not in self]
