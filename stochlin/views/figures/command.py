@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from stochlin.views.shared.blocks import PICTURES
-from stochlin.views.shared.options import Numbers, QuantityType, as_option, together
+from stochlin.views.shared.options import Numbers, QuantityType, as_option
 from stochlin.views.shared.screen import COMMANDS, bad_input, check_target, progress_bar
 
 RATIO, SECONDS, METRES = map(QuantityType, ("1", "s", "m"))
@@ -31,21 +31,18 @@ OPTIONS: dict[str, tuple[Any, Any, str]] = {
     "simulated_points": (COUNT, None, "Simulated periods: 21 in Fig. 4, 41 in Fig. 5a; 0 for none."),
 }
 
+COMPARISON = "Draw a second picture of Figs. 4 and 5, with linearization, drift closure and simulation."
+
 
 @COMMANDS.register("charts")
-@click.command()
-@click.argument("name", required=False)
-@together(
-    *(
-        click.option(as_option(name), type=kind, default=default, show_default=True, help=text)
+@click.command(
+    params=[
+        click.Option([as_option(name)], type=kind, default=default, show_default=True, help=text)
         for name, (kind, default, text) in OPTIONS.items()
-    )
+    ]
 )
-@click.option(
-    "--comparison",
-    is_flag=True,
-    help="Draw a second picture of Figs. 4 and 5, with linearization, drift closure and simulation.",
-)
+@click.argument("name", required=False)
+@click.option("--comparison", is_flag=True, help=COMPARISON)
 def charts(name: str | None, comparison: bool, **options: Any) -> None:
     """Draw all design charts, or the one called NAME, and save the dataset of each beside it (.nc).
 

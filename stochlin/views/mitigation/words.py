@@ -8,8 +8,8 @@ import numpy as np
 
 from stochlin.applications.cases.rows import simulated_as
 from stochlin.applications.cases.shaking import doubts
+from stochlin.messages import plain
 from stochlin.views.shared.blocks import Items, Table, ViewSection, texts
-from stochlin.views.shared.screen import cut
 from stochlin.views.shared.words import (
     MISSING,
     SPACE,
@@ -23,7 +23,6 @@ from stochlin.views.shared.words import (
     per_cent,
     scatter,
     shaking,
-    short,
     with_interval,
     with_uncertainty,
 )
@@ -78,7 +77,9 @@ def _headline(table: xr.Dataset) -> str:
 
 def _table(rows: Sequence[xr.Dataset], columns: Columns, words: Sequence[str] = ()) -> Table:
     """A table of rows of a dataset, each with its measure and the columns."""
-    cells = [(cut(row.measure.item(), WIDE), *(cell(row) for cell in columns.values())) for row in rows]
+    cells = [
+        (plain(row.measure.item(), WIDE), *(cell(row) for cell in columns.values())) for row in rows
+    ]
     return Table.of(("measure", *columns), cells, words)
 
 
@@ -87,7 +88,7 @@ def _of_motions(table: xr.Dataset) -> Columns:
     verdicts = table.verdict.attrs["flag_meanings"].replace("not_available", "none_found").split()
     return {
         "damping [%]": lambda row: _pair(row, "added_damping", "{:.1f}", 100),
-        "dashpot [MN s/m]": lambda row: short(float(row.link_damping_constant) / 1e6),
+        "dashpot [MN s/m]": lambda row: number(float(row.link_damping_constant) / 1e6),
         "needed [cm]": lambda row: centimetres(float(row.required_gap)),
         "interval": _interval,
         "apart": lambda row: per_cent(float(row.no_pounding_probability), 1),

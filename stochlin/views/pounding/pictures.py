@@ -17,9 +17,9 @@ from stochlin.applications.cases.pounding import (
     energy_of,
 )
 from stochlin.applications.pounding.rows import COLUMN
+from stochlin.messages import plain
 from stochlin.solver.tables.labels import CONVERGED
 from stochlin.views.pounding.words import roof
-from stochlin.views.shared.screen import cut
 from stochlin.views.shared.style import AS_GIVEN, CURVES, filled, styled
 from stochlin.views.shared.words import along, roles_in_words
 
@@ -170,7 +170,7 @@ def _frequencies(dataset: xr.Dataset) -> Figure:
     accelerations, displacements = panels
     dataset = dataset.isel({dataset.status.dims[0]: dataset.status.values == CONVERGED})
     for building, (color, dash) in zip(along(dataset, "structure"), cycle(CURVES), strict=False):
-        name = cut(f"{int(building.structure)} {building.building.item()}", LEGEND_NAME)
+        name = plain(f"{int(building.structure)} {building.building.item()}", LEGEND_NAME)
         for end, style in (("", {"lw": 1.6, "label": name}), ("_alone", {"lw": 0.6}))[: 1 + meets]:
             look: Any = {"color": color, "linestyle": dash, "complementary": True} | style
             shaken = building[f"peak_acceleration{end}"].max({*building.peak.dims} & {"floor"})

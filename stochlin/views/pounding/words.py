@@ -10,9 +10,9 @@ from scipy import constants
 
 from stochlin.applications.cases.pounding import ENERGIES, energy_of
 from stochlin.applications.cases.shaking import doubts
+from stochlin.messages import plain
 from stochlin.solver.tables.labels import VALUE_AND_ENDS
 from stochlin.views.shared.blocks import Table, Text, ViewSection, texts
-from stochlin.views.shared.screen import cut
 from stochlin.views.shared.words import (
     MISSING,
     SPACE,
@@ -28,7 +28,6 @@ from stochlin.views.shared.words import (
     recorded_shaking,
     scatter,
     shaking,
-    short,
     site_in_words,
     with_interval,
 )
@@ -114,8 +113,8 @@ def headline(table: xr.Dataset) -> str:
         hardest = table.isel(contact=int(table.hardest_force.argmax("contact")))
         level = f" {float(hardest.level):.4g} m up" if "level" in table.coords else ""
         largest = f"Largest force {number(force, 'MN')} MN{level}"
-        return f"{sentence} {largest}, fastest approach {short(speed)} m/s."
-    return f"{sentence} Fastest approach {short(speed)} m/s; this contact gives no forces."
+        return f"{sentence} {largest}, fastest approach {number(speed)} m/s."
+    return f"{sentence} Fastest approach {number(speed)} m/s; this contact gives no forces."
 
 
 def columns_faced(table: xr.Dataset, end: str = "", when: str = "") -> str:
@@ -177,7 +176,7 @@ def _values(case: Case, table: xr.Dataset) -> ViewSection:
 
     def row(name: str, at: Mapping[str, int], stem: str, scale: float) -> list[str]:
         part = _part(table.isel(at), f"{stem}{end}")
-        cells = [short(scale * float(part[stem]))] if single else _statistics(part, stem, scale)
+        cells = [number(scale * float(part[stem]))] if single else _statistics(part, stem, scale)
         return [name, *cells]
 
     rows: list[list[str]] = []
@@ -186,7 +185,7 @@ def _values(case: Case, table: xr.Dataset) -> ViewSection:
         rows.append([f"Gap {pair}, {gap:.3g} cm", *blank])
         rows += [row(f"  {name}", {"neighbours": n}, *each) for name, each in OF_GAPS.items()]
     for n, building in enumerate(table.building.values):
-        rows.append([f"{n + 1}  {cut(str(building), LONGEST_NAME)}", *blank])
+        rows.append([f"{n + 1}  {plain(str(building), LONGEST_NAME)}", *blank])
         for name, (stem, scale) in (OF_BUILDINGS | (OF_NEIGHBOURS if meets else {})).items():
             if f"{stem}{end}" in table:
                 rows.append(row(f"  {name}", {"structure": n}, stem, scale))
@@ -254,4 +253,4 @@ def _statistics(table: xr.Dataset, stem: str, scale: float) -> list[str]:
 
 def _digits(value: float) -> str:
     """Three digits, below one two: the intervals are wider."""
-    return short(value) if value >= 1 else f"{value:.2g}"
+    return number(value) if value >= 1 else f"{value:.2g}"

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
-from stochlin.views.shared.style import CURVES, describe, filled, legend_beside, styled
+from stochlin.views.shared.style import CURVES, filled, styled
 from stochlin.views.shared.words import roles_in_words, with_interval
 
 if TYPE_CHECKING:
@@ -47,6 +47,7 @@ def draw_pounding(dataset: xr.Dataset) -> Figure:
         axes.axvline(end, color="0.5", lw=0.8, label="end of strong shaking")
     axes.set(xlim=(time[0], time[-1]), ylim=(-0.02, 1.02))
     axes.set(ylabel="confidence of no pounding", xlabel="time [s]")
-    legend_beside(axes)
-    describe(figure, 0.1, foot - FOOT, dataset.attrs["title"], caption)
+    axes.legend(loc="upper left", bbox_to_anchor=(1.02, 1), borderaxespad=0)
+    figure.text(0.1, 1 - 0.2 / height, dataset.attrs["title"], size=10)
+    figure.text(0.1, (foot - FOOT) / height, caption, va="top", size=7.5)
     return figure

@@ -15,11 +15,10 @@ from stochlin.views.shared.style import (
     caption_of,
     filled,
     legend_above,
-    name_rows,
     open_frame,
     styled,
 )
-from stochlin.views.shared.words import MINUS, SPACE, behind, per_cent, short
+from stochlin.views.shared.words import MINUS, SPACE, number, per_cent
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -61,18 +60,15 @@ def rows(table: xr.Dataset, names: Mapping[str, str] = NAMES) -> list[InputLine]
 def _row(table: xr.Dataset, place: int, names: Mapping[str, str]) -> InputLine:
     role, _, key = str(table.input.item()).partition(".")
     unit, median = str(table.input_unit.item()), float(table.input_median)
-    if unit == "1" and key in OF_STOREYS:  # a factor on all values
-        unit = "times"
-    else:
-        unit, scale = shown_unit(unit, median)
-        median *= scale
-    low, high = (short(median * float(factor)) for factor in table.input_factor_at)
+    of_all = unit == "1" and key in OF_STOREYS  # a factor on all values
+    unit, scale = ("times", 1.0) if of_all else shown_unit(unit, median)
+    low, high = (number(median * scale * float(factor)) for factor in table.input_factor_at)
     digits = 1 if float(table.gap) >= LARGE_GAP else 2
     changes = [f"{CENTIMETRES * float(change):+.{digits}f}" for change in table.gap_change]
     return InputLine(
         place=place,
         label=f"{key.replace('_', ' ')} of {names[role]}",
-        range=f"{low} to {high}{behind(unit)}",
+        range=f"{low} to {high}{SPACE}{unit.replace(' ', SPACE)}".rstrip(),
         kind=KINDS[int(table.uncertain)],
         change=" / ".join(changes).replace("-", MINUS),
     )
@@ -158,8 +154,11 @@ def draw_sensitivity(
     right = max(1e-9, float(reach.max())) if shown else 1e-9
     axes.axvline(0, color="#1b1b1b", lw=0.8, zorder=4)
     labels = [f"{filled([row.label], NAME)}\n{row.range}, {row.kind}" for row in shown]
-    name_rows(axes, place, labels, 8.5)
-    axes.set(xlim=(-1.05 * right, 1.05 * right), xlabel=f"change of the {_asked(dataset)} [cm]")
+    axes.set_yticks(place, labels)
+    axes.tick_params(axis="y", length=0, labelsize=8.5)
+    axes.grid(visible=False, axis="y")
+    axes.set(xlim=(-1.05 * right, 1.05 * right), ylim=(np.max(place, initial=0.0) + 0.6, -0.6))
+    axes.set_xlabel(f"change of the {_asked(dataset)} [cm]")
     open_frame(axes, ("top", "right", "left"))
     legend_above(axes)
     figure.text(0.02, foot / height, text, va="top", size=8.5)

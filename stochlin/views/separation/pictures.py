@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from stochlin.messages import plain
 from stochlin.views.separation.words import (
     SHARE,
     confidence,
@@ -20,7 +21,6 @@ from stochlin.views.separation.words import (
 )
 from stochlin.views.shared.blocks import Picture
 from stochlin.views.shared.page import PAGE_STYLE
-from stochlin.views.shared.screen import cut
 from stochlin.views.shared.style import (
     AS_GIVEN,
     CURVES,
@@ -274,7 +274,7 @@ def _draw_building(
     dash: Any = "-" if building.has_storeys else (0, (1, 2))
     axes.hlines(_floors(building), face, far, color="0.45", lw=0.7, ls=dash, zorder=2)
     height_text = f"{height:.4g} m" if building.height else "height not given"
-    name = f"{cut(building.name, NAME)}\n{height_text}"
+    name = f"{plain(building.name, NAME)}\n{height_text}"
     axes.text((face + far) / 2, 1.02 * height, name, ha="center", va="bottom", size=SIZE)
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from dataclasses import MISSING, fields
-from functools import reduce
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -17,11 +16,6 @@ if TYPE_CHECKING:
     from stochlin.models.structures import Structure
 
 SWEEP = re.compile(r"(?P<start>[^:]+):(?P<stop>[^:]+):(?P<count>[2-9]|[1-9]\d{1,5})(?P<log>:log)?")
-
-
-def together(*options: Callable[[Any], Any]) -> Callable[[Any], Any]:
-    """One decorator for several options, in their order."""
-    return lambda command: reduce(lambda so_far, option: option(so_far), reversed(options), command)
 
 
 class QuantityType(click.ParamType):  # type: ignore[type-arg]  # no generic type before click 8.2
@@ -122,5 +116,5 @@ def ground_of(options: dict[str, Any]) -> Ground:
     kind = GROUNDS.named(name, "--ground", ground_names())
     for field in fields(kind):
         if field.default is MISSING and field.name not in values:
-            raise ValueError(f"--ground {name} needs --ground-{field.name.replace('_', '-')}")
+            raise ValueError(f"--ground {name} needs {as_option(f'ground_{field.name}')}")
     return kind(**values)

@@ -7,9 +7,9 @@ import math
 import sys
 import textwrap
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
-from functools import cache
+from functools import cache, partial
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -87,11 +87,7 @@ def warnings_as_sentences() -> Iterator[None]:
 @contextmanager
 def compiling_message() -> Iterator[None]:
     """Say on the error stream, once, when code has to be compiled."""
-
-    @cache
-    def say_once() -> None:
-        click.echo(COMPILING, err=True)
-
+    say_once = cache(lambda: click.echo(COMPILING, err=True))
     WHEN_COMPILING.append(say_once)
     try:
         yield
@@ -109,11 +105,10 @@ def progress_bar(
     """
     with ExitStack() as shown:
         bar = click.progressbar(length=STEPS, label=label, file=sys.stderr, item_show_func=doing)
-        begun: list[object] = []  # what is refused before the work has no bar
 
         def progress(share: float) -> None:
-            if not begun:
-                begun.append(shown.enter_context(bar))
+            if not bar.entered:  # what is refused before the work has no bar
+                shown.enter_context(bar)
             bar.update(int(STEPS * share) - bar.pos)
             bar.render_progress()
 
@@ -121,7 +116,7 @@ def progress_bar(
 
 
 def check_target(
-    option: str, path: Path | None, allowed: Sequence[str], inputs: Iterable[Path] = ()
+    option: str, path: Path | None, allowed: Collection[str], inputs: Iterable[Path] = ()
 ) -> None:
     """Raise before the work for a file that could not be written after it, or that is an input."""
     from stochlin.solver.tables.storage import CSV, written_file
@@ -168,20 +163,10 @@ def write(
         click.echo(f"saved {picture}")
 
 
-def paragraph(text: str, hang: str = "") -> list[str]:
-    """The lines of a text on the screen."""
-    return textwrap.wrap(text, WIDTH, subsequent_indent=hang)
-
-
 def show(lines: Iterable[str]) -> None:
     """Print lines with signs that every console knows."""
     for line in lines:
         click.echo(line.translate(PLAIN))
-
-
-def cut(name: str, wide: int) -> str:
-    """A name, cut to this number of characters."""
-    return name if len(name) <= wide else f"{name[: wide - 3]}..."
 
 
 def lines(sections: Iterable[ViewSection], details: bool = False) -> list[str]:
@@ -198,9 +183,10 @@ def lines(sections: Iterable[ViewSection], details: bool = False) -> list[str]:
 def _written(block: Block) -> list[str]:
     """The lines of a block; pictures and names with their meaning are for pages."""
     if isinstance(block, Text):
-        return paragraph(block.text)
+        return textwrap.wrap(block.text, WIDTH)
     if isinstance(block, Items):
-        return [line for text in block.texts for line in paragraph(f"  {text}", "    ")]
+        fill = partial(textwrap.wrap, width=WIDTH, initial_indent="  ", subsequent_indent="    ")
+        return [line for text in block.texts for line in fill(text)]
     return _columns(block) if isinstance(block, Table) and block.rows else []
 
 
@@ -229,8 +215,6 @@ def on_screen(table: xr.Dataset) -> str:
     if not shown.sizes:
         cell = in_rows(shown.expand_dims("case")).drop(columns="case").iloc[0]
         return str(cell.to_string(**digits))
-    first, more = shown, math.prod(shown.sizes.values()) - SCREEN_ROWS
-    for name in shown.dims:
-        first = first.head({name: SCREEN_ROWS})
-    text = in_rows(first).head(SCREEN_ROWS).to_string(index=False, **digits)
+    more = math.prod(shown.sizes.values()) - SCREEN_ROWS
+    text = in_rows(shown.head(SCREEN_ROWS)).head(SCREEN_ROWS).to_string(index=False, **digits)
     return text if more <= 0 else f"{text}\n# ... {more} more rows; --out saves all"

@@ -88,21 +88,18 @@ def caption_of(dataset: xr.Dataset, width: int) -> str:
 @checked
 def ratio_ticks(axis: Any, values: np.ndarray) -> None:
     """Label a logarithmic axis of period ratios with plain numbers."""
-    from matplotlib.ticker import FixedLocator, NullLocator, StrMethodFormatter
-
-    inside = [t for t in TICKS if values[0] / 1.001 <= t <= values[-1] * 1.001]
-    axis.set_major_locator(FixedLocator(inside))
-    axis.set_minor_locator(NullLocator())
-    axis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    axis.set_ticks([t for t in TICKS if values[0] / 1.001 <= t <= values[-1] * 1.001])
+    axis.set_ticks([], minor=True)
+    axis.set_major_formatter("{x:g}")
 
 
 def decade_ticks(axis: Axis) -> None:
     """Plain numbers 1, 2 and 5 of each decade on an axis that is logarithmic already."""
-    from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
+    from matplotlib.ticker import LogLocator
 
     axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
-    axis.set_major_formatter(StrMethodFormatter("{x:g}"))
-    axis.set_minor_formatter(NullFormatter())
+    axis.set_major_formatter("{x:g}")
+    axis.set_minor_formatter("")
 
 
 def quantity(values: xr.DataArray) -> str:
@@ -134,26 +131,6 @@ def open_frame(axes: Axes, sides: Sequence[str] = ("top", "right")) -> None:
     axes.spines[[*sides]].set_visible(False)
 
 
-def name_rows(axes: Axes, place: Any, names: Sequence[str], size: float | None = None) -> None:
-    """Names beside rows that run downwards, each at its place, without ticks and lines of a grid."""
-    axes.set_yticks(place, names)
-    axes.tick_params(axis="y", length=0, labelsize=size)
-    axes.grid(visible=False, axis="y")
-    axes.set_ylim(np.max(place, initial=0.0) + 0.6, -0.6)
-
-
-def describe(figure: Figure, left: float, foot: float, title: str, caption: str) -> None:
-    """The title above a picture, and its caption from ``foot`` inches down."""
-    height = float(figure.get_figheight())
-    figure.text(left, 1 - 0.2 / height, title, size=10)
-    figure.text(left, foot / height, caption, va="top", size=7.5)
-
-
-def legend_beside(axes: Axes) -> None:
-    """The legend to the right of the axes."""
-    axes.legend(loc="upper left", bbox_to_anchor=(1.02, 1), borderaxespad=0)
-
-
 def save(figure: Figure, path: str | os.PathLike[str], dpi: float | None = None) -> None:
     """Write a picture whole or not at all; ``.png``, ``.svg`` or ``.pdf``.
 
@@ -161,14 +138,14 @@ def save(figure: Figure, path: str | os.PathLike[str], dpi: float | None = None)
     """
     import matplotlib as mpl
 
-    suffix = os.path.splitext(path)[1][1:].lower()
-    if f".{suffix}" not in PICTURES:
-        allowed = ", ".join(ending[1:] for ending in PICTURES)
-        raise ValueError(f"path = {brief(os.fspath(path))} ends in {brief(suffix)}; allowed: {allowed}")
-    undated = {"png": {"Software": None}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}[suffix]
+    suffix = os.path.splitext(path)[1].lower()
+    if suffix not in PICTURES:
+        raise ValueError(
+            f"path = {brief(os.fspath(path))} ends in {brief(suffix)}; allowed: {', '.join(PICTURES)}"
+        )
     with mpl.rc_context(STYLE), whole_file(path) as temporary:
         _fix_layout(figure, dpi or PRINT)
-        figure.savefig(temporary, dpi=dpi or PRINT, metadata=undated)
+        figure.savefig(temporary, dpi=dpi or PRINT, metadata=PICTURES[suffix])
 
 
 def _fix_layout(figure: Figure, dpi: float) -> None:
@@ -182,6 +159,5 @@ def _fix_layout(figure: Figure, dpi: float) -> None:
     figure.draw_without_rendering()
     figure.set_layout_engine("none")
     for axes in figure.axes:
-        left, low, width, height = axes.get_position(original=True).bounds
-        axes.set_position((round(left, 9), round(low, 9), round(width, 9), round(height, 9)))
+        axes.set_position(np.round(axes.get_position(original=True).bounds, 9))
     figure.dpi = own

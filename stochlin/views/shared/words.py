@@ -91,21 +91,12 @@ def rule_label(rule: str) -> str:
     return name if stem == rule else f"eq. (3), {name}"
 
 
-def short(value: float) -> str:
-    """Three digits, without an exponent."""
-    if not np.isfinite(value):
-        return MISSING
-    return f"{value:.0f}" if abs(value) >= 1000 else f"{value:.3g}"
-
-
 def number(value: float, unit: str = "1") -> str:
     """A number in SI as it stands in a table in this unit, three digits; missing ones as a dash."""
-    return centimetres(value) if unit == "cm" else short(value / IN_SI[unit])
-
-
-def behind(unit: str) -> str:
-    """A unit as it stands behind a number, on the same line; empty if there is none."""
-    return f" {unit}".rstrip().replace(" ", SPACE)
+    if unit == "cm" or not np.isfinite(value):
+        return centimetres(value)
+    shown = value / IN_SI[unit]
+    return f"{shown:.0f}" if abs(shown) >= 1000 else f"{shown:.3g}"
 
 
 def scatter(case: Case) -> str:
