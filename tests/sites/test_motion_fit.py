@@ -106,3 +106,9 @@ def test_a_fit_that_misses_the_duration_says_so():
 def test_what_cannot_be_fitted_is_refused(record, change, message):
     with pytest.raises(ValueError, match=message):
         sl.fit_motion(change(record.assign_attrs(event="Duzce", station="Bolu")))
+
+
+@pytest.mark.oracle
+def test_motions_of_a_fitted_ground_have_sources_too_long_for_names(record):
+    long = [record.assign_attrs(source=f"{name}, {'intensity ' * 30}") for name in "ab"]
+    assert list(sl.response_spectrum(long, [0.5], 0.05).record.values) == ["1", "2"]

@@ -13,7 +13,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import cores
 from stochlin.kernels.records.oscillator import HIGHEST, LONGEST, LOWEST
 from stochlin.kernels.records.runs import PAIR, SampledMotion
-from stochlin.models.arguments import OfClass, check_label
+from stochlin.models.arguments import OfClass, check_label, is_label
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import expect
 from stochlin.models.structures import Structure
@@ -53,7 +53,7 @@ class RecordedMotions(NamedTuple):
 
 
 def checked_motions(record: Records) -> RecordedMotions:
-    """The records, checked; names in a list are those of the sources, if all differ, or else numbers."""
+    """The records, checked, with names: in a list the sources if they are labels and differ, or numbers."""
     if isinstance(record, xr.DataArray):
         return RecordedMotions([record], [SampledMotion(*checked_record(record))], None)
     if isinstance(record, Mapping):
@@ -61,7 +61,7 @@ def checked_motions(record: Records) -> RecordedMotions:
     elif isinstance(record, (list, tuple)):
         records = list(record)
         sources = [str(getattr(each, "attrs", {}).get("source", "")) for each in records]
-        distinct = all(sources) and len(set(sources)) == len(sources)
+        distinct = all(map(is_label, sources)) and len(set(sources)) == len(sources)
         names = sources if distinct else [str(n + 1) for n in range(len(records))]
     else:
         raise TypeError(f"record is a {type(record).__name__}; allowed: an xarray.DataArray or several")
