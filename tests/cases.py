@@ -16,7 +16,7 @@ import pytest
 import scipy.linalg
 import xarray as xr
 from click.testing import CliRunner
-from scipy.integrate import quad
+from scipy.integrate import quad, solve_ivp
 from scipy.special import ndtr
 
 import stochlin as sl
@@ -210,6 +210,38 @@ def draw_ground(
 ) -> dict[str, Any]:
     """Arguments of a Kanai-Tajimi ground."""
     return {key: log_uniform(rng, domain[f"ground_{key}"], size) for key in ("period", "damping")}
+
+
+def covariances_in_time(space: xr.Dataset, envelope: Any, times: Any, ends: Sequence[float]) -> Any:
+    """Of the states of `statespace` (times, n, n), from ``P' = A P + P A' + Q`` integrated by itself.
+
+    The soil is stationary at the beginning; integration stops at the kinks of the envelope, ``ends``.
+    """
+    matrix, noise = space.state_matrix.values, space.noise_vector.values
+    soil = np.array([str(name).startswith("x") for name in space.state.values])
+    strength, n = float(space.noise_intensity), len(matrix)
+    start, among = np.zeros_like(matrix), np.ix_(soil, soil)
+    if soil.any():
+        start[among] = scipy.linalg.solve_continuous_lyapunov(
+            matrix[among], -strength * np.outer(noise[soil], noise[soil])
+        )
+
+    def rate(time: float, flat: Any) -> Any:
+        now, push, m = matrix.copy(), noise.copy(), float(envelope.at(np.array(time)))
+        now[np.ix_(~soil, soil)] *= m
+        push[~soil] *= m
+        flow = now @ flat.reshape(n, n)
+        return (flow + flow.T + strength * np.outer(push, push)).ravel()
+
+    rows, state, begin = [start.ravel()], start.ravel(), 0.0
+    for end in ends:
+        inside = times[(times > begin) & (times <= end)]
+        piece = solve_ivp(
+            rate, (begin, end), state, "DOP853", np.union1d(inside, end), rtol=1e-11, atol=1e-18
+        )
+        rows += list(piece.y[:, : inside.size].T)
+        state, begin = piece.y[:, -1], end
+    return np.array(rows).reshape(-1, n, n)
 
 
 def augmented_system(

@@ -152,13 +152,8 @@ def test_answers_have_the_shape_of_the_question(kind):
     [
         ({}, ValueError, "neither is given; allowed: exactly one"),
         ({"damping_ratio": 0.1, "restitution": 0.5}, ValueError, "both are given"),
-        (
-            {"damping_ratio": -0.1},
-            ValueError,
-            "damping_ratio = -0.1 is out of range; allowed: 0 <= value",
-        ),
+        ({"damping_ratio": -0.1}, ValueError, "damping_ratio = -0.1 is out of range; allowed: 0 <="),
         ({"restitution": 0}, ValueError, "restitution = 0 is out of range; allowed: 0 < value <= 1"),
-        ({"restitution": "high"}, TypeError, "restitution = 'high' is not a real number"),
         ({"restitution": 0.5, "stiffness": -1}, ValueError, "stiffness = -1 is out of range"),
     ],
 )
@@ -168,27 +163,18 @@ def test_elements_out_of_range_are_refused_by_their_names(kind, arguments, error
 
 
 @pytest.mark.parametrize(
-    ("call", "error", "message"),
+    ("call", "message"),
     [
-        (lambda: sl.Kelvin.restitution(-1), ValueError, "Kelvin: damping_ratio = -1 is out of range"),
-        (lambda: sl.Kelvin.restitution("x"), TypeError, "Kelvin: damping_ratio = 'x' is not a real"),
-        (lambda: sl.HertzDamp(1.0), ValueError, "HertzDamp: of damping_factor and restitution neither"),
-        (lambda: sl.HertzDamp(1.0, restitution=0.5, exponent=0.9), ValueError, "exponent = 0.9 is out"),
-        (
-            lambda: sl.Stereomechanical(0.5).velocities_after(0, 1, 1, 1),
-            ValueError,
-            "is below velocity_2",
-        ),
-        (
-            lambda: sl.Stereomechanical(0.5).velocities_after(1, 0, 0, 1),
-            ValueError,
-            "mass_1 = 0 is out of",
-        ),
-        (lambda: sl.LinearSpring(1.0).force(0, 0, 1, 0), ValueError, "reduced_mass = 0 is out of range"),
+        (lambda: sl.Kelvin.restitution(-1), "Kelvin: damping_ratio = -1 is out of range"),
+        (lambda: sl.HertzDamp(1.0), "HertzDamp: of damping_factor and restitution neither"),
+        (lambda: sl.HertzDamp(1.0, restitution=0.5, exponent=0.9), "exponent = 0.9 is out"),
+        (lambda: sl.Stereomechanical(0.5).velocities_after(0, 1, 1, 1), "is below velocity_2"),
+        (lambda: sl.Stereomechanical(0.5).velocities_after(1, 0, 0, 1), "mass_1 = 0 is out of"),
+        (lambda: sl.LinearSpring(1.0).force(0, 0, 1, 0), "reduced_mass = 0 is out of range"),
     ],
 )
-def test_questions_out_of_range_are_refused_with_what_is_allowed(call, error, message):
-    with pytest.raises(error, match=message):
+def test_questions_out_of_range_are_refused_with_what_is_allowed(call, message):
+    with pytest.raises(ValueError, match=message):
         call()
 
 

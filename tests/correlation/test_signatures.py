@@ -183,10 +183,6 @@ def test_cautions_are_those_of_each_cell():
     assert np.isnan(table.rho_error.values[[0, 4]]).all()
     assert (table.rho_error.values[1:4] > 0).all()
     assert np.isfinite(table.rho).all()
-    for change in ({"damping": 0.004}, {"hardening": 0.009}, {"reduction_factor": 13.0}):
-        outside = sl.correlate(building(**change), building(1.5), LAKEBED, closure="drift")
-        assert int(outside.caution) == 2
-        assert np.isnan(outside.rho_error)
     narrow = sl.KanaiTajimi(1.0, 0.02)
     assert int(sl.correlate(building(), building(1.5), narrow, closure="drift").caution) == 2
     for high_pass_period, caution in ((10.0, 0), (40.0, 2)):

@@ -195,20 +195,6 @@ def test_drift_grows_with_the_motion_and_stiff_structures_are_flagged():
     assert sl.peak_response(still, soil, 30.0).caution.values.tolist() == [0, 0]
 
 
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        (
-            {"duration": 0.1},
-            r"duration = 0.1 holds .* zero crossings; allowed for Vanmarcke1975.*longer",
-        ),
-        ({"duration": -1.0}, r"duration = -1 .*allowed: 0 < value"),
-        ({"model": "rice"}, "model = 'rice'"),
-        ({"closure": "linear"}, "closure = 'linear'"),
-    ],
-    ids=str,
-)
-def test_bad_arguments_are_refused(change, message):
-    arguments = {"structure": sl.Bilinear(1.0, 0.05), "ground": LONG, "duration": 20.0} | change
-    with pytest.raises(ValueError, match=message):
-        sl.peak_response(**arguments)
+def test_a_motion_without_crossings_has_no_peak():
+    with pytest.raises(ValueError, match=r"holds .* zero crossings; allowed for Vanmarcke1975.*longer"):
+        sl.peak_response(sl.Bilinear(1.0, 0.05), LONG, 0.1)

@@ -21,8 +21,9 @@ SLIPS = [1e-18, 1e-15, 1e-12, 1e-10, 1e-8, 1e-6, 1e-4, 1e-3, 1e-2, 1e-1]
 WORST_RHO = 1e-11  # reached: 1e-13, and 5.1e-12 where the relaxation is 1e5 times the frequency
 
 
-def draw(rng, slip, relaxation):
-    w, xi, alpha = 2 * np.pi / cases.log_uniform(rng, (0.15, 4.0)), rng.uniform(0.01, 0.1), 0.05
+def draw(rng, slip, relaxation, period=None, alpha=0.05):
+    period = period or cases.log_uniform(rng, (0.15, 4.0))
+    w, xi = 2 * np.pi / period, rng.uniform(0.01, 0.1)
     return EquivalentSystem(w * w, 2 * xi * w, (1 - alpha) * w * w, slip, relaxation * w)
 
 
@@ -52,49 +53,56 @@ def errors(first, second, filters):
         return float(max(relative)), float(abs(rho - exact))
 
 
+def check(first, second, filters):
+    """In either order."""
+    for pair in ((first, second), (second, first)):
+        relative, absolute = errors(*pair, filters)
+        assert relative < 1e-10
+        assert absolute < WORST_RHO
+
+
 @pytest.mark.parametrize("slip", SLIPS)
 def test_moments_and_correlation_keep_their_digits_as_slip_vanishes(slip):
     rng = np.random.default_rng(18)
     for relaxation in (0.01 * slip, slip, min(100 * slip, 0.3)):
         soil = 2 * np.pi / cases.log_uniform(rng, (0.3, 3.0)), cases.log_uniform(rng, (0.03, 0.8))
-        first, second = draw(rng, slip, relaxation), draw(rng, 2 * slip, 0.5 * relaxation)
-        relative, absolute = errors(first, second, soil)
-        assert relative < 1e-10
-        assert absolute < WORST_RHO
+        check(draw(rng, slip, relaxation), draw(rng, 2 * slip, 0.5 * relaxation), soil)
 
 
-@pytest.mark.parametrize("fast", [10.0, 1e2, 1e3, 1e5])
+@pytest.mark.parametrize("fast", [10.0, 1e2, 1e3, 1e4, 1e5])
 def test_moments_and_correlation_keep_their_digits_where_relaxation_is_fast(fast):
-    """Far beyond yield; one structure, or both, in either order."""
+    """Far beyond yield; one structure, or both."""
     rng = np.random.default_rng(23)
     soil = 2 * np.pi / 1.3, 0.2
     for other in (0.1, 1.0, 0.7 * fast):
         for _ in range(3):
             pair = draw(rng, rng.uniform(0.1, 0.5), fast), draw(rng, rng.uniform(0.1, 0.9), other)
-            for one, two in (pair, pair[::-1]):
-                relative, absolute = errors(one, two, soil)
-                assert relative < 1e-10
-                assert absolute < WORST_RHO
+            check(*pair, soil)
 
 
 def test_one_structure_hardly_yields_and_the_ground_is_that_of_clough_and_penzien():
     rng = np.random.default_rng(19)
     for tiny in (1e-18, 1e-12, 1e-7):
-        pair = draw(rng, 0.2, 0.1), draw(rng, tiny, tiny)
-        relative, absolute = errors(*pair, (15.0, 0.6, 1.5, 0.6))
-        assert relative < 1e-10
-        assert absolute < WORST_RHO
+        check(draw(rng, 0.2, 0.1), draw(rng, tiny, tiny), (15.0, 0.6, 1.5, 0.6))
 
 
-def test_nearly_equal_structures_as_slip_vanishes():
-    """The pair equation is worst conditioned where the two structures almost coincide."""
-    rng = np.random.default_rng(21)
-    for slip in (1e-16, 1e-8, 1e-3):
-        first = draw(rng, slip, slip)
-        second = first._replace(stiffness=first.stiffness * (1 + 1e-9))
-        relative, absolute = errors(first, second, (2 * np.pi, 0.05))
-        assert relative < 1e-10
-        assert absolute < WORST_RHO
+@pytest.mark.parametrize("slip", [1e-18, 1e-16, 1e-12, 1e-8, 1e-6, 1e-3, 1e-2])
+def test_nearly_equal_structures_as_slip_vanishes(slip):
+    """The worst conditioned pairs, also on ground of their period and damping: near-defective."""
+    first = draw(np.random.default_rng(21), slip, slip)
+    w = np.sqrt(first.stiffness)
+    for soil in ((2 * np.pi, 0.05), (w, first.damping / (2 * w))):
+        check(first, first._replace(stiffness=w * w * (1 + 1e-9)), soil)
+
+
+@pytest.mark.parametrize("ratio", [1e-3, 1e-2, 1e2, 1e3])
+@pytest.mark.parametrize("slip", [1e-16, 1e-6, 0.2])
+def test_periods_far_apart_keep_their_digits(ratio, slip):
+    rng = np.random.default_rng(41)
+    relaxation = min(slip * 10 ** rng.uniform(-2, 2), 0.5)
+    alphas = 10 ** rng.uniform(-3, 0, 2)
+    pair = [draw(rng, slip, relaxation, *each) for each in zip((1.0, ratio), alphas, strict=True)]
+    check(*pair, (2 * np.pi, 0.3))
 
 
 # --- The fixed points: the closures and the covariance in 60 digits -----------------------------------

@@ -86,14 +86,9 @@ def test_simulated_the_strength_has_the_ductility_that_was_asked_for(ground, uns
     [
         ({"ductility": 0.0}, "ductility = 0 "),
         ({"structure": sl.Bilinear(1.0, 0.05)}, "hardening is not given"),
-        ({"closure": "linear"}, "closure = 'linear'"),
         ({"peak_factor": -1.0}, "peak_factor = -1 "),
-        (
-            {"structure": sl.Bilinear([1.0, 2.0], 0.05, 0.1), "ductility": [1.0, 2, 3]},
-            "share a dimension",
-        ),
+        ({"structure": sl.Bilinear(np.ones(2), 0.05, 0.1), "ductility": np.ones(3)}, "share a dim"),
     ],
-    ids=lambda value: value if isinstance(value, str) else next(iter(value)),
 )
 def test_bad_arguments_are_refused(change, message):
     arguments = {"structure": sl.Bilinear(1.0, 0.05, 0.1), "ground": GROUND, "ductility": 4.0}

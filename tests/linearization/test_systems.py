@@ -307,11 +307,7 @@ def test_dampers_and_weight_act_as_they_do_on_one_storey():
             "structure_1, structure_2 and ground share a dimension .*different dimension names",
         ),
         ({"structures": [sl.Bilinear([-1.0, np.nan], 0.05)]}, "no cell has valid parameters"),
-        ({"iteration": "picard"}, "iteration = 'picard' is not known; allowed: anderson, substitution"),
-        (
-            {"iteration": "substitution", "relaxation": 1.5},
-            "relaxation = 1.5 is out of range; allowed: 0 < value <= 1",
-        ),
+        ({"iteration": "substitution", "relaxation": 1.5}, "relaxation = 1.5 is out of range"),
     ],
 )
 def test_what_cannot_be_is_said(change, message):

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import scipy.integrate
 import xarray as xr
+from cases import covariances_in_time
 
 import stochlin as sl
 
@@ -85,33 +85,7 @@ def test_linear_moments_are_those_of_the_lyapunov_differential_equation(ground):
     pair = replace(elastic(TALL), p_delta=True), elastic(LOW)
     found = probability(*pair, ground, 0.1, points=8)
     space = sl.statespace(pair, ground)
-    matrix, noise = space.state_matrix.values, space.noise_vector.values
-    soil = np.array([str(name).startswith("x") for name in space.state.values])
-    strength, n = float(space.noise_intensity), len(matrix)
-    start = np.zeros_like(matrix)
-    if soil.any():
-        among = np.ix_(soil, soil)
-        start[among] = scipy.linalg.solve_continuous_lyapunov(
-            matrix[among], -strength * np.outer(noise[soil], noise[soil])
-        )
-
-    def rate(time, flat):
-        now, push, m = matrix.copy(), noise.copy(), float(QUAKE["envelope"].at(np.array(time)))
-        now[np.ix_(~soil, soil)] *= m
-        push[~soil] *= m
-        flow = now @ flat.reshape(n, n)
-        return (flow + flow.T + strength * np.outer(push, push)).ravel()
-
-    rows, state, begin = [start.ravel()], start.ravel(), 0.0
-    times = found.time.values
-    for end in (4.0, 10.0, 14.0):  # the envelope's kinks are ends of pieces
-        inside = times[(times > begin) & (times <= end)]
-        piece = scipy.integrate.solve_ivp(
-            rate, (begin, end), state, "DOP853", np.union1d(inside, end), rtol=1e-11, atol=1e-18
-        )
-        rows += list(piece.y[:, : inside.size].T)
-        state, begin = piece.y[:, -1], end
-    p = np.array(rows).reshape(-1, n, n)
+    p = covariances_in_time(space, QUAKE["envelope"], found.time.values, (4.0, 10.0, 14.0))
     share = (6.4 - 4.0) / 3.0  # of the second floor of TALL at the roof of LOW
     places = {
         3.2: ({"1.1": 0.8}, {"2.1": 1.0}),
