@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-import numpy as np
 import pytest
 from commands import answered, refused
 
@@ -23,26 +22,6 @@ def wall(tmp_path: Path) -> Path:
     path = tmp_path / "wall.csv"
     path.write_text(WALL, encoding="utf-8")
     return path
-
-
-def test_it_prints_what_the_building_has(wall: Path) -> None:
-    """Masses and displacements are L^2/M and phi L/M, written out."""
-    shapes = np.array([[0.094, 0.331, 0.65, 1], [-0.565, -1.082, -0.495, 1], [1.729, 0.529, -1.648, 1]])
-    masses = np.array([300.0, 300, 300, 220])
-    loads, modal = shapes @ masses, shapes**2 @ masses
-    share, factors = 100 * loads**2 / modal / masses.sum(), loads / modal
-    result = answered("building", wall).output
-    rows = [line.split() for line in result.splitlines()]
-    for mode, period in enumerate((0.72, 0.118, 0.043)):
-        expected = f"{mode + 1} {period:g} {share[mode]:.1f} {share[: mode + 1].sum():.1f}"
-        assert [*expected.split(), f"{factors[mode]:.3f}"] in rows
-    roof, first = (
-        [*cells, *(f"{move:.3f}" for move in factors * shapes[:, floor])]
-        for cells, floor in ((["4", "13.6", "3.4", "220"], 3), (["1", "3.4", "3.4", "300"], 0))
-    )
-    assert rows.index(roof) < rows.index(first)
-    assert f"together: {share.sum():.1f} %" in result
-    assert "computed from shapes and floor masses" in result
 
 
 def test_its_example_is_a_building(wall: Path) -> None:

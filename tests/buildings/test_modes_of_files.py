@@ -139,9 +139,7 @@ def test_an_argument_without_a_meaning_is_refused(tmp_path: Path) -> None:
         read(tmp_path, PLAIN, points="12")
 
 
-def test_a_table_that_lacks_masses_or_has_too_many_modes_makes_no_building(tmp_path: Path) -> None:
+def test_a_table_that_lacks_masses_makes_no_building(tmp_path: Path) -> None:
     table = read(tmp_path, PLAIN)
     with pytest.raises(ValueError, match="allowed: a dataset with height, mass, period, shape"):
         sl.ModalBuilding.from_table(table.drop_vars("mass"), damping=0.05)
-    with pytest.raises(ValueError, match="shapes has 601 values; allowed: one for each of at most 600"):
-        sl.ModalBuilding.from_table(table.isel(mode=[0] * 601), damping=0.05)

@@ -23,8 +23,7 @@ from stochlin.models.systems import (
 
 pytestmark = pytest.mark.invariant
 
-V, Z = sympy.symbols("v z")
-OWN = V - abs(V) * Z
+V = sympy.Symbol("v")
 TWO = {"masses": [1e5] * 2, "stiffnesses": [1e8] * 2, "heights": [3.0] * 2, "damping": 0.05}
 STRENGTH = {"hardening": 0.1, "yield_drifts": 0.01}
 KNOWN = {"period": 0.8, "storeys": 4, "storey_height": 3.0, "mass": 4e5, "damping": 0.05}
@@ -283,23 +282,15 @@ MASSLESS, HIGH = sl.Bilinear(1.0, 0.05), sl.ShearBuilding([1e5] * 2, [1e8] * 2, 
 LOW = uniform(2, 1e5, 1e8)
 ONE, UPSIDE = {"structures": (2, 2)}, {"structures": (2, 2), "floors": (3, 0)}
 REFUSED = {
-    "masses = -100000 in storey 2": shear(masses=[1e5, -1e5]),
     "heights has 1 values, and masses has 2; allowed: one for": shear(heights=[3.0]),
-    "masses = ": shear(masses=[]),
-    "damping is an array": shear(damping=[0.05, 0.05]),
     "ShearBuilding: hardening is not given": shear(yield_drifts=0.01),
     "masses has 201 values; allowed: one for each of at most 200": lambda: uniform(201, 1e5, 1e8),
-    "dampers = -2 in storey 2 is out of range; allowed: 0 <=": shear(dampers=[0.0, -2.0]),
-    "p_delta = 1; allowed: True or False": shear(p_delta=1),
     r"law = v\*\*2 differs with the direction; allowed: ": shear(law=V**2),
-    r"law_parameters = \[1\]; allowed: a mapping of numbers by": shear(law_parameters=[1]),
     r"'beta': \[0\.6, 0\.8\]}; allowed: a mapping of numbers": of_law("bouc_wen", beta=[0.6, 0.8]),
     "gamma = -3 is out of range; allowed: -beta": of_law("bouc_wen", gamma=-3.0),
     "law_parameters = .*has no bet; allowed: beta, gamma, expo": of_law("bouc_wen", bet=1),
-    "storeys = 2.5 is no whole number; allowed: a whole number f": regular_building(storeys=2.5),
     "stiffnesses = inf in storey 1 is out of range; allowed: 0": regular_building(mass=1e308),
     "storey_height has 2 values, storeys = 4; allowed: o": regular_building(storey_height=[3.0, 3.0]),
-    "= 1000 is out of range; allowed: 0 < value <= 100": regular_building(base_shear_coefficient=1000),
     "hardening is not given; what yields": regular_building(hardening=None),
     "takes 653777 N/m from storey 1; .*than its stiffness, 600000 N/m": shear(
         stiffnesses=[6e5, 1e8], p_delta=True
@@ -308,11 +299,9 @@ REFUSED = {
     r"hardening = 0\.1 and yield_displacement = None; allowed: both": link(hardening=0.1),
     r"floors = \(0, 1\); allowed: two whole numbers from 1": link(floors=(0, 1)),
     r"floors = \(1, 0\).*from 1; 0, the ground, inside one": link(floors=(1, 0)),
-    "structures = 1; allowed: two whole numbers from 1": link(structures=1, floors=(1, 0)),
     r"floors = None with .* inside one structure: floors=\(upper": link(**ONE),
     r"floors = \(1, 1\) with .*: floors=\(upper, lower\)": link(**ONE, floors=(1, 1)),
     r"floors = \(1, -1\); allowed: two whole numbers from 0": link(**ONE, floors=(1, -1)),
-    "damping_exponent = 0 is out of range; allowed: 0 < value <= 2": link(damping_exponent=0),
     r"link 1: floors = \(2, 1\), structure 1 has 1; allowed: 1 to": lambda: arrangement_of(
         [OSCILLATOR, LOW], [Link(1, floors=(2, 1))]
     ),
@@ -328,7 +317,6 @@ REFUSED = {
     r"link 1: floors = \(3, 0\), structure 2 has 2; allowed: 0 to 2": lambda: arrangement_of(
         [OSCILLATOR, LOW], [Link(1, **UPSIDE)]
     ),
-    "links = 3; allowed: a Link, or a list of Link and None": lambda: check_links("links", 3, 3),
     "number 1 = 3 is of the wrong kind; allowed: Link": lambda: check_links("links", [3, None], 3),
     "1 given; allowed: one between each two neighbours": lambda: check_links("links", [Link(1)], 3),
 }

@@ -15,7 +15,6 @@ from stochlin.charts import (
 
 pytestmark = pytest.mark.paper
 
-KELVINS = [sl.Kelvin, sl.NoTensionKelvin, sl.ImpactKelvin]
 SPEED, MASS, SHARE = st.floats(-10, 10), st.floats(1e-3, 1e9), st.floats(0, 1)
 
 # --- Eq. (13) -------------------------------------------------------------------------------------

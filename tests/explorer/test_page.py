@@ -13,11 +13,10 @@ from browser import PATIENCE, wait
 from cases import example_of_short_motion
 from click.testing import CliRunner
 
-from stochlin.applications.cases.examples import example_record, short_example
+from stochlin.applications.cases.examples import example_record
 from stochlin.views.command import main
 
 pytestmark = [pytest.mark.cli, pytest.mark.slow]  # in a browser
-REST = 0.5  # s without work, after which a process rests
 
 
 def run(*arguments: object) -> Any:
@@ -38,15 +37,6 @@ def test_a_missing_extra_is_told_with_its_cure(monkeypatch):
     done = run()
     assert done.exit_code == 1
     assert "pip install 'stochlin[app]'" in done.output
-
-
-def test_a_bad_case_file_is_told(tmp_path):
-    path = tmp_path / "case.toml"
-    path.write_text(short_example().replace('period = "1.0 s"', 'period = "-4 s"'), encoding="utf-8")
-    done = run("--case", path)
-    assert done.exit_code == 2
-    assert "building_1.period = '-4 s' is out of range" in done.output
-    assert "there is no such file" in run("--case", tmp_path / "none.toml").output
 
 
 def response(address: str, path: str, **headers: str) -> http.client.HTTPResponse:

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 import xarray as xr
 
-import stochlin as sl
 from stochlin.messages import LONGEST, brief, listed, nearest, plain, sentence
 
 pytestmark = pytest.mark.invariant
@@ -16,33 +15,19 @@ class Broken:
 
 
 @pytest.mark.parametrize(
-    ("value", "shown"),
-    [
-        ("Annex", "'Annex'"),
-        (10**400, "about 1e400"),
-        ([10**400, 1], "[about 1e400, 1]"),
-        (Broken(), "a Broken"),
-        (np.zeros((2, 2)), "array([[0., 0.], [0., 0.]])"),
-        (sl.Bilinear(1.0, 0.05), "Bilinear (period 1 s, damping 0.05, peak factor 3)"),
-    ],
-    ids=lambda value: type(value).__name__,
-)
-def test_a_value_is_shown_as_python_writes_it(value: object, shown: str) -> None:
-    assert brief(value) == shown
-
-
-@pytest.mark.parametrize(
     "value",
     [
         "a" * 200_000,
         dict.fromkeys(range(1000), "b" * 1000),
         xr.Dataset({f"a{n}": ("x", np.arange(50)) for n in range(50)}),
         [[[[[[["deep" * 100]]]]]]],
+        Broken(),
+        [10**400, 1],
         "one\ntwo\x1b[31m\u2028\x00" * 100,
     ],
     ids=lambda value: type(value).__name__,
 )
-def test_a_long_value_is_cut_to_one_line(value: object) -> None:
+def test_any_value_is_shown_on_one_line(value: object) -> None:
     said = brief(value)
     assert said.isprintable()
     assert 0 < len(said) <= LONGEST

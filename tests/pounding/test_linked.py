@@ -19,13 +19,6 @@ def record(samples=300):
     return 2.0 * smooth_noise(samples, 7) / 3
 
 
-def pair(**law):
-    return [
-        sl.Bilinear(0.9, 0.03, mass=2e5, **law),
-        sl.Bilinear(0.5, 0.06, mass=3e5, **law),
-    ]
-
-
 def towers(**other):
     given = {"hardening": 0.05, "yield_drifts": 0.008} | other
     low = sl.ShearBuilding([2e5] * 2, [1e8, 8e7], [3.0] * 2, 0.05, **given)

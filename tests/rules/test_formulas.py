@@ -14,10 +14,6 @@ pytestmark = pytest.mark.oracle
 EFFECTIVE = rules.effective_rule_names(unverified=True)
 GROUND = sl.KanaiTajimi(1.0, 0.3, intensity=0.01)
 
-ductilities = st.floats(1, 30)
-hardenings = st.floats(0.001, 1)
-dampings = st.floats(0.005, 0.2)
-
 
 @pytest.mark.parametrize("name", EFFECTIVE)
 def test_elastic_structures_keep_their_period_and_damping(name):
@@ -109,7 +105,6 @@ def test_correlate_takes_linearized_peak_ductilities(rule):
 
 SITE = {"height_1": 12.0, "height_2": 20.0, "zone": "II"}
 SITE |= {"storeys_1": 3, "storeys_2": 9, "design_pga": 2.5}
-lengths = st.floats(1e-3, 2)
 
 
 @pytest.mark.parametrize(

@@ -18,7 +18,6 @@ from stochlin.views.shared.blocks import typeset_html
 
 pytestmark = pytest.mark.cli
 
-LINKS = {"src", "href", "xlink:href", "srcset", "action"}
 NASTY = '<script>alert("1")</script> & co'
 
 
@@ -124,17 +123,11 @@ ANNEX = BLOCK.format(n=2, period=0.3, storeys=2, height=3.5)
 
 
 @pytest.mark.slow
-def test_the_worst_storey_is_named_and_gaps_over_the_height_are_drawn(tmp_path: Path) -> None:
+def test_gaps_over_the_height_are_drawn(tmp_path: Path) -> None:
     text = few(with_buildings(OFFICE, ANNEX).replace("align = true", "align = false"))
-    shown = " ".join(done(tmp_path, text).result.output.split())
+    done(tmp_path, text)
     with xr.open_dataset(tmp_path / "gap.nc") as table:
         assert all("long_name" in variable.attrs for variable in table.data_vars.values())
-        first = table.isel(element=table.element_structure.values == 1)
-        worst = first.isel(element=int(first.ductility.argmax("element")))
-        drift = 100 * float(worst.peak_drift_mean)
-        sentence = f"{drift:.1f} cm, {drift / 3.2:.2f} % of its height"
-        sentence += f", ductility {float(worst.ductility):.1f}"
-        assert f"storey {int(worst.storey)} of Block 1, {sentence}" in shown
         figure = draw_heights(table)
         line = figure.axes[0].get_lines()[0]
         gaps = 100 * table.gap_at_height.sel(rule="simulation")

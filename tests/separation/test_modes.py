@@ -36,30 +36,19 @@ def of_peaks(factor, first, second, ground):
     modes, heights = modes_of(system), facing_heights(system)
     std = sl.linearize(oscillators_of(modes), ground).displacement_std.values
     peaks, rho = combine_modes(modes, factor * std, ground, weights_at(system, heights))
-    return modes, std, sl.critical_gap(*peaks, rho).gap.values
-
-
-def test_numbers_of_an_independent_computation():
-    """By modal covariances in another program, to the digits that it gave."""
-    modes, std, gaps = of_peaks(1.0, TALL, LOW, GROUND)
-    known = [0.0164955, 0.00171393, 0.00066549, 0.00037683, 0.00594576, 0.00062531]
-    np.testing.assert_allclose(std, known, atol=6e-9)
-    rho = sl.correlate(oscillators_of(modes), oscillators_of(modes, "other"), GROUND).rho
-    assert float(rho[0, 4]) == pytest.approx(0.0634773364, abs=1e-10)
-    assert float(rho[1, 4]) == pytest.approx(0.186137637, abs=1e-9)
-    np.testing.assert_allclose(gaps, [0.00727805039, 0.0140778843], rtol=1e-9)
+    return sl.critical_gap(*peaks, rho).gap.values
 
 
 def test_peaks_in_one_proportion_to_standard_deviations_give_it_to_the_difference():
     """The Lyapunov equation of the storeys knows no modes; every mode has the same damping ratio."""
-    *_, gaps = of_peaks(3.2, TALL, LOW, WHITE)
+    gaps = of_peaks(3.2, TALL, LOW, WHITE)
     table = sl.linearize_system([TALL, LOW], WHITE).relative_displacement_std
     exact = [float(table.sel(floor=f"1.{n}", floor_2=f"2.{n}")) for n in (1, 2)]
     np.testing.assert_allclose(gaps, 3.2 * np.array(exact), rtol=1e-9)
 
 
 def test_floors_that_are_not_level_move_with_the_floors_about_them():
-    *_, gaps = of_peaks(1.0, TALL, SKEW, GROUND)
+    gaps = of_peaks(1.0, TALL, SKEW, GROUND)
     names = ["1.1", "1.2", "1.3", "2.1", "2.2"]
     table = sl.linearize_system([TALL, SKEW], GROUND)
     sigma = table.displacement_std.sel(floor=names).values

@@ -12,9 +12,7 @@ import stochlin as sl
 
 pytestmark = [pytest.mark.invariant, pytest.mark.extreme]
 
-NUMBERS = ["rho", "displacement_std_1", "displacement_std_2", "ductility_std_1", "ductility_std_2"]
 GROUND = sl.KanaiTajimi(period=1.0, damping=0.2)
-CLOSURES = ["gaussian", "clipped", "drift"]
 
 
 def pair_of_axes():
