@@ -63,9 +63,9 @@ CURES = {
 }
 
 
-def axis(name: str, long_name: str, values: Any, units: str = "1") -> xr.DataArray:
-    """Array over the dimension ``name`` with itself as coordinate, both with units and long name."""
-    attrs = {"units": units, "long_name": long_name}
+def axis(name: str, long_name: str, values: Any, units: str | None = "1") -> xr.DataArray:
+    """Array over the dimension ``name`` with itself as coordinate; ``units`` of texts are None."""
+    attrs = {"units": units, "long_name": long_name} if units else {"long_name": long_name}
     return xr.DataArray(values, dims=name, coords={name: (name, values, attrs)}, attrs=attrs)
 
 

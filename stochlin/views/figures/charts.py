@@ -37,6 +37,7 @@ GROUND_DAMPING = Number(KanaiTajimi.allowed("damping"))
 # Motions of Figs. 1, 2 and 5b, in periods of the ground, so that an amplification does not depend on it:
 # the duration, the ends of the rise and of the strong part, and the decay. For 2 s it lasts 30 s.
 DURATION, RISE_END, STRONG_END, DECAY = 15.0, 2.0, 7.5, 0.7
+# Memory of a plastic drift above which a stationary response is hardly ever reached, in periods, too.
 LONGEST_MEMORY = 2 * DURATION
 SIMULATED_INTENSITY, SIMULATED_STEP = 0.004, 0.02  # m^2/s^3, s
 BANDS = {NARROW_BAND_DAMPING: "narrow band, ", BROAD_BAND_DAMPING: "broad band, "}
@@ -207,8 +208,3 @@ def rounded(values: np.ndarray) -> np.ndarray:
 def design_motion(period: float) -> tuple[float, AminAng]:
     """Duration [s] and envelope of the finite motions on a ground of this period."""
     return DURATION * period, AminAng(RISE_END * period, STRONG_END * period, DECAY / period)
-
-
-def longest_memory(ground: Ground) -> float:
-    """Memory of a plastic drift [s] above which a stationary response is hardly ever reached."""
-    return LONGEST_MEMORY * float(ground.arrays()["period"])

@@ -48,6 +48,7 @@ VARIABLES = {
     "scaled_velocity": ("1", "rate of deformation over the approach velocity v0"),
     "scaled_force": ("1", "contact force f/(k (v0 τ)^n)"),
 }
+ELEMENT = "element", "contact element"
 OF_PAPER = {"Kelvin": "Kelvin", "ImpactKelvin": "Impact Kelvin"}
 SKETCHES = (
     ("(a) Kelvin element", r"$f = k\,d + c\,v$", ""),
@@ -142,8 +143,8 @@ def restitution_chart(settings: ChartSettings = USUAL) -> xr.Dataset:
     along = np.linspace(0, 1, settings.fine_points)
     ratio = labels.axis("damping_ratio", "damping ratio of the contact", along)
     kinds = _with_ratio()
-    names = _elements([kind.__name__ for kind in kinds])
-    chart = xr.Dataset({"restitution": xr.concat([kind.restitution(ratio) for kind in kinds], names)})
+    axis = labels.axis(*ELEMENT, [kind.__name__ for kind in kinds], units=None)
+    chart = xr.Dataset({"restitution": xr.concat([kind.restitution(ratio) for kind in kinds], axis)})
     chart.attrs |= {
         "chart": "restitution",
         "caption": "Two free masses; ξ = c/(2 √(k m)).",
@@ -164,7 +165,7 @@ def _histories(
     """Contacts of these elements from their beginning to their end."""
     names = [type(model).__name__ for model in models]
     motions = [_motion(model, settings.fine_points) for model in models]
-    chart = xr.concat(motions, _elements(names))
+    chart = xr.concat(motions, labels.axis(*ELEMENT, names, units=None))
     chart.attrs |= {"chart": picture, "caption": SCALES, "comment": DIFFERENCES}
     described = dict(zip(names, models, strict=True))
     return labels.with_run_information(labels.label(chart, VARIABLES), title, call, described)
@@ -194,12 +195,6 @@ def _motion(model: Element, points: int) -> xr.Dataset:
     motion = xr.Dataset({f"scaled_{name}": ("point", values) for name, values in over_time.items()})
     numbers = {"restitution": model.e, "contact_damping": getattr(model, "damping", 0.0)}
     return motion.assign(scaled_contact_time=end, **numbers)
-
-
-def _elements(names: list[str]) -> xr.DataArray:
-    return xr.DataArray(
-        names, {"element": names}, "element", "element", {"long_name": "contact element"}
-    )
 
 
 @PICTURES.register("contact_loops")

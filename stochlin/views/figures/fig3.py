@@ -144,8 +144,8 @@ def ratio_axis(points: int, long_name: str = "period ratio T1/T2") -> xr.DataArr
 
 def along_rules(tables: Sequence[xr.Dataset], rules: Sequence[EffectiveRule]) -> xr.Dataset:
     """Tables of single rules joined over ``rule``, with the source and the mark of each rule."""
-    axis = labels.axis("rule", "rule for effective properties", [rule.name for rule in rules])
-    del axis.attrs["units"], axis.rule.attrs["units"]
+    names = [rule.name for rule in rules]
+    axis = labels.axis("rule", "rule for effective properties", names, units=None)
     table = xr.concat(tables, dim=axis, combine_attrs="drop_conflicts")
     for name, text in (("reference", "source of the rule"), ("mark", "how the rule was checked")):
         entries = [getattr(rule, name) for rule in rules]

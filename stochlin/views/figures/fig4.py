@@ -25,11 +25,11 @@ from stochlin.solver.linearization.linearization import linearize
 from stochlin.solver.simulation.ground_motions import simulated_motions
 from stochlin.solver.tables import labels
 from stochlin.views.figures.charts import (
+    LONGEST_MEMORY,
     SIMULATED_INTENSITY,
     USUAL,
     ChartSettings,
     design_motion,
-    longest_memory,
     register_chart,
 )
 from stochlin.views.figures.fig3 import ratio_axis
@@ -109,8 +109,8 @@ def period_ratio_chart(
     chart = chart.transpose("ground", "reduction_factor", "period_ratio", missing_dims="ignore")
     times = "" if frequency_ratio == 1 else f"{frequency_ratio:g} "
     title = f"Stationary correlation of bilinear structures, ω2 = {times}ωg"
-    chart.attrs |= words(settings, ground, title, f"; T2 = {second_period:.3g} s")
-    chart.attrs |= {"chart": "curves", "comparison": "compared_curves"}
+    where = f"; T2 = {second_period:.3g} s"
+    chart.attrs |= words(settings, ground, title, where, chart="curves", comparison="compared_curves")
     return with_errors(chart, "rho", [SIMULATED, IN_MOTIONS], settings)
 
 
@@ -150,7 +150,7 @@ def with_truth(
     if tables:
         chart[SIMULATED].attrs["ancillary_variables"] = f"{ERROR} {MEMORY}"
     chart.rho.attrs["curve_label"] = "ρ, linearized"
-    return chart.assign_attrs(longest_memory_s=longest_memory(ground))
+    return chart.assign_attrs(longest_memory_s=LONGEST_MEMORY * ground_period(ground))
 
 
 def with_points(chart: xr.Dataset, tables: Sequence[xr.Dataset]) -> xr.Dataset:
@@ -236,11 +236,13 @@ def simulated_step(settings: ChartSettings, size: int, usual: int) -> int:
     return max(1, round((size - 1) / (count - 1))) if count else 0
 
 
-def words(settings: ChartSettings, ground: Ground, title: str, where: str = "") -> dict[str, str]:
-    """Title and caption of a chart of linearized structures; the ground's strength is no matter."""
+def words(
+    settings: ChartSettings, ground: Ground, title: str, where: str = "", **pictures: str
+) -> dict[str, str]:
+    """Words and pictures of a chart of linearized structures; the ground's strength is no matter."""
     stated = ", ".join(text for text in ground.stated() if not text.startswith("intensity"))
     caption = (
         f"{ground.name} ground, {stated}{where}\nBilinear structures: ξ = {settings.damping:g}, "
         f"α = {settings.hardening:g}, R = 3 σel/uy; linearized, Gaussian closure"
     )
-    return {"title": title, "caption": caption}
+    return {"title": title, "caption": caption, **pictures}

@@ -14,10 +14,10 @@ from stochlin.solver.correlation.amplification import amplification
 from stochlin.solver.correlation.correlation import correlate
 from stochlin.solver.tables import labels
 from stochlin.views.figures.charts import (
+    LONGEST_MEMORY,
     USUAL,
     ChartSettings,
     design_motion,
-    longest_memory,
     register_chart,
 )
 from stochlin.views.figures.fig4 import (
@@ -91,8 +91,7 @@ def period_plane_chart(settings: ChartSettings = USUAL, ground: Ground | None = 
     places = [{f"period_ratio_{n}": slice(None, None, step) for n in (1, 2)}] if step else []
     chart = with_truth(chart, (first, second), ground, settings, places)
     title = f"Stationary correlation of bilinear structures, R = {factor:g}"
-    chart.attrs |= words(settings, ground, title)
-    chart.attrs |= {"chart": "plane", "comparison": "compared_planes"}
+    chart.attrs |= words(settings, ground, title, chart="plane", comparison="compared_planes")
     return with_errors(chart, "rho", [SIMULATED], settings)
 
 
@@ -160,8 +159,7 @@ def amplification_chart(settings: ChartSettings = USUAL, ground: Ground | None =
             chart[name].attrs["ancillary_variables"] = f"{name}_standard_error{beside}"
     chart.amplification.attrs["curve_label"] = "D of standard deviations, linearized"
     title = "Amplification by yielding: of stationary standard deviations, and of maxima in a motion"
-    chart.attrs |= words(settings, ground, title)
+    chart.attrs |= words(settings, ground, title, chart="curves", comparison="compared_curves")
     chart.attrs["caption"] += f"\nMaxima: {duration:.3g} s of motion, {envelope.describe()}"
-    chart.attrs |= {"chart": "curves", "comparison": "compared_curves"}
-    chart.attrs["longest_memory_s"] = longest_memory(ground)
+    chart.attrs["longest_memory_s"] = LONGEST_MEMORY * period
     return with_errors(chart, "amplification", [OF_PEAKS], settings)

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import MISSING, fields
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -27,22 +29,17 @@ class QuantityType(click.ParamType):  # type: ignore[type-arg]  # no generic typ
         self.units = units
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """In SI."""
-        return self.in_si(value, param, ctx) if isinstance(value, str) else value
-
-    def in_si(self, text: str, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        """The number that a text stands for."""
+        """The number in SI that a text stands for."""
         from stochlin.applications.cases.reading.kinds import Quantity
         from stochlin.models.parameters import POSITIVE
 
+        number = value
+        with suppress(ValueError):
+            number = float(value)
         try:
-            value: float | str = float(text)
-        except ValueError:
-            value = text
-        try:
-            return Quantity(self.units, POSITIVE).in_si(value)  # models know the range
+            return Quantity(self.units, POSITIVE).in_si(number)  # models know the range
         except ValueError as error:
-            self.fail(f"{brief(text)} {error}", param, ctx)
+            self.fail(f"{brief(value)} {error}", param, ctx)
 
 
 class Numbers(QuantityType):
@@ -54,10 +51,9 @@ class Numbers(QuantityType):
         """A list of numbers in SI."""
         import numpy as np
 
-        if not isinstance(value, str):
-            return value
+        in_si = partial(super().convert, param=param, ctx=ctx)
         if ":" not in value:
-            return [self.in_si(item, param, ctx) for item in value.split(",")]
+            return [in_si(item) for item in value.split(",")]
         sweep = SWEEP.fullmatch(value)
         if not sweep:
             unit = "" if self.units == "1" else "s"
@@ -67,7 +63,7 @@ class Numbers(QuantityType):
                 param,
                 ctx,
             )
-        low, high = (self.in_si(sweep[end], param, ctx) for end in ("start", "stop"))
+        low, high = (in_si(sweep[end]) for end in ("start", "stop"))
         if sweep["log"] and not low * high > 0:
             self.fail(f"{value!r} is geometric and includes 0; allowed: both ends above 0", param, ctx)
         return (np.geomspace if sweep["log"] else np.linspace)(low, high, int(sweep["count"])).tolist()
