@@ -29,8 +29,8 @@ def test_variance_under_an_envelope_follows_the_lyapunov_equation():
     """Displacement of an elastic structure at the end of a rise, over 4096 motions."""
     w, xi, intensity, steps, period = 2 * np.pi, 0.05, 0.01, 96, 1.0
     noise = sl.WhiteNoise(intensity)
-    moving = structures_in_motion([elastic(period)], noise, None, stationary=False)
-    run = moving.run(noise, paths=4096, seed=3, steps_per_period=32)
+    options = {"paths": 4096, "seed": 3, "steps_per_period": 32}
+    run = structures_in_motion([elastic(period)], noise, None, False, **options).run
     plan = run.plan._replace(every=1, samples=steps)
     envelope = QUAKE.at(plan.dt * (np.arange(steps) + 0.5))
     last = [

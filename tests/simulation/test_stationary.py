@@ -31,8 +31,8 @@ def yielding(period, strength_ratio, hardening=0.05, model=sl.Bilinear):
 def ensemble(structures, ground, **options):
     """Run of some oscillators, ready for `moments_of` with any seed."""
     relaxation_times = options.pop("relaxation_times")
-    moving = structures_in_motion(structures, ground, None, stationary=True)
-    return with_length(moving.run(ground, **options), relaxation_times)
+    moving = structures_in_motion(structures, ground, None, True, **options)
+    return with_length(moving.run, relaxation_times)
 
 
 def moments_of(run, **plan):

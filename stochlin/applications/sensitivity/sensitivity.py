@@ -25,7 +25,7 @@ from stochlin.solver.simulation.finite_motions import (
     simulate_finite,
 )
 from stochlin.solver.simulation.simulation import STEPS_PER_PERIOD, check_repeated, checked_structures
-from stochlin.solver.simulation.structures_in_motion import GROUND, INPUT, draw, structures_in_motion
+from stochlin.solver.simulation.structures_in_motion import GROUND, INPUT, structures_in_motion
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_duration, standing
 
@@ -158,7 +158,7 @@ def _responses(
     simulations have the time step and the samples of the first.
     """
     steps: list[float] = []  # of the simulations so far
-    made: dict[str, list[Any]] = {}  # samples of the models in the first simulation
+    made: dict[str, Sequence[Any]] = {}  # samples of the models in the first simulation
 
     def run(changes: Mapping[str, UncertainModel]) -> Array:
         present = [changes.get(role, model) for role, model in models.items()]
@@ -166,16 +166,13 @@ def _responses(
         *structures, ground = (
             model if sampled and model.uncertain else model.median() for model in present
         )
-        drawn = draw(structures, ground, draws["paths"], draws["seed"])
+        others = {role: samples for role, samples in made.items() if role not in changes}
+        options = {**draws, "steps_per_period": STEPS_PER_PERIOD, "step": steps[0] if steps else None}
+        moving = structures_in_motion(structures, ground, None, False, made=others, **options)
         if not steps:
-            made.update({role: drawn.samples_of(role) for role in drawn.factors})
-        drawn = drawn._replace(made={role: made[role] for role in drawn.factors if role not in changes})
-        structures, ground = drawn.medians
-        moving = structures_in_motion(structures, ground, None, False, drawn.stacks())
-        options = {**draws, "grounds": drawn.samples_of(GROUND), "step": steps[0] if steps else None}
-        simulation = moving.run(ground, steps_per_period=STEPS_PER_PERIOD, **options)
-        table = simulate_finite(moving, simulation, *motion, (), None)
-        steps.append(simulation.plan.dt)
+            made.update(moving.samples)
+        table = simulate_finite(moving, *motion, (), None)
+        steps.append(moving.run.plan.dt)
         if progress is not None:
             progress(len(steps) / (2 * len(inputs) + 2))
         return pair_separation(table).to_numpy()

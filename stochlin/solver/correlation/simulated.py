@@ -73,9 +73,8 @@ def _check_grounds(
     structures: list[Structure], ground: Ground, options: dict[str, Any], grounds: int
 ) -> None:
     """Raise a ValueError if the simulations on all grounds, if each is as long, would take too long."""
-    moving = structures_in_motion(structures, ground, None, True)
     drawn = {name: options[name] for name in ("paths", "seed", "steps_per_period")}
-    run = moving.run(ground, **drawn)
+    run = structures_in_motion(structures, ground, None, True, **drawn).run
     check_work(
         f"the simulations on {grounds} grounds would take",
         "take fewer grounds at a time, lower paths or relaxation_times, or leave out structures that "

@@ -84,7 +84,6 @@ def check_response(system: Arrangement, finite: Array) -> None:
 
 def simulate_finite(
     moving: StructuresInMotion,
-    run: SimulationRun,
     duration: float,
     envelope: Envelope | None,
     quantiles: Sequence[float],
@@ -92,12 +91,12 @@ def simulate_finite(
 ) -> xr.Dataset:
     """Dataset of `simulate` for motions of finite duration, without labels."""
     levels = np.asarray(quantiles, float)
-    system, links, functions = moving.system, links_of(moving.system), moving.functions
-    extremes = extremes_of(run, [*functions.values()], (duration, envelope), progress, links=links)
+    run, system, functions = moving.run, moving.system, moving.functions
+    extremes = extremes_of(run, [*functions.values()], (duration, envelope), progress, links_of(system))
     highest, fallen = _with_falls(moving, functions, extremes)
     check_response(system, ~np.isnan(highest["floors"][0]))
     either = {name: highest[name].max(axis=0) for name in functions}
-    over = "path", moving.floor
+    over = "path", moving.dimensions[0]
     samples: Columns = {
         "peak_positive": (over, highest["floors"][0]),
         "peak_negative": (over, highest["floors"][1]),
@@ -126,7 +125,8 @@ def simulate_finite(
         means |= share_columns("collapse_probability", [STRUCTURE], fallen)
     coords["quantile"] = "quantile", levels, {"units": "1", "long_name": "quantile"}
     # Made at once, because each addition to a dataset takes a millisecond.
-    return xr.Dataset(samples | means | quantile, coords, finite_attributes(run, duration, envelope))
+    columns = samples | means | quantile | moving.input_factors()
+    return xr.Dataset(columns, coords, finite_attributes(run, duration, envelope))
 
 
 def links_of(system: Arrangement) -> tuple[Array, Array]:
@@ -144,7 +144,6 @@ def extremes_of(
     functions: Sequence[Array],
     motion: tuple[float, Envelope | None],
     progress: Progress | None = None,
-    *,
     links: tuple[Array, Array] | None = None,
 ) -> Extremes:
     """Extremes of linear functions (m, w) [m] of all that is watched, and peaks of links.

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -27,10 +26,15 @@ from stochlin.models.links import Link
 from stochlin.models.parameters import expect
 from stochlin.models.structures import Structure
 from stochlin.models.systems import STRUCTURES, AnyStructure, floor_count
+from stochlin.models.uncertain import median_of
 from stochlin.solver.simulation.ensembles import check_memory, seconds_of
 from stochlin.solver.simulation.finite_motions import check_finite, check_motion, simulate_finite
 from stochlin.solver.simulation.stationary_motions import stationary_moments
-from stochlin.solver.simulation.structures_in_motion import GROUND, Draw, draw, structures_in_motion
+from stochlin.solver.simulation.structures_in_motion import (
+    StructuresInMotion,
+    models_of,
+    structures_in_motion,
+)
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_scalars
 
@@ -166,72 +170,61 @@ def simulate(
     >>> bool(abs(table.rho[0, 1] - exact) < 4 * table.rho_standard_error[0, 1])
     True
     """
-    drawn = draw(structures, ground, paths, seed)
-    if drawn.factors:
-        structures, ground = _medians(drawn, duration)
     roles = checked_structures(structures, ground)
     check_motion(duration, envelope, scatter, roles)
-    check_memory(sum(floor_count(structure) for structure in structures), paths)
-    moving = structures_in_motion(structures, ground, link, duration is None, drawn.stacks())
-    options: dict[str, Any] = {
-        "paths": paths,
-        "seed": seed,
-        "steps_per_period": steps_per_period,
-        "scatter": float(scatter),
-        "grounds": drawn.samples_of(GROUND),
-    }
-    run = moving.run(ground, **options)
-    models = drawn.models
-    del models["ground"]
-    if isinstance(link, Link):
-        models["link"] = link
-    else:
-        models |= {f"link_{n}": each for n, each in enumerate(moving.links, start=1) if each is not None}
+    check_memory(sum(map(floor_count, roles.values())), paths)
+    moving = structures_in_motion(
+        structures,
+        ground,
+        link,
+        duration is None,
+        paths=paths,
+        seed=seed,
+        steps_per_period=steps_per_period,
+        scatter=float(scatter),
+    )
     if duration is not None:
-        table = simulate_finite(moving, run, duration, envelope, quantiles, progress)
-        table = table.assign(drawn.table())
+        table = simulate_finite(moving, duration, envelope, quantiles, progress)
         state, more = "finite motions", f", duration={duration}"
     else:
-        table = stationary_moments(moving, run, relaxation_times, progress)
+        table = stationary_moments(moving, relaxation_times, progress)
         state, more = "stationary response", ""
+    lone = isinstance(link, Link)
+    links = {"link" if lone else f"link_{n}": each for n, each in enumerate(moving.links, 1) if each}
     return labels.with_run_information(
         labels.label(table, last=labels.NOT_RESOLVED),
-        f"Simulation of {len(structures)} structures in {state}, {ground.name} ground",
+        f"Simulation of {len(structures)} structures in {state}, {median_of(ground).name} ground",
         f"simulate(paths={paths}, seed={seed}{more})",
-        models | {"ground": drawn.ground},
+        models_of(structures, ground) | links,
     )
 
 
-def _medians(drawn: Draw, duration: float | None) -> tuple[Sequence[AnyStructure], Ground]:
-    """Medians of uncertain structures and ground; raises a ValueError without a duration."""
-    if duration is None:
-        role, names = next((role, list(own)) for role, own in drawn.factors.items())
-        raise ValueError(
-            f"{role}: {', '.join(names)} is uncertain, and duration is missing; a stationary response "
-            "is that of one structure on one ground: give a duration, or the median()"
-        )
-    return drawn.medians
-
-
 def checked_structures(structures: Sequence[AnyStructure], ground: Ground) -> dict[str, AnyStructure]:
-    """The structures by their roles; raises if they or the ground do not suit `simulate`."""
+    """Medians of the structures by their roles; raises if these or the ground do not suit `simulate`."""
     if not isinstance(structures, Sequence):
         raise TypeError(f"structures = {brief(structures)}; allowed: a list of structures")
     if not structures:
         raise ValueError("structures is empty; allowed: at least one")
-    roles = {f"structures[{number}]": structure for number, structure in enumerate(structures)}
+    roles = {f"structures[{number}]": median_of(each) for number, each in enumerate(structures)}
     for role, structure in roles.items():
         expect(structure, STRUCTURES, role)
         if isinstance(structure, Structure):
             check_scalars(structure, role, SCALARS)
-    check_scalars(ground, "ground", SCALARS)
+    check_scalars(median_of(ground), "ground", SCALARS)
     return roles
 
 
 def time_step(structures: Sequence[AnyStructure], ground: Ground) -> float:
     """Time step of `simulate` in finite motions of these structures [s]."""
-    moving = structures_in_motion(structures, ground, None, stationary=False)
-    return moving.run(ground, paths=1, seed=0, steps_per_period=STEPS_PER_PERIOD).plan.dt
+    return _moving(structures, ground, paths=1).run.plan.dt
+
+
+def _moving(structures: Sequence[AnyStructure], ground: Ground, paths: int) -> StructuresInMotion:
+    """Structures without links in finite motions."""
+    steps = STEPS_PER_PERIOD
+    return structures_in_motion(
+        structures, ground, None, False, paths=paths, seed=0, steps_per_period=steps
+    )
 
 
 def check_repeated(
@@ -246,9 +239,8 @@ def check_repeated(
     Raises if structures do not suit `simulate`, or if ``times`` simulations would take too long.
     """
     checked_structures(structures, ground)
-    moving = structures_in_motion(structures, ground, None, stationary=False)
-    run = moving.run(ground, paths=paths or LANES, seed=0, steps_per_period=STEPS_PER_PERIOD)
-    functions = sum(map(len, moving.functions.values()))
+    moving = _moving(structures, ground, paths or LANES)
+    run, functions = moving.run, sum(map(len, moving.functions.values()))
     check_finite(run, duration, functions, times)
     if paths is not None:
         return paths, paths

@@ -55,16 +55,16 @@ class MomentEstimates(NamedTuple):
 
 
 def stationary_moments(
-    moving: StructuresInMotion, run: SimulationRun, relaxation_times: float, progress: Progress | None
+    moving: StructuresInMotion, relaxation_times: float, progress: Progress | None
 ) -> xr.Dataset:
     """Stationary second moments of all floors, and of the drifts of storeys."""
-    too_slow = MOST_STEPS * run.plan.dt / (BURN_IN + relaxation_times)
-    expected = run.drift_time
+    too_slow = MOST_STEPS * moving.run.plan.dt / (BURN_IN + relaxation_times)
+    expected = moving.run.drift_time
     rare = expected > too_slow
-    run = with_length(run._replace(drift_time=np.where(rare, 0.0, expected)), relaxation_times)
+    run = with_length(moving.run._replace(drift_time=np.where(rare, 0.0, expected)), relaxation_times)
     memory = np.where(rare, expected, run.drift_time)
     moments = simulate_moments(run, np.concatenate([moving.floors, moving.drifts]), progress)
-    n, over, names = len(moving.floors), moving.floor, moving.system.floors
+    n, (over, of_drifts) = len(moving.floors), moving.dimensions
     check_response(moving.system, np.isfinite(moments.displacement_std[None, :n]))
     for group in moving.groups:  # all floors of a structure move with the storey that yields rarely
         if isinstance(group.part, SteppedStructures):
@@ -79,12 +79,12 @@ def stationary_moments(
         "status": (over, status),
         "rho": (pairs, moments.rho[:n, :n]),
         "rho_standard_error": (pairs, moments.rho_error[:n, :n]),
-        "ductility_std": (moving.element, drifts / moving.system.watched_strength),
+        "ductility_std": (of_drifts, drifts / moving.system.watched_strength),
     }
     if moving.has_storeys:
         columns["drift_std"] = ELEMENT, drifts
         columns["drift_std_standard_error"] = ELEMENT, moments.displacement_error[n:]
-    return xr.Dataset(columns, moving.coords | {f"{over}_2": names}, run_attributes(run))
+    return xr.Dataset(columns, moving.coords | {f"{over}_2": moving.system.floors}, run_attributes(run))
 
 
 def with_length(run: SimulationRun, relaxation_times: float) -> SimulationRun:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from types import MappingProxyType
+from contextlib import suppress
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,7 +15,6 @@ from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
 from stochlin.models.structures import Structure
 from stochlin.models.systems import (
-    AnyStructure,
     Arrangement,
     Stack,
     arrangement_of,
@@ -44,6 +43,8 @@ from stochlin.solver.tables.labels import (
 
 STRUCTURE = "structure"
 PATH, INPUT, GROUND = "path", "input", "ground"
+Samples = Mapping[str, Sequence[Any]]  # by uncertain model: stacks or grounds, one for each motion
+NONE: Samples = {}
 STREAM = 2  # stream of random numbers, different from those of the motions with the same seed
 
 
@@ -100,7 +101,9 @@ class StructuresInMotion(NamedTuple):
     groups: list[SteppedGroup]
     links: tuple[Link | None, ...]
     limits: Array  # (w,) or (motions, w) [m], drifts at which structures fall; see `Stack.limits`
-    drift_times: Array  # (w,) relaxation time [s] of the plastic drifts; 0 for finite motions
+    run: SimulationRun  # whose duration is still open
+    factors: Mapping[str, Mapping[str, Array]]  # by model and parameter: samples (motions,) over median
+    samples: Samples
 
     @property
     def has_storeys(self) -> bool:
@@ -108,14 +111,9 @@ class StructuresInMotion(NamedTuple):
         return not all(stack.is_oscillator for stack in self.system.stacks)
 
     @property
-    def floor(self) -> str:
-        """Dimension of displacements: ``structure`` if all are oscillators, else ``floor``."""
-        return FLOOR if self.has_storeys else STRUCTURE
-
-    @property
-    def element(self) -> str:
-        """Dimension of drifts: ``structure`` if all are oscillators, else ``element``."""
-        return ELEMENT if self.has_storeys else STRUCTURE
+    def dimensions(self) -> tuple[str, str]:
+        """Dimensions of displacements and of drifts, which are ``structure`` if all are oscillators."""
+        return (FLOOR, ELEMENT) if self.has_storeys else (STRUCTURE, STRUCTURE)
 
     @property
     def floors(self) -> Array:
@@ -149,40 +147,68 @@ class StructuresInMotion(NamedTuple):
 
     @property
     def coords(self) -> dict[str, Any]:
-        """Coordinates along `floor` and `element`."""
+        """Coordinates along the `dimensions`."""
         if not self.has_storeys:
             return {STRUCTURE: self.system.floors}
         return {**floor_coordinates(self.system), **element_coordinates(self.system)}
 
-    def run(self, ground: Ground, **options: Any) -> SimulationRun:
-        """Ensemble of the structures, without a duration; the options are those of `prepare`."""
-        return prepare(self.groups, ground, drift_times=self.drift_times, **options)
+    def input_factors(self) -> dict[str, xr.DataArray]:
+        """Variable ``input_factor`` of a dataset with all samples."""
+        if not self.factors:
+            return {}
+        columns = {f"{m}.{name}": c for m, own in self.factors.items() for name, c in own.items()}
+        values = np.stack(list(columns.values()), axis=1)
+        inputs = (INPUT, list(columns), {"long_name": "uncertain parameter"})
+        return {"input_factor": xr.DataArray(values, dims=(PATH, INPUT), coords={INPUT: inputs})}
 
 
 def structures_in_motion(
-    structures: Sequence[AnyStructure],
-    ground: Ground,
+    structures: Sequence[Any],
+    ground: Any,
     link: Link | Sequence[Link | None] | None,
     stationary: bool,
-    samples: Sequence[Sequence[Stack]] = (),
+    *,
+    paths: int,
+    seed: int,
+    made: Samples = NONE,
+    **options: Any,
 ) -> StructuresInMotion:
     """Structures of a simulation; for a stationary one with relaxation times by linearization.
 
-    ``samples`` are the structures of each motion if parameters are uncertain; then ``structures`` are
-    the medians.
+    Of uncertain models, the system has the medians, and each motion a sample by Latin hypercube sampling
+    (McKay, Beckman and Conover 1979). A reduction factor refers to the median ground. Models whose
+    samples were ``made`` before have these. The ``options`` are those of `prepare`.
     """
-    links = check_links("link", link, len(structures))
-    system = arrangement_of([strength_in_metres(each, ground) for each in structures], links)
+    models = models_of(structures, ground)
+    factors = _factors(models, whole_groups(paths), seed)
+    if stationary and factors:
+        role, names = next(iter(factors.items()))
+        raise ValueError(
+            f"{role}: {', '.join(names)} is uncertain, and duration is missing; a stationary response "
+            "is that of one structure on one ground: give a duration, or the median()"
+        )
+    *medians, usual = map(median_of, models.values())
+    links = check_links("link", link, len(medians))
+    system = arrangement_of([strength_in_metres(each, usual) for each in medians], links)
     drift_times, limits = np.zeros(len(system.watched)), system.limits
     if stationary:
         check_stationary(system)
         for n, stack in enumerate(system.stacks, start=1):
             stack.law.check_stationary(f"structures, number {n}")
-        drift_times = _drift_times(structures, ground, system, links)
+        drift_times = _drift_times(medians, usual, system, links)
+    samples = {
+        role: made.get(role) or _samples(models[role], own, usual) for role, own in factors.items()
+    }
+    rows: list[Any] = []  # structures of each motion
     if samples:
-        limits = np.array([system._replace(stacks=tuple(stacks)).limits for stacks in samples])
-    groups = connected_groups(system, samples) if samples else stepped_groups(system)
-    return StructuresInMotion(system, groups, links, limits, drift_times)
+        named = zip(models, system.stacks, strict=False)  # without the ground
+        columns = [samples.get(role, [stack] * whole_groups(paths)) for role, stack in named]
+        rows = [*zip(*columns, strict=True)]
+        limits = np.array([system._replace(stacks=row).limits for row in rows])
+    groups = connected_groups(system, rows) if samples else stepped_groups(system)
+    options |= {"drift_times": drift_times, "grounds": samples.get(GROUND, [])}
+    run = prepare(groups, usual, paths=paths, seed=seed, **options)
+    return StructuresInMotion(system, groups, links, limits, run, factors, samples)
 
 
 def _drift_times(
@@ -193,108 +219,43 @@ def _drift_times(
 ) -> Array:
     """Relaxation times [s] of all that is `watched` by linearization; 0 if elastic."""
     alone, times = unlinked_oscillators(system), np.zeros(len(system.watched))
-    if len(alone) < len(structures):
-        times = _joint_drift_times(structures, ground, system, links)
+    # Without a linearization, a run that is too short shows it by its change of variance.
+    with suppress(ArithmeticError), np.errstate(divide="ignore", invalid="ignore"):
+        if len(alone) < len(structures):
+            k_eq = linearize_system(structures, ground, links).k_eq.values[: times.size]
+            hardening = system.of_elements(system.storeys.post / system.storeys.elastic, 1.0, 1.0)
+            times = np.where(k_eq > 0, 1 / (hardening * k_eq), 0.0)
     for number in alone:
         times[system.first[number]] = drift_time_of(structures[number], ground)
     return times
 
 
-def _joint_drift_times(
-    structures: Sequence[AnyStructure],
-    ground: Ground,
-    system: Arrangement,
-    links: Sequence[Link | None],
-) -> Array:
-    storeys, count = system.storeys, len(system.watched)
-    try:
-        k_eq = linearize_system(structures, ground, links).k_eq.values[:count]
-    except ArithmeticError:  # a run that is too short shows it by its change of variance
-        return np.zeros(count)
-    hardening = system.of_elements(storeys.post / storeys.elastic, 1.0, 1.0)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(k_eq > 0, 1 / (hardening * k_eq), 0.0)
+def models_of(structures: Sequence[Any], ground: Any) -> dict[str, Any]:
+    """Structures and ground by their names in the attributes of a dataset."""
+    named = {f"{STRUCTURE}_{n}": each for n, each in enumerate(structures, start=1)}
+    return named | {GROUND: ground}
 
 
-class Draw(NamedTuple):
-    """Structures and ground as given, and samples of their uncertain parameters."""
-
-    structures: Sequence[Any]
-    ground: Any
-    motions: int
-    factors: Mapping[str, Mapping[str, Array]]  # by model and parameter: samples (motions,) over median
-    made: Mapping[str, list[Any]] = MappingProxyType({})  # by model: samples that were made before
-
-    @property
-    def models(self) -> dict[str, Any]:
-        """Structures and ground by their names in the attributes of a dataset."""
-        named = {f"structure_{n}": each for n, each in enumerate(self.structures, start=1)}
-        return named | {GROUND: self.ground}
-
-    @property
-    def medians(self) -> tuple[list[Any], Any]:
-        """Structures and ground at the medians of their parameters."""
-        return [median_of(each) for each in self.structures], median_of(self.ground)
-
-    def stacks(self) -> list[list[Stack]]:
-        """Structures of each motion (motions, structures); none without uncertain parameters.
-
-        A reduction factor refers to the median ground.
-        """
-        if not self.factors:
-            return []
-        columns = [self.samples_of(name) for name in self.models if name != GROUND]
-        return [list(row) for row in zip(*columns, strict=True)]
-
-    def samples_of(self, name: str) -> list[Any]:
-        """Samples of a model for all motions: stacks of a structure, or grounds.
-
-        The list is empty for a ground without uncertain parameters.
-        """
-        if name in self.made:
-            return self.made[name]
-        factors = self.factors.get(name, {})
-        if name != GROUND:
-            return self._stacks(self.models[name], factors, self.medians[1])
-        rows = zip(*factors.values(), strict=True)
-        return [self.ground.at(dict(zip(factors, map(float, row), strict=True))) for row in rows]
-
-    def _stacks(self, model: Any, factors: Mapping[str, Array], ground: Any) -> list[Stack]:
-        if not factors:
-            return [stack_of(strength_in_metres(model, ground))] * self.motions
-        if isinstance(model.median(), Structure) and "mass" not in factors:
-            along = {name: xr.DataArray(column, dims=PATH) for name, column in factors.items()}
-            sampled = strength_in_metres(model.at(along), ground)
-            return stacks_of(sampled, PATH, self.motions)
-        rows = zip(*factors.values(), strict=True)
-        each = (dict(zip(factors, map(float, row), strict=True)) for row in rows)
-        return [stack_of(strength_in_metres(model.at(sample), ground)) for sample in each]
-
-    def table(self) -> dict[str, xr.DataArray]:
-        """Variable ``input_factor`` of a dataset with all samples."""
-        if not self.factors:
-            return {}
-        columns = {f"{m}.{name}": c for m, own in self.factors.items() for name, c in own.items()}
-        values = np.stack(list(columns.values()), axis=1)
-        inputs = (INPUT, list(columns), {"long_name": "uncertain parameter"})
-        return {"input_factor": xr.DataArray(values, dims=(PATH, INPUT), coords={INPUT: inputs})}
-
-
-def draw(structures: Sequence[Any], ground: Any, paths: int, seed: int) -> Draw:
-    """Samples of uncertain parameters by Latin hypercube sampling (McKay, Beckman and Conover 1979).
-
-    The number of motions is ``paths``, rounded up to whole groups.
-    """
-    motions = whole_groups(paths)
-    listed = structures if isinstance(structures, Sequence) else ()  # other types are refused later
-    drawn = Draw(listed, ground, motions, {})
+def _factors(models: Mapping[str, Any], motions: int, seed: int) -> dict[str, dict[str, Array]]:
     random = np.random.default_rng([seed, STREAM])
-    factors = {
+    return {
         role: {name: own.factor(_stratified(random, motions)) for name, own in model.uncertain.items()}
-        for role, model in drawn.models.items()
+        for role, model in models.items()
         if isinstance(model, UncertainModel)
     }
-    return drawn._replace(factors=factors)
+
+
+def _samples(model: UncertainModel, factors: Mapping[str, Array], ground: Ground) -> list[Any]:
+    """Samples of a model for all motions: grounds, or stacks of a structure on the median ground."""
+    median, motions = model.median(), len(next(iter(factors.values())))
+    if isinstance(median, Structure) and "mass" not in factors:
+        along = {name: xr.DataArray(column, dims=PATH) for name, column in factors.items()}
+        return stacks_of(strength_in_metres(model.at(along), ground), PATH, motions)
+    rows = zip(*factors.values(), strict=True)
+    each = (model.at(dict(zip(factors, map(float, row), strict=True))) for row in rows)
+    if isinstance(median, Ground):
+        return [*each]
+    return [stack_of(strength_in_metres(sample, ground)) for sample in each]
 
 
 def _stratified(random: np.random.Generator, count: int) -> Array:
