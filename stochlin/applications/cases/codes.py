@@ -16,7 +16,6 @@ from stochlin.applications.separation.storeys import of_storeys
 from stochlin.applications.sites.design_spectra import reduced_eurocode_8
 from stochlin.applications.sites.spectra import interpolated
 from stochlin.kernels.basics.arrays import Array
-from stochlin.models.buildings.base import MultistoreyBuilding
 from stochlin.models.rules.codes import BEHAVIOUR, IMPORTANCE, CodeRule, Site
 from stochlin.models.systems import arrangement_of, first_mode
 from stochlin.solver.simulation.structures_in_motion import at_height
@@ -51,8 +50,6 @@ def with_applied_codes(case: Case, table: xr.Dataset) -> xr.Dataset:
     applied = applied.assign_coords(kind=("rule", [KIND] * len(rules)))
     if "height" in table.dims:
         applied = applied.merge(gaps_by_height([rule.gaps for rule in rules], table.height.values))
-        for end in labels.ENDS:
-            applied[f"gap_at_height_{end}"] = xr.full_like(applied.gap_at_height, np.nan)
     whole = xr.concat([table, applied], "rule", data_vars="minimal", coords="minimal", compat="override")
     whole = labels.label(whole)
     return whole.assign_attrs(comment=f"{APPLY} {COMBINED}")
@@ -67,7 +64,7 @@ def _applied(case: Case, rule: CodeRule, table: xr.Dataset) -> Rule:
             return Rule(name, "code", nothing, missing=f"{building.name} lacks {lacking}")
     structures = [building.structure for building in buildings]
     system, site = arrangement_of(structures), Site(0.0, None if case.alone else 0.0, **of_codes(case))
-    if any(isinstance(structure, MultistoreyBuilding) for structure in structures):
+    if any(building.has_storeys for building in buildings):
         site = of_storeys(site, structures)
         site = site.with_arrays({f"height_{n}": heights for n, _ in enumerate(buildings, start=1)})
     floors = np.concatenate([design_displacements(case, building, rule) for building in buildings])
@@ -95,10 +92,7 @@ def design_displacements(case: Case, building: Building, rule: CodeRule) -> Arra
     assert spectrum is not None
     period = float(mode.arrays()["period"])
     at = interpolated(spectrum.period.values, spectrum.values, np.array([period]))
-    structure = building.structure
-    shape = (
-        structure.first_mode_moves().values if isinstance(structure, MultistoreyBuilding) else np.ones(1)
-    )
+    shape = building.structure.first_mode_moves().values if building.has_storeys else np.ones(1)
     behaviour, importance = (factors_of(building).get(name, 1.0) for name in (BEHAVIOUR, IMPORTANCE))
     # A code that divides displacements by the importance factor has multiplied the forces by it.
     forces = (importance if rule.over_importance else 1.0) / behaviour

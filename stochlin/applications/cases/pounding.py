@@ -15,6 +15,7 @@ from stochlin.applications.pounding.rows import SIDES
 from stochlin.applications.pounding.runs import STEPS_PER_CONTACT
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.arguments import checked
+from stochlin.models.systems import arrangement_of
 from stochlin.solver.linearization.strength import strength_in_metres
 from stochlin.solver.simulation.ground_motions import simulated_motions
 from stochlin.solver.simulation.simulation import time_step
@@ -122,18 +123,17 @@ def _check(case: Case, simulated: bool = False) -> None:
 
 def _named(table: xr.Dataset, case: Case, structures: list[Any]) -> xr.Dataset:
     """The dataset with the names of the buildings, and their floors or yield displacements."""
-    names, each = [building.name for building in case.buildings], case.buildings
+    names = [building.name for building in case.buildings]
     table = table.assign_coords(building=("structure", names, {"long_name": "name of the building"}))
     if "floor" not in table.dims:
         strengths = [item.yield_displacement if item.yields else np.nan for item in structures]
         table["yield_displacement"] = ("structure", np.array(strengths, float))
         table["peak_ductility"] = table.peak / table.yield_displacement
         return table
-    storeys = [item.storeys if item.has_storeys else 1 for item in each]
+    storeys = [building.floors for building in case.buildings]
     levels = np.full((table.sizes["structure"], table.sizes["floor"]), np.nan)
-    for row, building in zip(levels, each, strict=True):
-        if building.has_storeys:
-            row[: building.storeys] = building.structure.levels()
+    for row, stack in zip(levels, arrangement_of(structures).stacks, strict=True):
+        row[: stack.levels.size] = stack.levels
     about = {"units": "m", "long_name": "height of the floor, not known of an oscillator"}
     return table.assign_coords(
         storeys=("structure", storeys, {"long_name": "number of storeys"}),

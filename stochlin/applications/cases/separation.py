@@ -27,6 +27,7 @@ from stochlin.applications.sites.simulated_spectra import Motions, compared_spec
 from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.kernels.simulation.stepping import whole_groups
 from stochlin.solver.tables import labels
+from stochlin.solver.tables.checks import standing
 
 SPECTRUM_PATHS = 512
 OF_RISK = 0.2  # share of the work for the risk, if there is a hazard
@@ -83,7 +84,7 @@ def answer_case(case: Case, progress: Progress | None = None) -> CaseAnswer:
     end = WITH_SENSITIVITIES if case.uncertain else 1.0
     begin = end * OF_RISK if case.site.hazard else 0.0
     middle = begin if gap is None else begin + (end - begin) * SEARCHES
-    risky = _simulated_risk(case, part_of(progress, 0.0, begin))
+    risky = _simulated_risk(case, models, part_of(progress, 0.0, begin))
     existing = matters = records = None
     if gap is not None:
         searching = part_of(progress, begin, middle)
@@ -123,17 +124,16 @@ def _spectrum(case: Case) -> xr.Dataset:
     return xr.Dataset()
 
 
-def _simulated_risk(case: Case, progress: Progress | None) -> SimulatedRisk | None:
+def _simulated_risk(case: Case, models: Any, progress: Progress | None) -> SimulatedRisk | None:
     """Simulated motions at all intensities of the hazard; None if the case has no hazard."""
     if (hazard := case.site.hazard) is None:
         return None
-    sampled = (building.sampled for building in one_or_two(case))
-    structures = dict(zip(("first", "second"), sampled, strict=False))
+    first, second, ground = models
     duration, envelope = case.site.course[:2]
     paths = whole_groups(max(FEWEST_PATHS, case.simulated.motions // SHARE))
     motion = duration, envelope, case.site.scatter, paths, case.simulated.seed
     with case.site.form.hazard.table.naming(""):
-        return simulated_risk(structures, case.site.sampled_ground, hazard, motion, progress)
+        return simulated_risk(standing(first, second), ground, hazard, motion, progress)
 
 
 def _risk_table(simulated: SimulatedRisk, case: Case, answer: float) -> xr.Dataset | None:

@@ -14,8 +14,8 @@ from stochlin.applications.cases.reading.kinds import (
     FROM_TO,
     NUMBER,
     TRUTH,
+    Integer,
     Key,
-    Kind,
     ListOf,
     Quantity,
     Word,
@@ -96,7 +96,7 @@ def _entries(name: str, table: Mapping[str, Any], shown: Mapping[str, Any]) -> I
     for each, value in ((each, value) for each, value in shown.items() if each in keys):
         accepted = keys[each].kind
         of_all = accepted.kind if isinstance(accepted, ListOf) else accepted
-        number = isinstance(of_all, Quantity) or (isinstance(of_all, Kind) and of_all.whole)
+        number = isinstance(of_all, (Integer, Quantity))
         words = _words(name, table, each, accepted) if isinstance(accepted, Word) else []
         if number or of_all is TRUTH or (value in words and words[1:]):
             yield Entry(name, each, keys[each], value, words)

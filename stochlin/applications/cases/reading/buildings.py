@@ -17,11 +17,11 @@ from stochlin.applications.buildings.pushover import bilinear_of, read_pushover
 from stochlin.applications.cases.reading.kinds import (
     TEXT,
     TRUTH,
+    Integer,
     Key,
     ListOf,
     Quantity,
     Word,
-    integer,
     key,
     keys_of,
     keys_of_model,
@@ -48,7 +48,7 @@ HEIGHT = Quantity("m", POSITIVE, PLAUSIBLE["height"])
 MOVE = Quantity("m", NOT_NEGATIVE, PLAUSIBLE["displacements"])
 DIVISOR = Quantity("1", OF_IMPORTANCE)
 DUCTILITY = Quantity("1", Range(1.0, reason="1 for a building that just does not yield"))
-TWO_MODES = ListOf(integer(1, MOST_STOREYS), length=2)
+TWO_MODES = ListOf(Integer(1, MOST_STOREYS), length=2)
 PER_STOREY = 0.01, 2.0  # s, first periods over the number of storeys without a warning
 STRENGTH, OF_HEIGHTS = "strength", {"height of its storeys": ("storey_height", "heights")}
 WITH_HARDENING = (
@@ -97,7 +97,7 @@ class Oscillator(OfBuilding):
     ductility: float | None = key(DUCTILITY, "Mean peak ductility", None)
     mass: Any = of(Bilinear, "mass", default=None)
     height: float | None = key(HEIGHT, "Height", None)
-    storeys: int | None = key(integer(1), "Storeys", None)
+    storeys: int | None = key(Integer(1), "Storeys", None)
 
     def model(self) -> Any:
         """The oscillator, elastic until `Building.on` finds a strength for its ductility."""
@@ -111,7 +111,7 @@ class WithFloors(OfBuilding):
 
     goes_with: ClassVar[Any] = (*OfBuilding.goes_with, ("pushover_units", "pushover"))
 
-    storeys: int | None = key(integer(1, MOST_STOREYS), "Storeys", None)
+    storeys: int | None = key(Integer(1, MOST_STOREYS), "Storeys", None)
     pushover: str = key(TEXT, "File of its pushover curve", "")
     pushover_units: Any = key(ListOf(TEXT, length=2), "Units of displacement and force in it", None)
 

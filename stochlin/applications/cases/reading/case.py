@@ -23,11 +23,11 @@ from stochlin.applications.cases.reading.kinds import (
     TEXT,
     TRUTH,
     Inner,
+    Integer,
     Key,
     ListOf,
     Quantity,
     Word,
-    integer,
     key,
     key_of,
     keys_of,
@@ -61,8 +61,8 @@ from stochlin.models.uncertain import UncertainModel
 from stochlin.solver.tables.inputs import input_path
 
 NUMBERED = re.compile(r"building_([1-9]\d{0,5})")
-ALL, TWO = "all", ListOf(integer(1), length=2)
-STOREYS = text_or(ListOf(integer(1), "listed"), f'"{ALL}", or a list of numbers')
+ALL, TWO = "all", ListOf(Integer(1), length=2)
+STOREYS = text_or(ListOf(Integer(1), "listed"), f'"{ALL}", or a list of numbers')
 FEWEST_PATHS, MOST_PATHS = 100, 2048  # for a quantile with an interval, and where none is given
 GAP = Quantity("m", NOT_NEGATIVE, PLAUSIBLE["gap"])
 SHARE = Quantity("1", Range(upper=1.0, reason="a probability"), PLAUSIBLE["confidence"])
@@ -186,8 +186,8 @@ def missing_of(building: Building, rule: CodeRule, has_spectrum: bool) -> str:
 class Simulated(Form):
     """The table [simulation]."""
 
-    paths: int | None = key(integer(FEWEST_PATHS), "Simulated motions; else as many as needed", None)
-    seed: int = key(integer(0), "Seed of the motions", 0)
+    paths: int | None = key(Integer(FEWEST_PATHS), "Simulated motions; else as many as needed", None)
+    seed: int = key(Integer(0), "Seed of the motions", 0)
 
     @property
     def motions(self) -> int:

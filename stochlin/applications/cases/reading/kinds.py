@@ -108,7 +108,6 @@ class Kind(NamedTuple):
 
     read: Callable[[Any, Warn], Any]
     words: str
-    whole: bool = False  # whether it is a whole number
 
 
 def _text(written: Any, warn: Warn) -> str:
@@ -124,16 +123,16 @@ def _truth(written: Any, warn: Warn) -> bool:
     return written
 
 
-def integer(lowest: int, highest: int | None = None) -> Kind:
+class Integer(Whole):
     """A whole number between two limits."""
-    limits = Whole(lowest, highest)
 
-    def read(written: Any, warn: Warn) -> int:
-        if not limits.contains(written):
-            raise ValueError(limits.refusal(written))
+    words = property(Whole.__str__)
+
+    def read(self, written: Any, warn: Warn) -> int:
+        """The number."""
+        if not self.contains(written):
+            raise ValueError(self.refusal(written))
         return int(written)
-
-    return Kind(read, str(limits), whole=True)
 
 
 def text_or(other: Any, words: str) -> Kind:
@@ -143,7 +142,7 @@ def text_or(other: Any, words: str) -> Kind:
 
 TEXT = Kind(_text, "a text")
 TRUTH = Kind(_truth, "true or false")
-COLUMN = text_or(integer(0), "a column, by its title or number")
+COLUMN = text_or(Integer(0), "a column, by its title or number")
 
 
 @dataclass(frozen=True)

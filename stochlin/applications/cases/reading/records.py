@@ -13,11 +13,11 @@ from stochlin.applications.cases.reading.kinds import (
     COLUMN,
     TEXT,
     TRUTH,
+    Integer,
     Key,
     ListOf,
     Quantity,
     Word,
-    integer,
     key,
     keys_of,
 )
@@ -56,7 +56,7 @@ class Reading(Form):
     time_column: str | int | None = key(COLUMN, "Column of the times, in place of the time step", None)
     component: str | int | None = key(COLUMN, "Component, by its name or number from 1", None)
     wrapped: bool = key(TRUTH, "Read all numbers as one series, written in rows", False)
-    skip: int = key(integer(0), "Number of lines at the beginning that are left out", 0)
+    skip: int = key(Integer(0), "Number of lines at the beginning that are left out", 0)
 
 
 class Record(Reading):
@@ -139,7 +139,7 @@ class OfFile(OfHazard):
 
     file: list[str] = key(ListOf(TEXT, "listed"), "File of this site, of OpenQuake or of the USGS")
     units: str | None = key(Word(INTENSITIES["pga"].spellings), "Unit in the file", None)
-    site: int | None = key(integer(1), "Number of the site in a file of OpenQuake", None)
+    site: int | None = key(Integer(1), "Number of the site in a file of OpenQuake", None)
     coordinates: list[float] | None = key(PLACE, "Its longitude and latitude, in its place", None)
     investigation_time: float | None = key(YEARS, "Time in which probabilities of the file hold", None)
 

@@ -14,10 +14,10 @@ from stochlin.applications.cases.reading.kinds import (
     COLUMN,
     TEXT,
     Inner,
+    Integer,
     Key,
     Quantity,
     Word,
-    integer,
     key,
     keys_of,
     keys_of_model,
@@ -111,7 +111,7 @@ class MotionOfRecord(Form):
     """A motion that is fitted to the first records, together with the ground."""
 
     envelope: str = key(Word((FITTED,)), "Envelope")
-    components: int = key(integer(1, 2), "Number of components that are fitted to", 1)
+    components: int = key(Integer(1, 2), "Number of components that are fitted to", 1)
     scatter: float | None = key(SPREAD, "Scatter of the strength between earthquakes", None)
 
 
@@ -184,7 +184,7 @@ class WithMotionOfRecord(OfSite):
     """A ground that is fitted to the first records together with the envelope."""
 
     ground: str = key(Word((FITTED,)), "Kind of the ground")
-    filters: int = key(integer(1, MOST_FILTERS), "Number of filters", FILTERS)
+    filters: int = key(Integer(1, MOST_FILTERS), "Number of filters", FILTERS)
 
 
 class Spectrum(OfSite):
@@ -193,7 +193,7 @@ class Spectrum(OfSite):
     described_as = "a site by its spectrum"
 
     spectrum: str = key(TEXT, "Code or file of a design spectrum, in place of a ground")
-    filters: int | None = key(integer(1, MOST_FILTERS), "Number of filters of the ground", None)
+    filters: int | None = key(Integer(1, MOST_FILTERS), "Number of filters of the ground", None)
 
 
 class Eurocode8(Spectrum):
@@ -201,7 +201,7 @@ class Eurocode8(Spectrum):
 
     ag: float = key(AG, "Acceleration ag")
     soil: str = key(Word(tuple("ABCDE")), "Ground type")
-    type: int = key(integer(1, 2), "Type of spectrum", 1)
+    type: int = key(Integer(1, 2), "Type of spectrum", 1)
     damping: float = key(DAMPING, "Damping ratio", 0.05)
 
     def target(self) -> xr.DataArray:
