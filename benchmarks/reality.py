@@ -45,7 +45,7 @@ from reality_tables import (
 )
 
 import stochlin as sl
-from stochlin.applications.sites.motion_fit import OTHER_COMPONENT, USES, Components
+from stochlin.applications.sites.motion_fit import OTHER_COMPONENT, Components
 from stochlin.applications.sites.spectra import labelled
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import DoubtfulInput
@@ -61,7 +61,7 @@ PAIRS = (
 )
 GROUPS = (list(range(len(OSCILLATORS))), [6], [7])  # simulated together
 STRENGTHS = (1.0, 2.0, 4.0)  # mean elastic peak over yield displacement, 1: elastic
-LEVELS_OF_FITS = (*LEVELS, USES[OTHER_COMPONENT].scatter)  # of scatter
+LEVELS_OF_FITS = (*LEVELS, OTHER_COMPONENT.scatter)  # of scatter
 GAP_SHARES = (0.1, 0.2, 0.35, 0.5, 0.75)  # of the sum of both mean elastic peaks
 BAND = (0.5, 2.0)  # of the shorter and of the longer period, between which records meet a spectrum
 LONGEST = 4.0  # s

@@ -11,7 +11,7 @@ import numpy as np
 import scipy.stats
 import xarray as xr
 
-from stochlin.applications.sites.motion_fit import OTHER_COMPONENT, USES
+from stochlin.applications.sites.motion_fit import OF_SPECTRUM, OTHER_COMPONENT
 from stochlin.kernels.basics.arrays import Array
 
 NOMINAL = (0.5, 0.84, 0.9, 0.95)
@@ -22,7 +22,7 @@ DRAWS, TAIL = 2000, 0.025
 SPECTRUM, OWN, OTHER = "spectrum", "own component", "other component"
 BOTH, PGA_ELSEWHERE, SA_ELSEWHERE = "both components", "elsewhere by PGA", "elsewhere by Sa"
 SA_ELSEWHERE_BOTH = f"{SA_ELSEWHERE}, {BOTH}"
-USUAL, AFTER = (USES[use].scatter for use in ("spectrum", OTHER_COMPONENT))
+USUAL, AFTER = OF_SPECTRUM.scatter, OTHER_COMPONENT.scatter
 LEVELS = (0.0, USUAL)  # of scatter
 FITTED = -1.0  # in place of a scatter: that of the fit to both components
 CONFIDENCE = 0.9  # of the gaps by rule, and of both components

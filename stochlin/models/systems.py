@@ -107,6 +107,11 @@ class Arrangement(NamedTuple):
     ties: tuple[Tie, ...]
 
     @property
+    def has_storeys(self) -> bool:
+        """Whether there is a building with storeys."""
+        return not all(stack.is_oscillator for stack in self.stacks)
+
+    @property
     def first(self) -> Array:
         """Number of the first floor of each structure, followed by the count of all floors (s + 1,)."""
         return np.concatenate([[0], np.cumsum([stack.levels.size for stack in self.stacks])])
@@ -344,10 +349,8 @@ def arrangement_of(structures: Sequence[AnyStructure], links: Sequence[Link | No
             continue
         left, right = link.structures or (number, number + 1)
         if max(left, right) > len(stacks):
-            raise ValueError(
-                f"link {number}: ties the structures {left} and {right} of {len(stacks)}; allowed: "
-                f"structures = two of 1 to {len(stacks)}"
-            )
+            what = f"link {number}: ties the structures {left} and {right} of {len(stacks)}"
+            raise ValueError(f"{what}; allowed: structures = two of 1 to {len(stacks)}")
         for each in (left, right):
             check_mass(structures[each - 1], f"structure {each}")
         floors = link.floors or common_floors(stacks[left - 1], stacks[right - 1], number)
@@ -355,10 +358,8 @@ def arrangement_of(structures: Sequence[AnyStructure], links: Sequence[Link | No
             highest = stacks[each - 1].levels.size
             if floor > highest:
                 lowest = GROUND if link.within_one else 1
-                raise ValueError(
-                    f"link {number}: floors = {link.floors}, structure {each} has {highest}; allowed: "
-                    f"{lowest} to {highest}"
-                )
+                what = f"link {number}: floors = {link.floors}, structure {each} has {highest}"
+                raise ValueError(f"{what}; allowed: {lowest} to {highest}")
         on = int(first[left - 1]) + floors[0] - 1
         other = -1 if floors[1] == GROUND else int(first[right - 1]) + floors[1] - 1
         ties.append(Tie(on, other, link, number))
@@ -423,6 +424,6 @@ def check_links(name: str, links: object, count: int) -> tuple[Link | None, ...]
 
 
 def check_mass(structure: AnyStructure, role: str) -> None:
-    """Raise a ValueError if a structure on which a link acts has no mass."""
+    """Raise a ValueError if a structure on which a link or a contact acts has no mass."""
     if isinstance(structure, Structure) and structure.mass is None:
-        raise ValueError(f"{role}: mass is not given; a link acts on masses, allowed: 0 < value, in kg")
+        raise ValueError(f"{role}: mass is not given; links and contacts need it, 0 < value, in kg")

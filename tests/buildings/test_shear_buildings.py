@@ -305,7 +305,7 @@ REFUSED = {
     r"link 1: floors = \(2, 1\), structure 1 has 1; allowed: 1 to": lambda: arrangement_of(
         [OSCILLATOR, LOW], [Link(1, floors=(2, 1))]
     ),
-    "structure 1: mass is not given; a link acts on masses, allowed: 0 < value": lambda: arrangement_of(
+    "structure 1: mass is not given; links and contacts need it, 0 < value": lambda: arrangement_of(
         [MASSLESS, LOW], [Link(1)]
     ),
     "link 1: the structures have no two floors at one level; give floors=": lambda: arrangement_of(

@@ -125,7 +125,7 @@ def wave(folder: Path) -> None:
     [
         (recorded_example(), EXAMPLE, "needs a record;.*site.records"),
         (GAP, "# ", 'needs the existing gap; write existing = "5 cm" in .separation'),
-        ('mass = "1500 t"', "", "structures, number 2: mass is not given; pounding needs it"),
+        ('mass = "1500 t"', "", "structures, number 2: mass is not given; links and contacts need it"),
         (CONTACT, "", r"needs the contact between the buildings; write \[contact\]"),
     ],
 )

@@ -15,7 +15,7 @@ from stochlin.applications.buildings.mode_files import plain as plain_form
 from stochlin.applications.buildings.mode_files.csi_tables import RATIOS, tables_in
 from stochlin.applications.sheets.sheets import check_alone, sheets_of
 from stochlin.messages import DoubtfulInput, brief, listed, plain
-from stochlin.models.arguments import OneOf, checked
+from stochlin.models.arguments import Label, OneOf, checked
 from stochlin.models.buildings.base import FLOOR, MODE
 from stochlin.models.buildings.modal import ModalBuilding, effective_masses_of
 from stochlin.solver.tables import labels
@@ -31,7 +31,7 @@ def read_modes(
     *,
     direction: Annotated[str, OneOf(DIRECTIONS)] | None = None,
     points: Sequence[str] = (),
-    tower: str | None = None,
+    tower: Label | None = None,
     mass_units: str | None = None,
     length_units: str | None = None,
 ) -> xr.Dataset:
@@ -102,8 +102,6 @@ def read_modes(
     path = input_path("path", path)
     if isinstance(points, str) or not isinstance(points, Sequence):
         raise TypeError(f"points = {brief(points)}; allowed: a list of names")
-    if not isinstance(tower, str | None):
-        raise TypeError(f"tower = {brief(tower)}; allowed: a text")
     name = plain(path.name)
     choice = AskedModes(direction, tuple(points), tower, mass_units, length_units)
     files = [path]

@@ -9,12 +9,13 @@ import xarray as xr
 from scipy import constants
 
 from stochlin.applications.records.cells import ends_of_events, events_of
+from stochlin.applications.records.gaps import quantiles_of_records
 from stochlin.applications.records.records import strong_part
 from stochlin.applications.records.response import response_spectrum
 from stochlin.applications.sites.intensity import shaking
 from stochlin.applications.sites.spectra import USUAL_DAMPING
 from stochlin.models.plausible import PLAUSIBLE
-from stochlin.solver.simulation.finite_motions import keeping_apart, quantile_intervals
+from stochlin.solver.simulation.finite_motions import keeping_apart
 from stochlin.solver.tables import labels
 
 if TYPE_CHECKING:
@@ -46,12 +47,9 @@ def over_records(case: Case, separations: xr.DataArray, gap: float) -> xr.Datase
     The intervals are those of `ends_of_events`.
     """
     levels = np.unique([*LEVELS, case.wanted.confidence])
-    table = xr.Dataset(coords={"quantile": labels.axis("quantile", "quantile", levels)})
     events = events_of(case.site.records.values())
+    table = quantiles_of_records("record_gap", separations, events, levels)
     smallest, largest = ends_of_events(separations, events)
-    for n, each in enumerate((separations, smallest, largest)):
-        values = quantile_intervals(each.to_numpy(), levels)[n]
-        table[f"record_gap_quantile{labels.VALUE_AND_ENDS[n]}"] = "quantile", values
     # Most events are within the gap by the smallest values.
     samples = (each.rename(record="path") for each in (separations, largest, smallest))
     shares = [keeping_apart(each, gap) for each in samples]

@@ -13,6 +13,7 @@ from stochlin.models.arguments import Points, checked
 from stochlin.models.contacts.elements import Contact, checked_value
 from stochlin.models.parameters import Parameter, Range, expect
 from stochlin.models.structures import Structure
+from stochlin.models.systems import check_mass
 from stochlin.solver.tables import labels
 
 GAP = Range(include_lower=True, reason="in metres; positive is open")
@@ -91,18 +92,12 @@ def pounding_estimate(
     """
     for role, structure in (("first", first), ("second", second)):
         expect(structure, Structure, role)
-        if structure.mass is None:
-            raise ValueError(f"{role}: mass is not given; a hit needs it, in kg")
-    lengths = [
-        xr.DataArray(checked_value("pounding_estimate", name, value, "m", allowed))
-        for name, value, allowed in (
-            ("gap", gap, GAP),
-            ("radius_1", radius_1, RADIUS),
-            ("radius_2", radius_2, RADIUS),
-        )
-    ]
-    valid = contact.valid() & first.valid() & second.valid() & GAP.contains(lengths[0])
-    valid = valid & RADIUS.contains(lengths[1]) & RADIUS.contains(lengths[2])
+        check_mass(structure, role)
+    valid, lengths = contact.valid() & first.valid() & second.valid(), []
+    wanted = {"gap": (gap, GAP), "radius_1": (radius_1, RADIUS), "radius_2": (radius_2, RADIUS)}
+    for name, (value, allowed) in wanted.items():
+        lengths.append(xr.DataArray(checked_value("pounding_estimate", name, value, "m", allowed)))
+        valid = valid & allowed.contains(lengths[-1])
     space, *radii = (length.where(valid) for length in lengths)
     table = _impacts((first, second), space, contact, radii, int(points))
     for n in (1, 2):

@@ -234,8 +234,6 @@ def pound(
     if len(row_of) > 1:
         check_contact("contact", contact)
     levels = np.asarray(quantiles, float)
-    if motion is None:
-        raise TypeError("motion is not given; allowed: a record or several, as read_record gives them")
     motions, over, names = checked_ensemble(motion)
     links = checked_links(link, len(row_of))
     standing = build_row(row_of, spaces, contact, links)
@@ -244,7 +242,7 @@ def pound(
         progress(0.0)
     table = response_table(standing, motions, over, paces, progress)
     table = table.merge(contacts(standing.places, links))
-    table = table.assign(gap=("contact", standing.gap))
+    table = table.assign(gap=("contact", standing.row.contacts.gap))
     if len(row_of) == 1:
         table = table.drop_dims(OF_CONTACTS, errors="ignore")
     else:
@@ -268,7 +266,7 @@ def pound(
     return labels.with_run_information(table, title, f"pound({call})", models, REFERENCES)
 
 
-def checked_ensemble(motion: Records) -> tuple[RecordedMotions, str, xr.DataArray | None]:
+def checked_ensemble(motion: Any) -> tuple[RecordedMotions, str, xr.DataArray | None]:
     """One motion or several, checked, their dimension, and the coordinate along it if there is one.
 
     An array over ``path`` and ``time`` has one motion a path. One motion has no names, and adds no
@@ -349,10 +347,8 @@ def with_statistics(table: xr.Dataset, over: str, levels: Array) -> xr.Dataset:
     if NEIGHBOURS not in table.dims:
         return table
     hits = good.impacts_between.rename({over: PATH})
-    shares = exceedance(hits, 0.0).rename(
-        {f"probability{end}": f"pounding_probability{end}" for end in labels.VALUE_AND_ENDS}
-    )
-    return table.assign({**shares.data_vars, **keeping_apart(hits, 0.0)})
+    shares = {f"pounding_{name}": share for name, share in exceedance(hits, 0.0).items()}
+    return table.assign(shares | keeping_apart(hits, 0.0))
 
 
 def between_neighbours(table: xr.Dataset) -> xr.Dataset:

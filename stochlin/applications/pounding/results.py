@@ -73,7 +73,7 @@ def _by_floor(values: Array, standing: Standing, *over: str) -> xr.Variable:
     wide = np.full((*values.shape[:-1], sizes.size, sizes.max()), np.nan)
     for b, size in enumerate(sizes):
         wide[..., b, :size] = values[..., first[b] : first[b + 1]]
-    if not standing.with_floors:
+    if not standing.arrangement.has_storeys:
         return xr.Variable((*over, STRUCTURE), wide[..., 0])
     return xr.Variable((*over, STRUCTURE, FLOOR), wide)
 
@@ -82,7 +82,7 @@ def floor_coords(standing: Standing) -> dict[str, Any]:
     """Coordinates of the numbers of the structures and, for shear buildings, of the floors."""
     sizes = np.diff(standing.first)
     coords = {STRUCTURE: (STRUCTURE, np.arange(1, sizes.size + 1), {"long_name": "structure"})}
-    if standing.with_floors:
+    if standing.arrangement.has_storeys:
         coords[FLOOR] = (FLOOR, np.arange(1, sizes.max() + 1), {"long_name": "floor"})
     return coords
 
@@ -117,21 +117,18 @@ def _course(standing: Standing, response: RowResponse, ground: SampledMotion) ->
         "elastic_energy": (STRUCTURE, of_structures(stored[:, :n])),
         "viscous_energy": (STRUCTURE, of_structures(moving.coordinates[:, VISCOUS_LOSS].T)),
         "hysteretic_energy": (STRUCTURE, of_structures(moving.elements[:n, SPENT].T)),
+        "contact_force": (CONTACT, pushed),
+        "contact_stored_energy": (OF_ROW, squeezed),
+        "contact_lost_energy": (OF_ROW, moving.contacts[:, DISSIPATED].sum(axis=0)),
+        "energy_balance_error": (OF_ROW, imbalance),
     }
-    linked: Quantities = {}
     if row.parts.spring.size:
         linear = force[:, row.parts.spring] + row.parts.constant * rate[:, row.parts.spring]
         power = np.where(row.parts.dashpot >= 0, drag[:, row.parts.dashpot], 0.0)
         values["link_force"] = LINK, linear + power
-        linked["link_stored_energy"] = OF_ROW, stored[:, n:].sum(axis=1)
-        linked["link_lost_energy"] = OF_ROW, moving.links[:, DRAINED].sum(axis=0)
-    return values | {
-        "contact_stored_energy": (OF_ROW, squeezed),
-        "contact_lost_energy": (OF_ROW, moving.contacts[:, DISSIPATED].sum(axis=0)),
-        "energy_balance_error": (OF_ROW, imbalance),
-        **linked,
-        "contact_force": (CONTACT, pushed),
-    }
+        values["link_stored_energy"] = OF_ROW, stored[:, n:].sum(axis=1)
+        values["link_lost_energy"] = OF_ROW, moving.links[:, DRAINED].sum(axis=0)
+    return values
 
 
 def _products(values: Array, matrix: Array) -> Array:
@@ -265,9 +262,8 @@ def _peaks(standing: Standing, response: RowResponse, alone: RowResponse) -> Qua
             f"peak_storey_shear{ending}": (FLOOR, shear),
             f"peak_base_shear{ending}": (STRUCTURE, shear[first[:-1]]),
         }
-    apart, unknown = alone.peaks, np.full(first[-1], np.nan)
-    growth = np.divide(response.peaks, apart, out=unknown, where=apart > 0)
-    values["amplification"] = FLOOR, growth
+    moves = np.where(alone.peaks > 0, alone.peaks, np.nan)
+    values["amplification"] = FLOOR, response.peaks / moves
     springs = standing.row.parts.spring
     if springs.size:
         values["peak_link_force"] = LINK, response.moving.links[:, PULL]

@@ -9,22 +9,23 @@ from typing import Annotated, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from stochlin.applications.records.cells import check_structure
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.pounding.run import BuildingRow
 from stochlin.kernels.simulation.contacts import Contacts, ForceLaw
 from stochlin.messages import brief
 from stochlin.models.arguments import as_numbers
-from stochlin.models.buildings.base import MultistoreyBuilding
 from stochlin.models.contacts.elements import Contact, Element
 from stochlin.models.links import Link
 from stochlin.models.parameters import expect
+from stochlin.models.structures import Structure
 from stochlin.models.systems import (
     LEVEL,
-    STRUCTURES,
     AnyStructure,
     Arrangement,
     arrangement_of,
     check_links,
+    check_mass,
     shares_at,
     slabs_on_columns,
 )
@@ -71,18 +72,12 @@ class Standing(NamedTuple):
     alone: BuildingRow  # the same without links between buildings; the row itself, if there are none
     arrangement: Arrangement
     places: list[Meeting]
-    gap: Array  # (c,) [m]
     reduced: Array  # (c,) [kg]: reduced mass of both sides of each contact
 
     @property
     def first(self) -> Array:
         """Number of the first floor of each building, and of all floors (s + 1,)."""
         return self.arrangement.first
-
-    @property
-    def with_floors(self) -> bool:
-        """Whether there is a building with storeys."""
-        return not all(stack.is_oscillator for stack in self.arrangement.stacks)
 
     @property
     def shortest(self) -> float:
@@ -98,17 +93,10 @@ def checked_buildings(structures: Sequence[AnyStructure]) -> list[AnyStructure]:
         )
     for number, structure in enumerate(structures, start=1):
         role = f"structures, number {number}"
-        expect(structure, STRUCTURES, role)
-        if isinstance(structure, MultistoreyBuilding):
-            continue
-        check_scalars(structure, role, NUMBERS)
-        if structure.mass is None:
-            raise ValueError(f"{role}: mass is not given; pounding needs it, in kg")
-        if structure.reduction_factor is not None:
-            raise ValueError(
-                f"{role}: reduction_factor has no meaning in a given motion, since it refers to the "
-                "elastic response to a ground model; give yield_displacement"
-            )
+        check_structure(role, structure)
+        if isinstance(structure, Structure):
+            check_scalars(structure, role, NUMBERS)
+        check_mass(structure, role)
     return list(structures)
 
 
@@ -132,10 +120,8 @@ def checked_gaps(gaps: npt.ArrayLike, count: int) -> Array:
 def check_contact(name: str, contact: Contact | None) -> None:
     """Raise an error unless a contact with scalar parameters is given."""
     if contact is None:
-        raise ValueError(
-            f"{name} is not given; structures side by side need a contact between them, for instance "
-            "Kelvin(stiffness, restitution=..); only one building alone needs none"
-        )
+        what = f"{name} is not given; structures side by side need one"
+        raise ValueError(f"{what}, for instance Kelvin(stiffness, restitution=..)")
     expect(contact, Contact, name)
     check_scalars(contact, name, NUMBERS)
 
@@ -198,7 +184,7 @@ def build_row(
     row = alone = row_of(system, contacts)
     if own != system.ties:
         alone = row_of(system._replace(ties=own), Contacts.of([], mass.size))
-    return Standing(row, alone, system, places, space, reduced)
+    return Standing(row, alone, system, places, reduced)
 
 
 def _facing(b: int, left: Array, right: Array) -> list[Meeting]:

@@ -18,9 +18,8 @@ from stochlin.solver.simulation.connected_structures import shortest_mode
 from stochlin.solver.tables.checks import check_work
 
 STEPS_PER_CONTACT = 16  # default number of steps in half a period of a contact
-# For each of them: steps in the shortest and in the first period, and, for stereomechanical impacts,
-# steps near contact in one without.
-OF_SHORTEST, OF_FIRST, AT_BLOWS = 2.5, 12.5, 1.0
+STEPS_AT_BLOWS = 16  # near a stereomechanical contact, in place of one step
+OF_SHORTEST, OF_FIRST = 2.5, 12.5  # steps for each of them in the shortest and in the first period
 TYPICAL = 1.0  # [m/s]: rate of penetration for which the half-period of a Hertz contact is taken
 ON_GRID = 1e-9  # share of a time step within which an output time counts as a sample of the record
 LANES = 64  # motions that are stepped together
@@ -43,15 +42,12 @@ def paces_of(
     systems = [stack.system for stack in standing.arrangement.stacks]
     shortest = min(map(shortest_mode, [standing.row.elements.system, *systems]))
     longest = min(standing.shortest / OF_FIRST, shortest / OF_SHORTEST) / steps_per_contact
-    half = np.inf
-    if isinstance(contact, Element):
-        half = min(_half_period(contact, float(mass)) for mass in standing.reduced)
+    masses = standing.reduced.tolist()
+    half = [_half_period(contact, mass) for mass in masses if isinstance(contact, Element)]
 
     def pace(dt: float) -> kernel.StepCounts:
         cuts = 2 * max(1, int(np.ceil(0.5 * dt / longest * (1 - ON_GRID))))
-        substeps = np.ceil(dt / cuts * steps_per_contact / half)
-        if not isinstance(contact, Element):
-            substeps = np.ceil(AT_BLOWS * STEPS_PER_CONTACT)
+        substeps = np.ceil(dt / cuts * steps_per_contact / min(half)) if half else STEPS_AT_BLOWS
         return kernel.StepCounts(cuts, max(1, int(substeps)))
 
     paces = [pace(ground.dt) for ground in grounds]

@@ -53,7 +53,7 @@ class RecordedMotions(NamedTuple):
 
 
 def checked_motions(record: Records) -> RecordedMotions:
-    """The records, checked, with names: in a list the sources if they are labels and differ, or numbers."""
+    """The records, checked, with names: in a list sources if they are labels and differ, or numbers."""
     if isinstance(record, xr.DataArray):
         return RecordedMotions([record], [SampledMotion(*checked_record(record))], None)
     if isinstance(record, Mapping):

@@ -18,12 +18,13 @@ from stochlin.applications.records.cells import (
     events_of,
 )
 from stochlin.applications.records.stepped import gap_columns, stepped_gap
+from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.records import oscillator as recorded
 from stochlin.kernels.records.runs import peaks_on_records
 from stochlin.models.arguments import checked
 from stochlin.models.laws.bilinear import Bilinear
-from stochlin.solver.simulation.finite_motions import quantile_columns
+from stochlin.solver.simulation.finite_motions import quantile_intervals
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.cells import over_cells
 from stochlin.solver.tables.checks import standing
@@ -112,22 +113,23 @@ def recorded_gap(
     else:
         table = over_cells(lambda **roles: stepped_gap(list(roles.values()), motions, progress), roles)
     if RECORD in table.dims:
-        table = table.merge(_over_records(table.separation, events_of(motions.records)))
+        events = events_of(motions.records)
+        table = table.merge(quantiles_of_records("separation", table.separation, events, QUANTILES))
     title = "Gap of two structures in recorded motions" if second is not None else SET_BACK
     table = labels.label(table.assign_attrs(records=motions.describe()))
     return labels.with_run_information(table, title, "recorded_gap()", roles)
 
 
-def _over_records(separation: xr.DataArray, events: Sequence[object]) -> xr.Dataset:
-    """Quantiles of the separation over the records, with their 95 % intervals over events."""
-    like = separation.isel({RECORD: 0}, drop=True)
-    samples = [separation, *ends_of_events(separation, events)]
-    values = [each.transpose(RECORD, ...).to_numpy() for each in samples]
-    names = [f"separation_quantile{end}" for end in labels.VALUE_AND_ENDS]
-    parts = [quantile_columns("separation", like.dims, of, QUANTILES) for of in values]
-    columns = {name: part[name] for name, part in zip(names, parts, strict=True)}
-    levels = labels.axis("quantile", "quantile", QUANTILES)
-    return xr.Dataset(columns, coords={**like.coords, "quantile": levels})
+def quantiles_of_records(
+    name: str, values: xr.DataArray, events: Sequence[object], levels: Array
+) -> xr.Dataset:
+    """Quantiles of values over the records, with their 95 % intervals over events."""
+    like = values.isel({RECORD: 0}, drop=True)
+    table = xr.Dataset(coords={**like.coords, "quantile": labels.axis("quantile", "quantile", levels)})
+    for n, each in enumerate([values, *ends_of_events(values, events)]):
+        quantiles = quantile_intervals(each.transpose(RECORD, ...).to_numpy(), levels)[n]
+        table[f"{name}_quantile{labels.VALUE_AND_ENDS[n]}"] = ("quantile", *like.dims), quantiles
+    return table
 
 
 def _exactly(

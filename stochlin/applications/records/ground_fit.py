@@ -145,7 +145,8 @@ def ground_of_record(
     values = np.exp(logs) * [*np.ones(logs.size - 1), scale]
     resolved = _LINE_WIDTH * values[0] / (2 * np.pi * duration)
     source = (
-        f"{chosen.text} of {_described(record, part, duration)}, {low:.3g} to {high:.3g} rad/s; "
+        f"{chosen.text} of {record.attrs.get('source', 'a record')}, {strong.attrs['energy_part']} part "
+        f"({duration:.4g} s), {low:.3g} to {high:.3g} rad/s; "
         f"standard errors: period {100 * errors[0]:.1f} %, damping {100 * errors[1]:.1f} %, "
         f"intensity {100 * errors[-1]:.1f} %"
     )
@@ -206,12 +207,6 @@ def _standard_errors(frequency: Array, logs: Array, problem: _Problem, estimator
     filling = _PADDING * estimator.variance * (weight**2 * slopes) @ slopes.T
     errors: Array = np.sqrt(np.diag(bread @ filling @ bread))
     return errors
-
-
-def _described(record: xr.DataArray, part: TwoNumbers, duration: float) -> str:
-    """Name of a record, part used and its duration [s]."""
-    name = record.attrs.get("source", "a record")
-    return f"{name}, {100 * part[0]:g}-{100 * part[1]:g} % part ({duration:.4g} s)"
 
 
 def _periodogram(part: xr.DataArray, taper: float) -> tuple[Array, Array, float]:

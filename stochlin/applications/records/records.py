@@ -20,6 +20,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import DoubtfulInput, brief
 from stochlin.models.arguments import Seconds, Truth, Whole, checked, is_number
 from stochlin.models.units import size_of, stated_size
+from stochlin.solver.tables import labels
 
 MINIMUM_SAMPLES = 16
 
@@ -228,8 +229,7 @@ def _labelled(series: Series, name: str, dt: float | None, units: str | None) ->
     about = {key: text for key, text in series.about.items() if text}
     record = xr.DataArray(
         series.values * size,
-        dims="time",
-        coords={"time": ("time", time, {"units": "s", "long_name": "time"})},
+        coords=[labels.axis("time", "time", time, "s")],
         name="acceleration",
         attrs={"units": "m/s^2", "long_name": "ground acceleration", "source": name, "dt": step} | about,
     )

@@ -273,10 +273,8 @@ def _exact_history(structure: Bilinear, motions: RecordedMotions, refine: int) -
     [[parameters]] = RecordCells.of(motions, structure).sides
     displacement, velocity, strain, *spent = history(motions.grounds[0], parameters, refine)
     w, _, hardening, uy = parameters
-    kept = displacement**2
-    if structure.yields:
-        kept = hardening * displacement**2 + (1 - hardening) * strain**2
-    energies = (*spent, 0.5 * velocity**2, 0.5 * w**2 * kept)
+    stored = 0.5 * w**2 * (hardening * displacement**2 + (1 - hardening) * strain**2)
+    energies = (*spent, 0.5 * velocity**2, stored)
     columns = {
         "displacement": displacement,
         "velocity": velocity,

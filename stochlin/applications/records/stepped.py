@@ -182,7 +182,7 @@ def _in_one(system: Arrangement, motion: SteppedResponse) -> xr.Dataset:
             rho = np.trapezoid(u_1 * u_2) / power
     columns = gap_columns(at_height.max(), [*peaks], rho)
     table = xr.Dataset(columns).assign(step_error=motion.error, status=np.int8(status))
-    if all(stack.is_oscillator for stack in system.stacks):
+    if not system.has_storeys:
         return table
     heights = system.stacks[0].levels if count == 1 else [pair.height for pair in pairs_of(system)]
     attrs = {"units": "m", "long_name": "height above the ground"}

@@ -161,7 +161,7 @@ def _responses(
     made: dict[str, Sequence[Any]] = {}  # samples of the models in the first simulation
 
     def run(changes: Mapping[str, UncertainModel]) -> Array:
-        present = [changes.get(role, model) for role, model in models.items()]
+        present = {**models, **changes}.values()
         sampled = any(value.spread for model in present for value in model.uncertain.values())
         *structures, ground = (
             model if sampled and model.uncertain else model.median() for model in present
@@ -181,10 +181,10 @@ def _responses(
     factors = np.ones((len(inputs), 2))
     for n, entry in enumerate(inputs):
         for side, factor in enumerate(entry.ends()):
+            known = changed(models[entry.role], entry.key, 1.0)
             with suppress(ValueError):  # not allowed
-                changed(models[entry.role], entry.key, factor)
+                known = changed(models[entry.role], entry.key, factor)
                 factors[n, side] = factor
-            known = changed(models[entry.role], entry.key, factors[n, side])
             responses.append(run({entry.role: known}))
     return factors, np.array(responses)
 

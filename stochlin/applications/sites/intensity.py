@@ -140,10 +140,8 @@ def shaking(
     intensity, std = float(ground.arrays()["intensity"]), rms_acceleration(ground)
     columns = {"rms_acceleration": std if np.isfinite(std) else np.nan, "ground_intensity": intensity}
     motions = _of_unit_intensity(Motions(ground, duration, envelope, paths_for(duration), seed))
-    measures: dict[tuple[str, str], float | None] = {("peak_ground_acceleration", ""): None}
-    for n, period in enumerate(map(float, periods), start=1):
-        measures["spectral_acceleration", f"_{n}"] = period
-    for (name, ending), at in measures.items():
+    for n, at in enumerate([None, *map(float, periods)]):
+        name, ending = ("spectral_acceleration", f"_{n}") if n else ("peak_ground_acceleration", "")
         mean, error = _mean_acceleration(motions, at, USUAL_DAMPING)
         columns[f"{name}{ending}"] = np.sqrt(intensity) * mean
         columns[f"{name}_standard_error{ending}"] = np.sqrt(intensity) * error

@@ -46,12 +46,9 @@ class UsualScatter(NamedTuple):
     source: str
 
 
-# What motions are used for, and the scatter that recorded earthquakes show there.
-USES = {
-    "other_component": UsualScatter(0.4, "the other component of a station in the far field"),
-    "spectrum": UsualScatter(0.3, "suites of records about a spectrum"),
-}
-OTHER_COMPONENT = "other_component"
+# The scatter that recorded earthquakes show.
+OTHER_COMPONENT = UsualScatter(0.4, "the other component of a station in the far field")
+OF_SPECTRUM = UsualScatter(0.3, "suites of records about a spectrum")
 
 
 class Components(NamedTuple):
@@ -60,11 +57,6 @@ class Components(NamedTuple):
     records: Sequence[xr.DataArray]
     values: Array  # (components, times) [m/s^2]
     dt: float  # [s]
-
-    @property
-    def duration(self) -> float:
-        """Length of the components [s]."""
-        return self.dt * self.values.shape[1]
 
     @property
     def source(self) -> str:
@@ -152,8 +144,8 @@ class FittedMotion:
     ground: Ground
     envelope: Envelope | None
     duration: Duration
-    scatter: Scatter = USES[OTHER_COMPONENT].scatter
-    scatter_source: str = USES[OTHER_COMPONENT].source
+    scatter: Scatter = OTHER_COMPONENT.scatter
+    scatter_source: str = OTHER_COMPONENT.source
 
     def __post_init__(self) -> None:
         check_fields(self, "FittedMotion: ")
@@ -243,7 +235,7 @@ def fit_motion(
     """
     components = checked_components(record)
     check_band(band)
-    duration = components.duration
+    duration = components.dt * components.values.shape[1]
     if duration < SHORTEST_RECORD:
         raise ValueError(f"record lasts {duration:.3g} s; allowed: {SHORTEST_RECORD:g} s or more")
     common = components.common()
@@ -264,7 +256,7 @@ def fit_motion(
     for warning in _misfits(lasting, of_record, periods, factor * np.exp(fit.off), band):
         warnings.warn(f"{components.source}: {warning}", DoubtfulInput, stacklevel=3)
     both = len(components.records) == 2
-    usual = between_components(components, band) if both else USES[OTHER_COMPONENT]
+    usual = between_components(components, band) if both else OTHER_COMPONENT
     return FittedMotion(replace(ground, **changed), shape, duration, *usual)
 
 

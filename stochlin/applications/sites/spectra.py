@@ -16,6 +16,7 @@ from stochlin.applications.sheets.sheets import sheets_of, table_in
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import DoubtfulInput, brief, listed, plain
 from stochlin.models.arguments import DampingRatio, OneOf, checked, is_number
+from stochlin.solver.tables import labels
 from stochlin.solver.tables.inputs import input_path
 
 USUAL_DAMPING = 0.05
@@ -36,8 +37,7 @@ def labelled(period: Array, values: Array, damping: float, source: str) -> xr.Da
     """A spectrum as a labelled array, with its units, damping ratio and source."""
     return xr.DataArray(
         values,
-        dims="period",
-        coords={"period": ("period", period, {"units": "s", "long_name": "period"})},
+        coords=[labels.axis("period", "period", period, "s")],
         name="pseudo_acceleration",
         attrs={
             "units": "m/s^2",

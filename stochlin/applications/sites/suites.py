@@ -27,7 +27,6 @@ from stochlin.applications.sites.spectra import (
     checked_spectrum,
     interpolated,
 )
-from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import LONGEST_MESSAGE, DoubtfulInput, brief, listed, plain, sentence
 from stochlin.models.arguments import (
     Acceleration,
@@ -301,7 +300,9 @@ def scale_records(
     suite = {}
     for name, record in records.items():
         acceleration, _ = checked_record(record)
-        own = np.abs(acceleration).max() if pga is not None else _spectrum(record, periods, damping)
+        own = np.abs(acceleration).max()
+        if pga is None:
+            own = response_spectrum(record, periods, damping).pseudo_acceleration.to_numpy()
         factor = float(np.exp(np.mean(np.log(target / own))))
         if warning := SCALE.doubt(factor):
             what = f"{plain(name)} is scaled by {factor:.3g}; {warning}"
@@ -313,8 +314,3 @@ def scale_records(
 def scaled_record(record: xr.DataArray, factor: float) -> xr.DataArray:
     """The record times a factor, which becomes its attribute ``scale``."""
     return (factor * record).assign_attrs(record.attrs, scale=factor)
-
-
-def _spectrum(record: xr.DataArray, periods: Array, damping: float) -> Array:
-    sa: Array = response_spectrum(record, periods, damping).pseudo_acceleration.to_numpy().ravel()
-    return sa

@@ -106,7 +106,7 @@ def simulate_finite(
     samples |= _separations(system, highest["pairs"])
     names = [f"{number}" for number in range(1, len(system.stacks) + 1)]
     coords = moving.coords | {STRUCTURE: names, f"{STRUCTURE}_2": names}
-    if moving.has_storeys:
+    if moving.system.has_storeys:
         samples["peak_drift"] = ("path", ELEMENT), either["drifts"]
     if moving.places:
         samples["peak_at_height"] = _at_heights(moving, heights, either["places"])
@@ -117,7 +117,7 @@ def simulate_finite(
         for name, each in zip(LINK_PEAKS, of_links, strict=True):
             samples[name] = ("path", LINK), np.where(fallen.any(axis=1, keepdims=True), np.inf, each)
     means = _means(samples)
-    if moving.has_storeys:
+    if moving.system.has_storeys:
         means["ductility"] = [ELEMENT], means["peak_drift_mean"][1] / system.watched_strength
     (_, *over_pairs), apart_most = samples["separation"]
     quantile = quantile_columns("separation", over_pairs, apart_most, levels)
@@ -169,7 +169,7 @@ def _with_falls(
     largest = np.stack([extremes.highest, -extremes.lowest])
     ends = np.cumsum([len(rows) for rows in functions.values()])[:-1]
     blocks = dict(zip(functions, np.split(largest, ends, axis=2), strict=True))
-    drifts = blocks["drifts" if moving.has_storeys else "floors"].max(axis=0)
+    drifts = blocks["drifts" if moving.system.has_storeys else "floors"].max(axis=0)
     fallen = system.fallen(drifts, moving.limits)
     members = np.arange(len(system.stacks)) == system.owners[:, None]
     lost = fallen @ (np.abs(matrix) @ members > 0).T

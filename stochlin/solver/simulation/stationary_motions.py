@@ -70,7 +70,8 @@ def stationary_moments(
         if isinstance(group.part, SteppedStructures):
             memory[group.watched] = memory[group.watched].max()
     status = np.where(memory[:n] > too_slow, labels.NOT_RESOLVED, moments.status[:n])
-    pairs, drifts = (over, f"{over}_2"), moments.displacement_std[n if moving.has_storeys else 0 :]
+    pairs = over, f"{over}_2"
+    drifts = moments.displacement_std[n if moving.system.has_storeys else 0 :]
     columns = {
         "displacement_std": (over, moments.displacement_std[:n]),
         "displacement_std_standard_error": (over, moments.displacement_error[:n]),
@@ -81,7 +82,7 @@ def stationary_moments(
         "rho_standard_error": (pairs, moments.rho_error[:n, :n]),
         "ductility_std": (of_drifts, drifts / moving.system.watched_strength),
     }
-    if moving.has_storeys:
+    if moving.system.has_storeys:
         columns["drift_std"] = ELEMENT, drifts
         columns["drift_std_standard_error"] = ELEMENT, moments.displacement_error[n:]
     return xr.Dataset(columns, moving.coords | {f"{over}_2": moving.system.floors}, run_attributes(run))

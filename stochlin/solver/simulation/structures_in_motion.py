@@ -106,14 +106,9 @@ class StructuresInMotion(NamedTuple):
     samples: Samples
 
     @property
-    def has_storeys(self) -> bool:
-        """Whether there is a building with storeys."""
-        return not all(stack.is_oscillator for stack in self.system.stacks)
-
-    @property
     def dimensions(self) -> tuple[str, str]:
         """Dimensions of displacements and of drifts, which are ``structure`` if all are oscillators."""
-        return (FLOOR, ELEMENT) if self.has_storeys else (STRUCTURE, STRUCTURE)
+        return (FLOOR, ELEMENT) if self.system.has_storeys else (STRUCTURE, STRUCTURE)
 
     @property
     def floors(self) -> Array:
@@ -124,7 +119,7 @@ class StructuresInMotion(NamedTuple):
     def drifts(self) -> Array:
         """The drifts of all storeys and modes that yield, as `floors`; none of oscillators alone."""
         drifts = self.system.drifts
-        return drifts if self.has_storeys else drifts[:0]
+        return drifts if self.system.has_storeys else drifts[:0]
 
     @property
     def places(self) -> list[tuple[int, float]]:
@@ -148,7 +143,7 @@ class StructuresInMotion(NamedTuple):
     @property
     def coords(self) -> dict[str, Any]:
         """Coordinates along the `dimensions`."""
-        if not self.has_storeys:
+        if not self.system.has_storeys:
             return {STRUCTURE: self.system.floors}
         return {**floor_coordinates(self.system), **element_coordinates(self.system)}
 

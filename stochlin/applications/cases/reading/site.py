@@ -41,8 +41,8 @@ from stochlin.applications.sites.ground_fit import fit_ground
 from stochlin.applications.sites.intensity import paths_for, scale_ground
 from stochlin.applications.sites.motion_fit import (
     FILTERS,
+    OF_SPECTRUM,
     OTHER_COMPONENT,
-    USES,
     UsualScatter,
     between_components,
     checked_components,
@@ -298,7 +298,7 @@ class Site:
             return UsualScatter(0.0, "")
         if len(self.components) == 2:
             return between_components(checked_components(self.components))
-        return USES[OTHER_COMPONENT if self.name == FITTED else "spectrum"]
+        return OTHER_COMPONENT if self.name == FITTED else OF_SPECTRUM
 
     @property
     def scatter(self) -> float:
