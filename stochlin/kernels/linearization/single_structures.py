@@ -25,7 +25,7 @@ MOVED = np.eye(2, 3, 1)[..., None]  # no change, and one of each coefficient
 DAMPING = 0.5  # c, with which the bilinear law needs 6 steps on average and at most 16
 LARGEST_STEP = 1.0  # largest step in log(sigma) and atanh(corr)
 STUCK = 24  # steps after which a cell takes a largest one, out of a least mismatch that is not zero
-LARGEST_MISMATCH = 1e-6  # largest norm of the mismatch of a converged cell
+LARGEST_MISMATCH = 1e-7  # largest norm of the mismatch of a converged cell
 
 
 class SingleStructures(NamedTuple):
