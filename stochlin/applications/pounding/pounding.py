@@ -234,8 +234,6 @@ def pound(
     if len(row_of) > 1:
         check_contact("contact", contact)
     levels = np.asarray(quantiles, float)
-    if motion is None:
-        raise TypeError("motion is missing; allowed: a record or several, as read_record gives them")
     motions, over, names = checked_ensemble(motion)
     links = checked_links(link, len(row_of))
     standing = build_row(row_of, spaces, contact, links)
