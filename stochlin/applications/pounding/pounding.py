@@ -257,8 +257,7 @@ def pound(
         if over == PATH:
             described = f"{len(motions.grounds)} simulated motions"
     table = labels.label(table).assign_attrs(motion=described.removeprefix("record: "))
-    models: dict[str, Any] = {f"structure_{n}": each for n, each in enumerate(row_of, start=1)}
-    models |= {f"link_{n}": each for n, each in enumerate(links, start=1) if each is not None}
+    models = labels.named_models(row_of, links=links)
     title = "A building alone in a motion"
     if len(row_of) > 1:
         title, models["contact"] = "Pounding of buildings in a row", contact

@@ -51,7 +51,7 @@ from stochlin.solver.tables.lazy import arrays_of
 
 METHODS = ("evolutionary", "hybrid")
 PathsIfAny = Annotated[int, Whole(0)]  # 0 for no simulation
-STEM, SAMPLES = "confidence_of_no_pounding", ("input_factor",)
+STEM = "confidence_of_no_pounding"
 OF_FORMULA = 0.5  # share of the progress that the formula has beside a simulation
 REFERENCES = (
     f"{labels.PAPER} Vanmarcke, E. H. (1975), J. Appl. Mech. 42; Rice, S. O. (1945), Bell Syst. Tech. "
@@ -230,7 +230,8 @@ def pounding_probability(
             apart = pair_separation(motions)
             shares = keeping_apart(apart, distance.arrays()["gap"])
             table = table.assign(simulated_columns(STEM, shares, apart, distance, confidence))
-            table = table.assign(motions[[name for name in SAMPLES if name in motions]].data_vars)
+            if "input_factor" in motions:  # of uncertain parameters
+                table["input_factor"] = motions.input_factor
             table = table.assign_attrs(paths=motions.sizes["path"], seed=seed)
         yields = any(median_of(structure).yields for structure in pair)
         return table.assign_attrs({"comment": comment} if yields else {})

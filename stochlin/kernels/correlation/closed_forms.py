@@ -6,6 +6,9 @@ import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
 
+APART = 1e-150, 1e150  # beyond these the correlation is zero in floating point
+SMALL = 1e-60  # damping ratio below which products of four may vanish
+
 
 def double_difference(peak_1: Array, peak_2: Array, rho: Array) -> Array:
     """Eq. (3), ``g = sqrt(p1^2 + p2^2 - 2 rho p1 p2)``, without cancellation for any ``rho``.
@@ -39,10 +42,6 @@ def double_difference(peak_1: Array, peak_2: Array, rho: Array) -> Array:
     ratio = product / np.where(whole > 0, whole, 1)
     gap = whole * np.sqrt(1 - 0.5 * share * ratio**2)
     return np.where(rho > 0.5, near_one, gap)
-
-
-APART = 1e-150, 1e150  # beyond these the correlation is zero in floating point
-SMALL = 1e-60  # damping ratio below which products of four may vanish
 
 
 def white_noise_correlation(

@@ -122,8 +122,7 @@ def solve_structures(
 def iterate(problem: SingleStructures, start: Array, most: int) -> FixedPoint:
     """Take at most so many steps from these unknowns (3, n), each cell until it converges.
 
-    If the unknowns have no stationary response, a smaller step from the last valid ones is tried; before
-    the first valid ones, a more elastic start.
+    If the unknowns have no stationary response, a smaller step from the last valid ones is tried.
     """
     n = start.shape[1]
     solution = FixedPoint(start.copy(), np.zeros(n, np.int32), np.full(n, np.inf), np.zeros(n, bool))

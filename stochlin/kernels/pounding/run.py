@@ -170,7 +170,6 @@ def _run(
     intervals,
     cuts,
     substeps,
-    lists,
     table,
     used,
     history,
@@ -178,12 +177,11 @@ def _run(
     """All motions ``x`` from their beginning, see `follow`; ``steps`` are without contacts.
 
     The first arguments are the functions of a step, ``short`` are steps with contacts, and ``old`` and
-    ``y`` are for the states before a step and for what moves near contact, ``lists`` (3, lanes) for
-    numbers of lanes, first of all. The first motion is written
+    ``y`` are for the states before a step and for what moves near contact. The first motion is written
     at the samples to ``history``, if it has any.
     """
     dt, lanes = steps.dt, ground.shape[1]
-    every, near, ended = lists[0], lists[1], lists[2]
+    every, near, ended = np.arange(lanes), np.empty(lanes, np.int64), np.empty(lanes, np.int64)
     copy(x.state, every, history, every, min(1, history.shape[1]))
     for s in range(cuts * (len(ground) - 1)):
         sample, cut, time = s // cuts, s % cuts, s * dt
@@ -238,8 +236,8 @@ def follow(row: BuildingRow, x: Moving, ground: GroundMotions, pace: StepCounts,
         by_pointer(strike_all if row.contacts.jumps else watch_contacts, *known),
         by_pointer(balance, short, row.contacts, row.parts, y, lanes),
     )
-    lists, history[:] = np.tile(np.arange(lanes), (3, 1)), np.nan
-    numbers = ground.acceleration, ground.intervals, pace.cuts, pace.substeps, lists
+    history[:] = np.nan
+    numbers = ground.acceleration, ground.intervals, pace.cuts, pace.substeps
     moves = *functions, row.law, steps, short, row.parts, x, y, old, *numbers
     _run(*moves, table, used, history)
     if used[0] > len(table):  # the motions again, with lines for all impacts

@@ -30,11 +30,7 @@ from stochlin.models.uncertain import median_of
 from stochlin.solver.simulation.ensembles import check_memory, seconds_of
 from stochlin.solver.simulation.finite_motions import check_finite, check_motion, simulate_finite
 from stochlin.solver.simulation.stationary_motions import stationary_moments
-from stochlin.solver.simulation.structures_in_motion import (
-    StructuresInMotion,
-    models_of,
-    structures_in_motion,
-)
+from stochlin.solver.simulation.structures_in_motion import StructuresInMotion, structures_in_motion
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_scalars
 
@@ -190,12 +186,12 @@ def simulate(
         table = stationary_moments(moving, relaxation_times, progress)
         state, more = "stationary response", ""
     lone = isinstance(link, Link)
-    links = {"link" if lone else f"link_{n}": each for n, each in enumerate(moving.links, 1) if each}
+    models = labels.named_models(structures, ground, () if lone else moving.links)
     return labels.with_run_information(
         labels.label(table, last=labels.NOT_RESOLVED),
         f"Simulation of {len(structures)} structures in {state}, {median_of(ground).name} ground",
         f"simulate(paths={paths}, seed={seed}{more})",
-        models_of(structures, ground) | links,
+        models | ({"link": link} if lone else {}),
     )
 
 

@@ -39,6 +39,7 @@ from stochlin.solver.tables.labels import (
     FLOOR,
     element_coordinates,
     floor_coordinates,
+    named_models,
 )
 
 STRUCTURE = "structure"
@@ -174,7 +175,7 @@ def structures_in_motion(
     (McKay, Beckman and Conover 1979). A reduction factor refers to the median ground. Models whose
     samples were ``made`` before have these. The ``options`` are those of `prepare`.
     """
-    models = models_of(structures, ground)
+    models = named_models(structures, ground)
     factors = _factors(models, whole_groups(paths), seed)
     if stationary and factors:
         role, names = next(iter(factors.items()))
@@ -223,12 +224,6 @@ def _drift_times(
     for number in alone:
         times[system.first[number]] = drift_time_of(structures[number], ground)
     return times
-
-
-def models_of(structures: Sequence[Any], ground: Any) -> dict[str, Any]:
-    """Structures and ground by their names in the attributes of a dataset."""
-    named = {f"{STRUCTURE}_{n}": each for n, each in enumerate(structures, start=1)}
-    return named | {GROUND: ground}
 
 
 def _factors(models: Mapping[str, Any], motions: int, seed: int) -> dict[str, dict[str, Array]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -110,6 +110,15 @@ def with_run_information(
         **{role: model.describe() for role, model in models.items()},
     }
     return dataset
+
+
+def named_models(
+    structures: Iterable[Any], ground: Any = None, links: Iterable[Any] = ()
+) -> dict[str, Any]:
+    """Structures, ground and links by their names in the attributes, without those that are None."""
+    named = {f"structure_{n}": each for n, each in enumerate(structures, start=1)} | {"ground": ground}
+    named |= {f"link_{n}": each for n, each in enumerate(links, start=1)}
+    return {name: each for name, each in named.items() if each is not None}
 
 
 def of_scatter(scatter: float) -> dict[str, float]:

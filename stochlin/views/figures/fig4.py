@@ -239,7 +239,7 @@ def simulated_step(settings: ChartSettings, size: int, usual: int) -> int:
 def words(
     settings: ChartSettings, ground: Ground, title: str, where: str = "", **pictures: str
 ) -> dict[str, str]:
-    """Words and pictures of a chart of linearized structures; the ground's strength is no matter."""
+    """Words and pictures of a chart of linearized structures, which is the same for any intensity."""
     stated = ", ".join(text for text in ground.stated() if not text.startswith("intensity"))
     caption = (
         f"{ground.name} ground, {stated}{where}\nBilinear structures: ξ = {settings.damping:g}, "

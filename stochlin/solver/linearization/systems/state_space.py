@@ -102,9 +102,7 @@ def models_of(
         raise ValueError("structures = []; allowed: at least one structure")
     for number, structure in enumerate(structures, start=1):
         expect(structure, STRUCTURES, f"structures, number {number}")
-    models: dict[str, Model] = {f"structure_{n}": s for n, s in enumerate(structures, start=1)}
-    ties = enumerate(check_links("links", links, len(structures)), start=1)
-    return models | {"ground": ground} | {f"{LINK}{n}": link for n, link in ties if link is not None}
+    return labels.named_models(structures, ground, check_links("links", links, len(structures)))
 
 
 @checked
