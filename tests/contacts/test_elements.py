@@ -41,21 +41,13 @@ def test_compiled_force_is_the_law(contact, law):
         for v in (-0.9, -0.01, 0.0, 0.3):
             found = kernel.force(compiled, d, v, V0)
             assert found == pytest.approx(law(d, v), rel=1e-13)
-            assert float(contact.force(d, v, V0, MASS)) == found
             leaves = d + C / K * v if isinstance(contact, sl.NoTensionKelvin) else d
             assert kernel.separation_margin(compiled, d, v) == pytest.approx(leaves, rel=1e-13)
         assert kernel.force(compiled, -d, 0.3, V0) == 0
 
 
-def test_force_broadcasts_by_name():
+def test_a_part_of_a_table_of_contacts_has_the_dimensions_that_are_left():
     contact = sl.Kelvin(xr.DataArray([1e6, 2e6], dims="k"), damping_ratio=[0.1, 0.2, -1.0])
-    force = contact.force(xr.DataArray([0.0, 0.1], dims="time"), 0.3, 0.5, 1e4)
-    assert force.sizes == {"k": 2, "case": 3, "time": 2}
-    assert force.attrs["units"] == "N"
-    expected = 2e6 * 0.1 + 2 * 0.2 * np.sqrt(2e6 * 1e4) * 0.3
-    assert float(force.isel(k=1, case=1, time=1)) == pytest.approx(expected, rel=1e-14)
-    assert np.isnan(force.isel(case=2)).all()
-    assert (force.isel(case=slice(2), time=0) == 0).all()
     part = contact.isel({"case": slice(1, 2), "other": slice(1)})
     np.testing.assert_array_equal(part.damping, [0.2])
     assert part.stiffness.sizes == {"k": 2}
@@ -168,9 +160,7 @@ def test_elements_out_of_range_are_refused_by_their_names(kind, arguments, error
         (lambda: sl.Kelvin.restitution(-1), "Kelvin: damping_ratio = -1 is out of range"),
         (lambda: sl.HertzDamp(1.0), "HertzDamp: of damping_factor and restitution neither"),
         (lambda: sl.HertzDamp(1.0, restitution=0.5, exponent=0.9), "exponent = 0.9 is out"),
-        (lambda: sl.Stereomechanical(0.5).velocities_after(0, 1, 1, 1), "is below velocity_2"),
-        (lambda: sl.Stereomechanical(0.5).velocities_after(1, 0, 0, 1), "mass_1 = 0 is out of"),
-        (lambda: sl.LinearSpring(1.0).force(0, 0, 1, 0), "reduced_mass = 0 is out of range"),
+        (lambda: sl.Stereomechanical(1.5), "restitution = 1.5 is out of range"),
     ],
 )
 def test_questions_out_of_range_are_refused_with_what_is_allowed(call, message):
@@ -184,11 +174,4 @@ def test_cells_out_of_range_do_not_spoil_their_neighbours():
     np.testing.assert_allclose(contact.e, [0.5, np.nan, 0.65], rtol=1e-14)
     assert np.isfinite(contact.force_law(1e4).damping).values.tolist() == [True, False, True]
     for kind in (sl.Kelvin, sl.HertzDamp, sl.Jankowski):
-        contact = kind([1e8, -1.0], restitution=0.5)
-        np.testing.assert_array_equal(np.isfinite(contact.force(0.01, 0.1, 1.0, 1e4)), [True, False])
-    masses = sl.LinearSpring(1e8).force(0.01, 0.1, 1.0, [1e4, -1e4])
-    np.testing.assert_array_equal(masses, [1e6, np.nan])
-    after, _ = sl.Stereomechanical([0.5, 1.5]).velocities_after(1.0, [0.0, 0.0], 1.0, 1.0)
-    np.testing.assert_allclose(after, [0.25, np.nan])
-    apart, _ = sl.Stereomechanical(0.5).velocities_after([1.0, -1.0], 0.0, 1.0, 1.0)
-    np.testing.assert_allclose(apart, [0.25, np.nan])
+        np.testing.assert_array_equal(kind([1e8, -1.0], restitution=0.5).valid(), [True, False])

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.compiled import called_often, compiled, entry
+from stochlin.kernels.basics.compiled import called_often, compiled
 from stochlin.kernels.simulation.moving import rows_of
 
 STILL = 1e-6  # change of a penetration, over its size, below which the mean is the value in the middle
@@ -97,21 +97,6 @@ def force(law, d, v, v0):
         return elastic * (1.0 + law.damping * v / v0) if v0 > 0.0 else elastic
     total = elastic + law.damping * d**law.damping_exponent * v
     return total if law.tension or law.approach_only else max(total, 0.0)
-
-
-def forces(law: ForceLaw, d: Any, v: Any, v0: Any) -> Array:
-    """`force` [N] for fields of the law and for ``d``, ``v`` and ``v0`` that broadcast."""
-    arrays = np.broadcast_arrays(*law, d, v, v0)
-    result = np.empty(arrays[-1].shape)
-    _forces(*(np.ascontiguousarray(array).ravel() for array in arrays), result.reshape(-1))
-    return result
-
-
-@entry
-def _forces(k, n, c, p, approach_only, over_approach, tension, d, v, v0, out):
-    for i in range(out.size):
-        law = ForceLaw(k[i], n[i], c[i], p[i], approach_only[i], over_approach[i], tension[i])
-        out[i] = force(law, d[i], v[i], v0[i])
 
 
 @called_often

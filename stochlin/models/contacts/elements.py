@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 import xarray as xr
 
-from stochlin.kernels.simulation.contacts import ForceLaw, forces, velocities_after_impact
+from stochlin.kernels.simulation.contacts import ForceLaw
 from stochlin.models.contacts.restitution import (
     HERTZ_DAMP,
     IMPACT_KELVIN,
@@ -29,7 +29,6 @@ from stochlin.models.parameters import (
 )
 from stochlin.registry import Registry
 
-ANY = Range(lower=-np.inf)
 DAMPING = NOT_NEGATIVE
 RESTITUTION = Range(
     upper=1.0,
@@ -78,47 +77,10 @@ class Element(Contact):
         return 0.0
 
     def force_law(self, reduced_mass: Any) -> ForceLaw:
-        """The force law for a reduced mass [kg].
-
-        Its fields are numbers if the parameters of the contact and the mass are numbers. Otherwise they
-        are arrays that broadcast by dimension name.
-        """
-        mass = checked_value(type(self).__name__, "reduced_mass", reduced_mass, "kg", POSITIVE)
+        """The force law for a reduced mass [kg]; its fields are numbers if the parameters are."""
         exponent = getattr(self, "exponent", self.law.exponent)
-        damping = self.damping_coefficient(mass)
+        damping = self.damping_coefficient(reduced_mass)
         return self.law._replace(stiffness=self.stiffness, exponent=exponent, damping=damping)
-
-    def force(
-        self, penetration: Any, velocity: Any, approach_velocity: Any, reduced_mass: Any
-    ) -> xr.DataArray:
-        """Contact force [N], positive if it pushes the structures apart.
-
-        ``penetration`` is ``d = u1 - u2 - gap`` [m]; the force is zero where it is not positive.
-        ``velocity`` is ``d'`` [m/s], positive in approach. ``approach_velocity`` is its value at the
-        start of this contact, positive, and is used by `HertzDamp` only. ``reduced_mass`` is
-        ``m1 m2/(m1 + m2)`` [kg]. Cells out of range are NaN; a scalar out of range raises an error.
-
-        Examples
-        --------
-        >>> import stochlin as sl
-        >>> float(sl.LinearSpring(stiffness=2e6).force(0.01, 0.3, 0.5, reduced_mass=1e5))
-        20000.0
-        """
-        name = type(self).__name__
-        mass = checked_value(name, "reduced_mass", reduced_mass, "kg", POSITIVE)
-        d = checked_value(name, "penetration", penetration, "m", ANY)
-        v = checked_value(name, "velocity", velocity, "m/s", ANY)
-        v0 = checked_value(name, "approach_velocity", approach_velocity, "m/s", POSITIVE)
-        arguments = [xr.DataArray(value) for value in (*self.force_law(mass), d, v, v0)]
-        with np.errstate(invalid="ignore"):  # cells out of range are blanked below
-            result: xr.DataArray = xr.apply_ufunc(
-                lambda *arrays: forces(ForceLaw(*arrays[:-3]), *arrays[-3:]),
-                *arguments,
-                join="exact",
-                keep_attrs=False,
-            )
-        result = result.where(self.valid() & POSITIVE.contains(mass) & POSITIVE.contains(v0))
-        return result.rename("contact_force").assign_attrs(units="N", long_name="contact force")
 
 
 @dataclass(frozen=True)
@@ -518,9 +480,8 @@ class Stereomechanical(Contact):
     Examples
     --------
     >>> import stochlin as sl
-    >>> impact = sl.Stereomechanical(restitution=0.5)
-    >>> [float(v) for v in impact.velocities_after(1.0, -1.0, mass_1=2e5, mass_2=2e5)]
-    [-0.5, 0.5]
+    >>> sl.Stereomechanical(restitution=0.5).e
+    0.5
     """
 
     restitution: Parameter = parameter("1", "coefficient of restitution", SHARE)
@@ -529,43 +490,6 @@ class Stereomechanical(Contact):
     def e(self) -> Any:
         """Coefficient of restitution [-]."""
         return self.restitution
-
-    def velocities_after(
-        self, velocity_1: Any, velocity_2: Any, mass_1: Any, mass_2: Any
-    ) -> tuple[xr.DataArray, xr.DataArray]:
-        """Velocities [m/s] of both structures after the impact, from those before and the masses [kg].
-
-        Structure 1 is on the left, so that the structures approach one another if
-        ``velocity_1 >= velocity_2``. Cells that are out of range or do not approach are NaN; a scalar
-        out of range, or a single pair that does not approach, raises an error.
-        """
-        name = type(self).__name__
-        first, second, *masses = (
-            xr.DataArray(checked_value(name, *argument))
-            for argument in (
-                ("velocity_1", velocity_1, "m/s", ANY),
-                ("velocity_2", velocity_2, "m/s", ANY),
-                ("mass_1", mass_1, "kg", POSITIVE),
-                ("mass_2", mass_2, "kg", POSITIVE),
-            )
-        )
-        usable = (first >= second) & self.valid()
-        for mass in masses:
-            usable = usable & POSITIVE.contains(mass)
-        if usable.ndim == 0 and not usable:
-            raise ValueError(
-                f"{name}: velocity_1 = {float(first):g} is below velocity_2 = {float(second):g}; "
-                "allowed: velocity_1 >= velocity_2, since structure 1 is on the left"
-            )
-        after = xr.apply_ufunc(
-            velocities_after_impact,
-            *(first, second, *masses, xr.DataArray(self.restitution)),
-            join="exact",
-            output_core_dims=[(), ()],
-        )
-        attrs = {"units": "m/s", "long_name": "velocity after the impact"}
-        left, right = (value.where(usable).assign_attrs(attrs) for value in after)
-        return left, right
 
 
 def checked_value(model: str, name: str, value: Any, units: str, allowed: Range) -> float | xr.DataArray:

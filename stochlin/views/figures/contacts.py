@@ -190,7 +190,8 @@ def _motion(model: Element, points: int) -> xr.Dataset:
     time = np.linspace(0, end, points)
     deformation, velocity = solved.sol(time)
     # At both ends the force is that of the dashpot, although the deformation is 0.
-    force = kernel.forces(law, np.maximum(deformation, np.finfo(float).tiny), velocity, 1.0)
+    inside = np.maximum(deformation, np.finfo(float).tiny)
+    force = [kernel.force(law, d, v, 1.0) for d, v in zip(inside, velocity, strict=True)]
     over_time = {"time": time, "deformation": deformation, "velocity": velocity, "force": force}
     motion = xr.Dataset({f"scaled_{name}": ("point", values) for name, values in over_time.items()})
     numbers = {"restitution": model.e, "contact_damping": getattr(model, "damping", 0.0)}

@@ -21,7 +21,7 @@ from stochlin.models.grounds import Ground
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.structures import DRIFT
 from stochlin.solver.correlation.correlation import correlate
-from stochlin.solver.linearization.linearization import linearize
+from stochlin.solver.linearization.strength import strength_in_metres
 from stochlin.solver.simulation.ground_motions import simulated_motions
 from stochlin.solver.tables import labels
 from stochlin.views.figures.charts import (
@@ -171,7 +171,7 @@ def _with_motions(chart: xr.Dataset, pair: Pair, ground: Ground, settings: Chart
     columns, tables = {"period_ratio": slice(None, None, step)}, []
     for number in range(chart.sizes.get("ground", 1)):
         soil = replace(ground, **strong).isel({"ground": number})
-        first, second = (_with_strength(each.isel(columns), soil) for each in pair)
+        first, second = (strength_in_metres(each.isel(columns), soil) for each in pair)
         rho = recorded_gap(
             first, second, list(simulated_motions(soil, duration, envelope, **motion))
         ).rho
@@ -182,12 +182,6 @@ def _with_motions(chart: xr.Dataset, pair: Pair, ground: Ground, settings: Chart
     name = f"ρ in motions of {duration:.3g} s"
     chart[IN_MOTIONS].attrs |= {"ancillary_variables": error, "long_name": name}
     return chart
-
-
-def _with_strength(structure: Bilinear, ground: Ground) -> Bilinear:
-    """Structures with their yield displacements in metres on this ground."""
-    strength = linearize(structure, ground).yield_displacement
-    return replace(structure, yield_displacement=strength, reduction_factor=None)
 
 
 def with_errors(

@@ -14,7 +14,7 @@ from stochlin.applications.records.gaps import recorded_gap
 from stochlin.applications.records.response import respond, response_spectrum
 from stochlin.kernels.correlation.bilinear_pair import linearized_pair
 from stochlin.models.buildings.shear import ShearBuilding
-from stochlin.models.contacts.elements import Kelvin, LinearSpring
+from stochlin.models.contacts.elements import LinearSpring
 from stochlin.models.grounds import Ground, KanaiTajimi, WhiteNoise, named_ground
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.laws.bouc_wen import BoucWen
@@ -88,14 +88,9 @@ def storeys() -> None:
     simulate([_tower(), _pair()[1]], _ground(), paths=PATHS, relaxation_times=1.0)
 
 
-def contacts() -> None:
-    """The forces of contact elements."""
-    Kelvin(1e8, restitution=0.6).force([0.0, 0.01], [0.1, 0.1], 0.1, 1e6)
-
-
 # The longest first: they are taken in turn by as many processes as there are cores.
 TASKS: Mapping[str, Callable[[], None]] = {
-    task.__name__: task for task in (pounding, tables, storeys, oscillators, records, contacts)
+    task.__name__: task for task in (pounding, tables, storeys, oscillators, records)
 }
 
 
