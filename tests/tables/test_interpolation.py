@@ -1,10 +1,10 @@
-"""Interpolation on a grid: scipy's, linear and by Hermite splines axis by axis."""
+"""Interpolation on a grid: by Hermite splines axis by axis."""
 
 import numpy as np
 import pytest
 import scipy.interpolate
 
-from stochlin.solver.tables.interpolation import Grid, linear
+from stochlin.solver.tables.interpolation import Grid
 
 pytestmark = pytest.mark.oracle
 
@@ -34,24 +34,6 @@ def test_interpolation_is_by_splines_along_each_axis(dimensions):
     expected = [by_splines(axes, values, point) for point in points.T]
     found = Grid.of(axes, values).at(points)
     np.testing.assert_allclose(found.T, expected, rtol=0, atol=1e-12)
-
-
-@pytest.mark.parametrize("dimensions", [1, 2, 4, 6])
-def test_linear_interpolation_is_scipys(dimensions):
-    rng = np.random.default_rng(dimensions)
-    axes = [np.sort(rng.uniform(-1, 1, rng.integers(2, 6))) for _ in range(dimensions)]
-    values = rng.standard_normal([axis.size for axis in axes])
-    points = rng.uniform(-1.1, 1.1, (400, dimensions))
-    points[:20] = [axis[0] for axis in axes]
-    points[20:40] = [axis[-1] for axis in axes]
-    points[40:60] = [0.5 * (axis[0] + axis[1]) for axis in axes]
-    expected = scipy.interpolate.RegularGridInterpolator(
-        axes, values, bounds_error=False, fill_value=np.nan
-    )(points)
-    (out,) = Grid.of(axes, values, linear).at(points.T)
-    np.testing.assert_allclose(out, expected, rtol=0, atol=1e-13)
-    assert np.isnan(out).any()
-    assert np.isfinite(out).sum() >= 60
 
 
 @pytest.mark.parametrize("wrong", [np.nan, -0.1, 2.1])

@@ -35,7 +35,7 @@ def in_slabs(
     return results
 
 
-def in_ranges(task: Callable[[slice], Any], cells: int, size: int) -> list[Any]:
+def in_ranges(task: Callable[[slice], Any], cells: int, size: int = CHUNK) -> list[Any]:
     """Results of a task for each range of ``size`` of the cells; for no cells, of an empty range."""
     return [task(slice(begin, min(begin + size, cells))) for begin in range(0, max(cells, 1), size)]
 

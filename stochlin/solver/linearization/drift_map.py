@@ -25,11 +25,12 @@ from importlib.resources import files
 
 import numpy as np
 import xarray as xr
+from scipy.ndimage import map_coordinates
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.models.grounds import CloughPenzien, Ground, KanaiTajimi, WhiteNoise
 from stochlin.models.structures import DRIFT, GAUSSIAN, Structure
-from stochlin.solver.tables.interpolation import Grid, linear
+from stochlin.solver.tables.interpolation import Grid
 
 FILE = "drift_map.nc"
 # Clough-Penzien ground is a Kanai-Tajimi ground with a high-pass filter. Structures on it are corrected
@@ -150,15 +151,18 @@ def _held_with_spread(name: str, point: Array) -> tuple[Array, Array]:
 
     The standard deviations have the weights of linear interpolation.
     """
-    inside = _inside(_grid(name), point)
-    mean, square = _with_squares(name).at(inside)
-    return _grid(name).at(inside)[0], np.sqrt(np.maximum(square - mean**2, 0))
+    grid = _grid(name)
+    inside = _inside(grid, point)
+    # Places as numbers of points along each axis, between which they are linear.
+    place = [np.interp(x, axis, np.arange(axis.size)) for x, axis in zip(inside, grid.axes, strict=True)]
+    mean, square = (map_coordinates(v, place, order=1, cval=np.nan) for v in _with_squares(name))
+    return grid.at(inside)[0], np.sqrt(np.maximum(square - mean**2, 0))
 
 
 @cache
-def _with_squares(name: str) -> Grid:
-    grid = _grid(name)
-    return Grid.of(grid.axes, np.concatenate([grid.values, grid.values**2], axis=-1), linear)
+def _with_squares(name: str) -> tuple[Array, Array]:
+    values = _grid(name).values[..., 0]
+    return values, values**2
 
 
 @np.errstate(all="ignore")  # R/p of elastic structures is 0; failed cells are NaN

@@ -37,7 +37,6 @@ from stochlin.solver.tables.cells import Flat, flat
 from stochlin.solver.tables.checks import USUAL, Tolerance, check_table
 from stochlin.solver.tables.lazy import Cells, in_blocks
 
-AT_ONCE = 1 << 12  # cells that are solved together, which limits the memory for intermediate results
 ROUNDING = 1e-9  # by which a correlation may exceed 1
 # Slip 1 + c_eq and relaxation k_eq/w below which z has no effect on the response in double precision.
 ELASTIC = 1e-18
@@ -243,7 +242,7 @@ def solve_oscillators(
     def part(at: slice) -> dict[str, Array]:
         return _solved(cells.at(at), law and law.at(at), ground, tolerance)
 
-    parts = in_ranges(part, cells.period.size, AT_ONCE)
+    parts = in_ranges(part, cells.period.size)
     return {name: np.concatenate([each[name] for each in parts], axis=-1) for name in parts[0]}
 
 

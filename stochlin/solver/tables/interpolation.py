@@ -1,34 +1,25 @@
-"""Linear and smooth interpolation on a rectangular grid with any number of axes; NaN outside it."""
+"""Smooth interpolation on a rectangular grid with any number of axes; NaN outside it."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline, PPoly
+from scipy.interpolate import CubicHermiteSpline
 
 from stochlin.kernels.basics.arrays import Array
 
 ROUNDING = 1e-9  # distance beyond the end of an axis at which a point still counts as inside
 TOGETHER = 1024  # points interpolated together
 
-# Weights (n, m) of the m points of an axis at places (n,), most of them 0.
-Weights = Callable[[Array], Array]
 
+def smooth(points: Array) -> CubicHermiteSpline:
+    """Weights (n, m) of the m points of an axis at places (n,), most of them 0.
 
-def linear(points: Array) -> Weights:
-    """Linear interpolation on an axis."""
-    ends = np.eye(points.size)
-    return PPoly([np.diff(ends, axis=0) / np.diff(points)[:, None], ends[:-1]], points)
-
-
-def smooth(points: Array) -> Weights:
-    """Interpolation by cubic polynomials without kinks.
-
-    The slope at a point is that of the parabola through it and its two neighbours, and 0 at both ends
-    of the axis, beyond which values may be held.
+    They belong to cubic polynomials without kinks. The slope at a point is that of the parabola through
+    it and its two neighbours, and 0 at both ends of the axis, beyond which values may be held.
     """
     slopes = np.asarray(np.gradient(np.eye(points.size), points, axis=0))
     slopes[[0, -1]] = 0.0
@@ -39,18 +30,16 @@ class Grid(NamedTuple):
     """Columns of values on a rectangular grid."""
 
     axes: Sequence[Array]  # increasing points
-    weights: Sequence[Weights]  # of each axis
+    weights: Sequence[CubicHermiteSpline]  # of each axis
     values: Array  # a dimension for each axis, and one for the columns
     ends: Array  # (2, axes, 1) first and last point of each axis
 
     @classmethod
-    def of(
-        cls, axes: Sequence[Array], values: Array, weights: Callable[[Array], Weights] = smooth
-    ) -> Grid:
+    def of(cls, axes: Sequence[Array], values: Array) -> Grid:
         """The grid of these axes; ``values`` have a dimension for each, and one for columns or none."""
         columns = np.asarray(values, float).reshape(*(axis.size for axis in axes), -1)
         ends = np.array([axis[[0, -1]] for axis in axes]).T[..., None]
-        return cls(axes, [weights(axis) for axis in axes], columns, ends)
+        return cls(axes, [smooth(axis) for axis in axes], columns, ends)
 
     def at(self, points: Array) -> Array:
         """Values (columns, n) at ``points`` (axes, n); NaN at points outside or with NaN.
