@@ -193,11 +193,8 @@ def check_closure(structure: Structure, closure: str) -> None:
 
 def solve_elastic(structure: Structure, ground: Ground) -> xr.Dataset:
     """Dataset of the structure as elastic; ``yield_displacement`` is that of its strength."""
-
-    def elastic(structure: Structure, ground: Ground) -> xr.Dataset:
-        return solved_together((structure,), ground).dataset()
-
-    return in_blocks(elastic, {"structure": structure, "ground": ground})
+    models = {"structure": structure, "ground": ground}
+    return in_blocks(lambda structure, ground: solved_together((structure,), ground).dataset(), models)
 
 
 def solved_together(
