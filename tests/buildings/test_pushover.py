@@ -137,10 +137,6 @@ FILES: dict[str, str | tuple[str, dict[str, Any]]] = {
     "the roof comes back after the peak": f"{PUSH}58.5,400\n70,-10\n",
     "a step is repeated": PUSH.replace("30,700\n", "30,700\n30,700\n"),
     "off zero by the permanent loads": PUSH.replace("0,0\n", "-.005,0.4\n", 1),
-    "columns by name and number": (
-        "a [mm],b [kN],c\n0,0,1\n10,500,1\n30,700,1\n60,750,1\n",
-        {"displacement_column": 0, "force_column": "b", "force_units": "kN"},
-    ),
 }
 
 
@@ -164,15 +160,11 @@ UNREADABLE: dict[str, str | tuple[str, dict[str, Any]]] = {
         f"{HEAD}0,0\n1,2\n2,3\n3,3.1\n",
         {"length_units": "cm"},
     ),
-    r"force_column is missing: push\.csv, line 2 has 3 columns .* shear x, shear y; give force_col": (
+    r"push\.csv, line 1: the table has 3 columns .* shear x, shear y; allowed: one of displacements": (
         "roof,shear x,shear y\n0,0,0\n1,2,2\n2,3,3\n3,4,4\n",
         {"length_units": "m", "force_units": "N"},
     ),
-    r"line 1: the table has no column 5; allowed: 2 columns \(index 0 to 1\) named roof": (
-        f"{HEAD}0,0\n1,2\n",
-        {"force_column": 5},
-    ),
-    "are both in column 1": (f"{HEAD}0,0\n1,2\n", {"force_column": 0}),
+    "named roof shear, x; allowed: one of displacements": "roof shear,x\n0,0\n1,2\n2,3\n",
     r"push\.csv, line 4, column 2: 'collapse' is not a force": f"{HEAD}0,0\n1,2\n2,collapse\n3,3\n",
     "line 5, column 1: a second load case": f"Case,{HEAD}X,0,0\nX,10,500\nX,30,700\nY,0,0\nY,9,10\n",
     r"line 6: a second push begins; allowed: one": f"{PUSH}0,0\n10,400\n",

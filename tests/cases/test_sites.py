@@ -129,14 +129,16 @@ def test_beyond_the_hazard_is_refused_with_its_range(tmp_path):
 SUITE = f'{FIRM}intensity = "0.01 m^2/s^3"\n[site.suite]\npath = "{{}}"\n'
 
 
-def test_a_record_that_cannot_be_read_is_named_and_left_out_if_asked(suite):
+def test_a_record_that_cannot_be_read_is_named_and_those_of_a_suite_are_files_of_the_case(suite):
     with pytest.raises(
         ValueError,
         match=r"case.toml, line \d+: site.suite.path = 'suite.csv' .*csv, line 3, bad.txt: .*'two'",
     ):
         read(suite, SUITE.format("suite.csv"))
-    with pytest.warns(UserWarning, match=r"suite.csv, line 3, bad.txt is left out"):
-        case = read(suite, SUITE.format("suite.csv") + "skip_unreadable = true\n")
+    table = suite / "suite.csv"
+    lines = table.read_text().splitlines()
+    table.write_text("\n".join(line for line in lines if "bad" not in line))
+    case = read(suite, SUITE.format("suite.csv"))
     assert list(case.site.records) == ["records/m00.at2", "records/m01.at2"]
     assert {suite / "suite.csv", suite / "records/m00.at2"} <= set(case.files)
 

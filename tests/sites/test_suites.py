@@ -160,13 +160,10 @@ def test_a_table_that_is_wrong_names_the_line(folder, rows, message):
 
 
 @pytest.mark.invariant
-def test_a_file_that_cannot_be_read_is_named_and_left_out_if_asked(folder):
+def test_a_file_that_cannot_be_read_is_named(folder):
     (folder / "bad.txt").write_text("1\ntwo\n", encoding="utf-8")
     with pytest.raises(ValueError, match=r"bad\.txt: "):
         sl.read_records(folder, units="g", dt=0.01)
-    with pytest.warns(UserWarning, match=r"bad\.txt is left out"):
-        suite = sl.read_records(folder, skip_unreadable=True)
-    assert len(suite) == 2
 
 
 @pytest.mark.oracle

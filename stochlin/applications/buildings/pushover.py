@@ -41,8 +41,6 @@ def read_pushover(
     *,
     length_units: str | None = None,
     force_units: str | None = None,
-    displacement_column: int | str | None = None,
-    force_column: int | str | None = None,
 ) -> xr.DataArray:
     r"""Read a pushover curve from a file: base shear over the displacement of the roof.
 
@@ -55,14 +53,12 @@ def read_pushover(
     path : str or path
         Path of the file: text in UTF-8 with ``,``, ``;``, tabs or spaces between its columns, or a
         workbook. Text after ``#`` at the start of a line is a comment. Lines of titles, and a line of
-        units below them, may come first.
+        units below them, may come first. The columns are those whose titles have the words displacement
+        or roof, and shear or force, and without titles the first two of a file of two columns.
     length_units, force_units : str, optional
         Units of the displacement, ``"m"``, ``"cm"``, ``"mm"``, ``"in"`` or ``"ft"``, and of the base
         shear, ``"N"``, ``"kN"``, ``"MN"``, ``"kgf"``, ``"tonf"``, ``"lbf"`` or ``"kip"``. Not needed if
         the titles have them, as in ``base shear [kN]``, or a line below the titles.
-    displacement_column, force_column : int or str, optional
-        Columns by index from 0 or by title. By default those whose titles have the words displacement or
-        roof, and shear or force, and without titles the first two of a file of two columns.
 
     Returns
     -------
@@ -97,14 +93,9 @@ def read_pushover(
     table = table_in(sheets_of(path), words, "displacements and base shears")
     for column in (n for n, name in enumerate(table.names) if "case" in name):
         check_one_case(table, column)
-    wanted = {"displacement": (displacement_column, length_units), "force": (force_column, force_units)}
-    columns = {what: _column(what, column, table) for what, (column, _) in wanted.items()}
-    if len({*columns.values()}) == 1:
-        what = f"{name}: displacement and base shear are both in column {columns['force'] + 1}"
-        raise ValueError(f"{what}; give displacement_column= and force_column=")
     series = []
-    for what, column in columns.items():
-        values = table.in_si(column, TITLES[what][1], wanted[what][1], None)
+    for what, units in {"displacement": length_units, "force": force_units}.items():
+        values = table.in_si(_column(what, table), TITLES[what][1], units, None)
         series.append(values * np.sign(values[np.argmax(np.abs(values))]))
     displacement, force = checked_curve(series[0], series[1], table.places())
     return xr.DataArray(
@@ -115,18 +106,18 @@ def read_pushover(
     )
 
 
-def _column(what: str, wanted: int | str | None, table: Table) -> int:
-    """Index of the column of displacements or forces."""
-    parameter, names = f"{what}_column", [with_unit(title)[0] for title in table.title_cells]
-    if wanted is not None:
-        return table.column(wanted, several=False)
-    fitting = [n for n, name in enumerate(names) if re.search(TITLES[what][0], name)]
-    if len(fitting) == 1:
-        return fitting[0]
-    if not names and table.width == 2:
+def _column(what: str, table: Table) -> int:
+    """Index of the only column whose title is that of displacements, or of forces."""
+    if not table.titles and table.width == 2:
         return [*TITLES].index(what)
-    where = table.sheet.where(table.rows.index[0])
-    raise ValueError(f"{parameter} is missing: {where} has {table.in_words}; give {parameter}=")
+    known = [
+        [quantity for quantity, (words, _) in TITLES.items() if re.search(words, with_unit(title)[0])]
+        for title in table.title_cells
+    ]
+    if known.count([what]) != 1:
+        allowed = "one of displacements and one of forces, such as roof [mm], shear [kN]"
+        raise table.error(f"has {table.in_words}; allowed: {allowed}")
+    return known.index([what])
 
 
 @checked

@@ -128,7 +128,6 @@ def read_spectrum(
     units: str | None = None,
     damping: DampingRatio = USUAL_DAMPING,
     column: int | str | None = None,
-    period_column: int | str = 0,
     between: Annotated[str, OneOf(BETWEEN)] | None = None,
 ) -> xr.DataArray:
     r"""Read an elastic response spectrum from a file with columns of text.
@@ -143,9 +142,9 @@ def read_spectrum(
         ``Sa [g]``.
     damping : float
         Damping ratio [-] of the spectrum, between 0 and 1.
-    column, period_column : int or str
-        Columns of the acceleration and of the period [s], each by its index from 0 or by its name.
-        ``column`` is not needed if only one column remains.
+    column : int or str, optional
+        Column of the acceleration, by its index from 0 or by its name; not needed in a file of two. The
+        first column is the period [s].
     between : {"logarithmic", "linear"}, optional
         What the ordinates and periods between two points are, which the code says: linear in their
         logarithms (default), or linear, as for the few points of the code of Canada.
@@ -186,12 +185,11 @@ def read_spectrum(
     path = input_path("path", path)
     name = plain(path.name)
     table = table_in(sheets_of(path), _WORDS, "periods and accelerations")
-    of_period = table.column(period_column, several=False)
-    left = 1 - of_period if table.width == 2 else of_period
+    left = 1 if table.width == 2 else 0
     of_values = left if column is None else table.column(column, several=False)
-    if of_values == of_period:
+    if of_values == 0:
         raise table.error(f"has {table.in_words}; give column=, another than that of the periods")
-    period = table.seconds(of_period, "period")
+    period = table.seconds(0, "period")
     values = table.in_si(of_values, "acceleration", units, None)
     check_ordinates(period, values, damping, table.places())
     largest = values.max() / constants.g

@@ -63,7 +63,6 @@ def read_records(
     component: Column | None = None,
     wrapped: Truth = False,
     skip: Annotated[int, Whole(0)] = 0,
-    skip_unreadable: Truth = False,
 ) -> Suite:
     r"""Read a suite of records: all files of a folder, or those listed in a table.
 
@@ -88,8 +87,6 @@ def read_records(
     dt, units, column, time_column, component, wrapped, skip
         As in `read_record`, for all files without such an entry in the table. Without a ``component``,
         both horizontal ones of a file are read; with it, also vertical ones.
-    skip_unreadable : bool
-        Whether a file that cannot be read is left out with a warning, instead of an error.
 
     Returns
     -------
@@ -142,11 +139,10 @@ def read_records(
                 else:
                     upward.append(label)
         except (OSError, ValueError) as error:
-            no_record = path.is_dir() and isinstance(error, UnknownFormatError)
-            if not skip_unreadable and not no_record:
+            if not (path.is_dir() and isinstance(error, UnknownFormatError)):
                 raise ValueError(f"{where}: {sentence(error, LONGEST_MESSAGE)}") from error
-            why = "no record can be seen in it" if no_record else sentence(error, LONGEST_MESSAGE)
-            warnings.warn(f"{where} is left out: {why}", DoubtfulInput, stacklevel=3)
+            what = f"{where} is left out: no record can be seen in it"
+            warnings.warn(what, DoubtfulInput, stacklevel=3)
     if upward:
         which = f"{listed(upward)} {'is' if len(upward) == 1 else 'are'} left out"
         why = "vertical or in a borehole; read_record reads such components"

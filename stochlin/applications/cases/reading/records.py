@@ -79,7 +79,6 @@ class Suite(Reading):
     one_of: ClassVar[Any] = {"": ("pga", "sa", "scale_to")}
     goes_with = (("sa", "sa_period"), ("sa_period", "sa"), ("band", "scale_to"))
 
-    skip_unreadable: bool = key(TRUTH, "Leave out what cannot be read, with a warning", False)
     pga: float | None = key(PEAK, "Peak acceleration to which each record is scaled", None)
     sa: float | None = key(RESPONSE, "Spectral acceleration to which each is scaled", None)
     sa_period: float | None = key(TIME, "Its period", None)
@@ -97,7 +96,7 @@ class Suite(Reading):
             goal["spectrum"] = spectrum
         path = self.table.path("path")
         with self.table.naming("path"):
-            suite = read_records(path, **self.given(*READING, "skip_unreadable"))
+            suite = read_records(path, **self.given(*READING))
         beside = path if path.is_dir() else path.parent
         self.table.source.files.extend(beside / record.attrs["file"] for record in suite.values())
         with self.table.naming("band" if self.band else "path"):

@@ -226,7 +226,6 @@ class SpectrumFile(Spectrum):
 
     units: str | None = key(TEXT, "Unit of the accelerations in the file", None)
     column: str | int | None = key(COLUMN, "Column of the accelerations", None)
-    period_column: str | int | None = key(COLUMN, "Column of the periods", None)
     between: str | None = key(Word(BETWEEN), "What the spectrum is between its points", None)
     scale: float = key(FACTOR, "Scale of the spectrum", 1.0)
     damping: float | None = key(DAMPING, "Damping ratio", None)
@@ -237,7 +236,7 @@ class SpectrumFile(Spectrum):
         if not path.exists():
             known = f"{hint(path.name, CODES)}allowed: {', '.join(CODES)}, or such a file"
             raise self.table.error("spectrum", f"is neither a code nor a file beside this one; {known}")
-        options = self.given("units", "column", "period_column", "between", "damping")
+        options = self.given("units", "column", "between", "damping")
         with self.table.naming("spectrum"):
             spectrum = read_spectrum(path, **options)
         return (self.scale * spectrum).assign_attrs(spectrum.attrs)
