@@ -67,10 +67,8 @@ class Registry(Mapping[str, Thing], Generic[Thing]):
         """
         key = as_key(name)
         if key not in self:
-            allowed = ", ".join([*self, *others])
-            raise ValueError(
-                f"{parameter} = {brief(name)} is not a known {self.kind}; allowed: {allowed}"
-            )
+            allowed, what = ", ".join([*self, *others]), f"is not a known {self.kind}"
+            raise ValueError(f"{parameter} = {brief(name)} {what}; allowed: {allowed}")
         return self[key]
 
     def __getitem__(self, name: str) -> Thing:
@@ -116,7 +114,6 @@ def import_extensions() -> None:
         try:
             entry.load()
         except Exception as error:
-            raise ImportError(
-                f"the extension {entry.name!r} ({entry.value}) cannot be imported: "
-                f"{type(error).__name__}: {error}; mend or uninstall it"
-            ) from error
+            what = f"the extension {entry.name!r} ({entry.value}) cannot be imported"
+            why = f"{type(error).__name__}: {error}"
+            raise ImportError(f"{what}: {why}; mend or uninstall it") from error

@@ -124,9 +124,8 @@ class OneOf:
         """Raise a ValueError, which suggests the nearest name, unless the value is one of the names."""
         if not isinstance(value, str) or value not in self.names:
             said = hint(value, self.names) if isinstance(value, str) else ""
-            raise ValueError(
-                f"{name} = {brief(value)} is not known; {said}allowed: {', '.join(self.names)}"
-            )
+            known = ", ".join(self.names)
+            raise ValueError(f"{name} = {brief(value)} is not known; {said}allowed: {known}")
 
 
 @dataclass(frozen=True)

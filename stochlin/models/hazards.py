@@ -31,10 +31,8 @@ class Hazard(Model):
         kind = type(self).__name__
         OneOf(MEASURES)(f"{kind}: measure", self.measure)
         if (self.measure == "sa") != (self.period is not None):
-            raise ValueError(
-                f"{kind}: period = {brief(self.period)} with measure = {self.measure!r}; allowed: a "
-                "period in seconds with sa, and none with pga and intensity"
-            )
+            what = f"{kind}: period = {brief(self.period)} with measure = {self.measure!r}"
+            raise ValueError(f"{what}; allowed: a period in seconds with sa alone")
         if self.period is not None:
             Number(POSITIVE)(f"{kind}: period", self.period)
 
@@ -99,10 +97,8 @@ class HazardCurve(Hazard):
             object.__setattr__(self, name, tuple(numbers.tolist()))
         points = len(self.intensities)
         if points != len(self.frequencies):
-            raise ValueError(
-                f"HazardCurve: {points} intensities and {len(self.frequencies)} frequencies; allowed: "
-                "as many of one as of the other"
-            )
+            what = f"HazardCurve: {points} intensities and {len(self.frequencies)} frequencies"
+            raise ValueError(f"{what}; allowed: as many of one as of the other")
         places = [f"HazardCurve, number {n}" for n in range(1, points + 1)]
         check_curve(np.array(self.intensities), np.array(self.frequencies), places)
 
@@ -123,10 +119,8 @@ class HazardCurve(Hazard):
     def _between(self, name: str, at: Parameter, axis: Sequence[float], values: Sequence[float]) -> Any:
         value, ends = _of(at, name), (axis[0] * (1 - _ROUNDING), axis[-1] * (1 + _ROUNDING))
         if isinstance(value, float) and not ends[0] <= value <= ends[1]:
-            raise ValueError(
-                f"{name} = {value:g} is beyond the hazard curve, {axis[0]:.4g} to {axis[-1]:.4g}; "
-                "allowed: what it covers, since nothing is extrapolated"
-            )
+            covered = f"{axis[0]:.4g} to {axis[-1]:.4g}"
+            raise ValueError(f"{name} = {value:g} is beyond the hazard curve; allowed: {covered}")
 
         def interpolated(at: Array) -> Array:
             result = np.exp(np.interp(np.log(at), np.log(axis), np.log(values)))
@@ -185,10 +179,8 @@ class PowerLawHazard(Hazard):
 def check_curve(intensities: Array, frequencies: Array, places: Sequence[str]) -> None:
     """Raise a ValueError unless these are a hazard curve; ``places`` name each point in messages."""
     if intensities.size < FEWEST:
-        raise ValueError(
-            f"{places[0] if places else 'hazard curve'}: {intensities.size} points; allowed: {FEWEST} "
-            "or more intensities with their frequencies"
-        )
+        where = places[0] if places else "hazard curve"
+        raise ValueError(f"{where}: {intensities.size} points; allowed: {FEWEST} or more intensities")
     columns = (
         ("intensity", intensities, 1, "increasing intensities, so sort them"),
         ("annual frequency", frequencies, -1, "falling frequencies, since what is stronger is rarer"),
@@ -196,8 +188,7 @@ def check_curve(intensities: Array, frequencies: Array, places: Sequence[str]) -
     for n, place in enumerate(places):
         for name, values, sign, allowed in columns:
             if not 0 < values[n] < np.inf:
-                what = f"{place}: the {name} is {values[n]:g}"
-                raise ValueError(f"{what}; allowed: positive, finite, so leave it out")
+                raise ValueError(f"{place}: the {name} is {values[n]:g}; allowed: positive, finite")
             if n and sign * values[n] <= sign * values[n - 1]:
                 what = f"{place}: the {name} {values[n]:g} follows {values[n - 1]:g}"
                 raise ValueError(f"{what}; allowed: {allowed}")

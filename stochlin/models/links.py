@@ -87,19 +87,17 @@ class Link(Model):
     def __post_init__(self) -> None:
         super().__post_init__()
         if (self.yield_displacement is None) != (self.hardening is None):
+            alone = "hardening" if self.yield_displacement is None else "yield_displacement"
             raise ValueError(
-                f"Link: hardening = {brief(self.hardening)} and yield_displacement = "
-                f"{brief(self.yield_displacement)}; allowed: both for a link that yields, or neither"
+                f"Link: {alone} is given alone; allowed: both for a link that yields, or neither"
             )
         for name in ("structures", "floors"):
             lowest = GROUND if name == "floors" and self.within_one else 1
             if (numbers := getattr(self, name)) is not None:
                 object.__setattr__(self, name, _two_numbers(name, numbers, lowest))
         if self.within_one and (self.floors is None or self.floors[0] <= self.floors[1]):
-            raise ValueError(
-                f"Link: floors = {self.floors} with structures = {self.structures}; allowed inside one "
-                "structure: floors=(upper, lower), of which the lower is 0 for the ground"
-            )
+            what = f"Link: floors = {self.floors} inside structure {self.structures}"
+            raise ValueError(f"{what}; allowed: (upper, lower), of which the lower is 0 for the ground")
 
     @property
     def within_one(self) -> bool:

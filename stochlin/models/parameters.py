@@ -63,9 +63,8 @@ PERIODS = Range(1e-9, 1e9, include_lower=True, include_upper=True)
 
 def parameter(units: str, long_name: str, allowed: Range, default: Any = dataclasses.MISSING) -> Any:
     """Declare a physical parameter of a model as a dataclass field."""
-    return dataclasses.field(
-        default=default, metadata={"units": units, "long_name": long_name, "allowed": allowed}
-    )
+    metadata = {"units": units, "long_name": long_name, "allowed": allowed}
+    return dataclasses.field(default=default, metadata=metadata)
 
 
 class _Kind(Named):
@@ -114,11 +113,9 @@ class Model(metaclass=_Kind):
             if len(several) > 1:
                 xr.align(*several, join="exact", copy=False)
         except (xr.AlignmentError, ValueError) as error:
-            raise ValueError(
-                f"{prefix}parameters share a dimension, not its coordinates or length: "
-                f"{sentence(error)}; "
-                "give them different dimension names for a table, or equal coordinates"
-            ) from error
+            what = f"{prefix}parameters share a dimension, not its coordinates or length"
+            cure = "give them different dimension names for a table, or equal coordinates"
+            raise ValueError(f"{what}: {sentence(error)}; {cure}") from error
 
     @classmethod
     @functools.cache
@@ -257,10 +254,8 @@ def check(prefix: str, name: str, value: Any, declared: Mapping[str, Any]) -> fl
         return number
     if isinstance(array, np.ndarray):
         if array.ndim > 1:
-            raise ValueError(
-                f"{label} is a plain array of {array.ndim} dimensions; allowed: a number, a 1-D array, "
-                "or an xarray.DataArray whose dimensions have names"
-            )
+            what = f"{label} is a plain array of {array.ndim} dimensions"
+            raise ValueError(f"{what}; allowed: a number, a 1-D array, or an xarray.DataArray")
         array = xr.DataArray(array, dims=CASE)
     if not array.size:
         raise ValueError(f"{label} is empty; allowed: at least one value")

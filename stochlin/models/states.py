@@ -37,11 +37,9 @@ def rates_by_state(law: Any) -> Rates:
         isinstance(name, str) and name.isidentifier() and not keyword.iskeyword(name) for name in names
     )
     if not (words and "z" in rates and "v" not in names and len(names) <= MOST_STATES):
-        raise ValueError(
-            f"law = {brief(in_words(law))} has rates of {listed(rates)}; allowed: those of z and of at "
-            f"most {MOST_STATES - 1} further states, whose names consist of letters and digits, and are "
-            "not 'v', the ductility rate"
-        )
+        what = f"law = {brief(in_words(law))} has rates of {listed(rates)}"
+        allowed = f"z and at most {MOST_STATES - 1} further states, names of letters and digits, not 'v'"
+        raise ValueError(f"{what}; allowed: {allowed}")
     return tuple((name, rates[name]) for name in names)
 
 

@@ -72,11 +72,9 @@ class Structure(Model):
         super().__post_init__()
         name = type(self).__name__
         if self.yield_displacement is not None and self.reduction_factor is not None:
-            what = f"{name}: yield_displacement and reduction_factor are both given"
-            raise ValueError(f"{what}; allowed: one of them, since each defines the strength")
+            raise ValueError(f"{name}: yield_displacement and reduction_factor; allowed: one of them")
         if self.yields and self.hardening is None:
-            what = f"{name}: hardening is not given; a structure with a strength needs its hardening"
-            raise ValueError(f"{what} ratio, allowed: {HARDENING}")
+            raise ValueError(f"{name}: hardening is missing beside a strength; allowed: {HARDENING}")
 
     @property
     def yields(self) -> bool:
@@ -151,9 +149,8 @@ class Structure(Model):
         """Raise a ValueError if the hardening is one number, and leaves no stiffness after yielding."""
         scalar = self.yields and not isinstance(self.hardening, xr.DataArray)
         if scalar and not STATIONARY_HARDENING.contains(self.hardening):
-            what = f"{role}: hardening = {self.hardening:g} leaves no stiffness after yielding, and the"
-            allowed = f"{STATIONARY_HARDENING}; or {CURE}"
-            raise ValueError(f"{what} displacement no stationary value; allowed: {allowed}")
+            what = f"{role}: hardening = {self.hardening:g} leaves no stiffness after yielding"
+            raise ValueError(f"{what}; allowed: {STATIONARY_HARDENING}; or {CURE}")
 
     def check_stationary(self, role: str) -> None:
         """Raise a ValueError if the displacement, or a state of the law, grows for ever."""

@@ -167,35 +167,25 @@ class SymbolicLaw:
         for values in sets:
             rates, start = self._rates(v, w, values), self._rates(v, 0 * w, values)
             if np.iscomplexobj(rates) or not np.isfinite([rates, start]).all():
-                more = ", further states from 0 to 2.5" if len(w) > 1 else ""
-                raise ValueError(
-                    f"{self._named(values)} is not real and finite in |v|, |z| < 2.5{more} and at "
-                    f"{' = '.join(name for name, _ in self.rates)} = 0, where motions start; take "
-                    "powers of Abs(z) instead of z, and write a limit as Piecewise"
-                )
+                where = "|v|, |z| < 2.5, with further states from 0 to 2.5, or where all states are 0"
+                cure = "take powers of Abs(z) instead of z, and write a limit as Piecewise"
+                raise ValueError(f"{self._named(values)} is not real and finite in {where}; {cure}")
             allowed = 1e-9 * (1 + np.abs(rates).max(axis=1, keepdims=True))
             if not (np.abs(self._rates(-v, signs * w, values) - signs * rates) <= allowed).all():
-                raise ValueError(
-                    f"{self._named(values)} differs with the direction; allowed: if v and z are "
-                    f"reversed, so is the rate of z, and growing_states = {brief(self.growing)} keep "
-                    "their signs and those of their rates, as energies do, while other states and their "
-                    "rates are reversed"
-                )
+                kept = f"growing_states = {brief(self.growing)} and their rates keep their signs"
+                allowed = f"with v and z all states and rates are reversed, while {kept}"
+                raise ValueError(f"{self._named(values)} differs with the direction; allowed: {allowed}")
             if (np.abs(start[0]) <= 1e-9 * np.abs(v)).all():
-                raise ValueError(
-                    f"{self._named(values)} leaves z at 0, where motions start, so that no force "
-                    "develops; allowed: G(v, 0) = v, as in v - abs(v)*z"
-                )
+                what = f"{self._named(values)} leaves z at 0, where motions start"
+                raise ValueError(f"{what}; allowed: G(v, 0) = v, as in v - abs(v)*z")
 
     @cache  # noqa: B019 - laws are kept anyway
     def check_in_time(self, sets: Sets) -> None:
         """Raise an ArithmeticError if `held` is not accurate, or if a further state has no mean."""
         further = [name for name, _ in self.rates[1:]]
         if turning := [name for name in further if name not in self.growing]:
-            raise NotLinearizedError(
-                f"{self._named(sets[0])} cannot be linearized in time: {listed(turning)} turns with the "
-                "motion, so that its mean is 0; use simulate with a duration"
-            )
+            what = f"{self._named(sets[0])} cannot be linearized in time: {listed(turning)} has no mean"
+            raise NotLinearizedError(f"{what}; use simulate with a duration")
         held = ((*values, *(mean for _ in further)) for values in sets for mean in MEANS)
         self.held.check_expectations(tuple(held), ACCURACY_IN_TIME)
 
@@ -211,13 +201,9 @@ class SymbolicLaw:
             )
             errors = np.abs(coarse - fine) / (np.abs(fine) + _LATENT[0])
             if not (error := np.nan_to_num(errors.max(), nan=np.inf)) < allowed:
-                raise NotLinearizedError(
-                    f"{self._named(values)} cannot be linearized: its Gaussian expectations have the "
-                    f"error {error:.1e}, allowed {allowed:.0e}, since it bends, jumps or is steep "
-                    "elsewhere than at v = 0 and its kinks in z, has a power below 1/2 there, or grows "
-                    "too fast. Write kinks as Abs, sign, Heaviside, Max, Min or Piecewise of z alone "
-                    "and make the law smoother, or use simulation, which takes it as it is"
-                )
+                what = f"{self._named(values)} cannot be linearized: its Gaussian expectations have the"
+                cure = "write kinks in z as Abs, sign, Max, Min or Piecewise, or use simulation"
+                raise NotLinearizedError(f"{what} error {error:.1e}, allowed {allowed:.0e}; {cure}")
 
 
 _compiled = cache(SymbolicLaw)
@@ -252,10 +238,8 @@ def _plain(
         quoted = ", ".join(f"'{name}'" for name in known)
         own = f"its parameters {', '.join(parameters)}" if parameters else "numbers as parameters"
         of_state = f" of {state}" if len(states) > 1 else ""
-        raise ValueError(
-            f"law{of_state} = {expression} has the symbols {sorted(names)}; allowed: {quoted} and "
-            f"{own}; 'v' is required for z"
-        )
+        what = f"law{of_state} = {expression} has the symbols {sorted(names)}"
+        raise ValueError(f"{what}; allowed: {quoted} and {own}; 'v' is required for z")
     _check_parts(expression)
     return expression.subs({s: sympy.Symbol(s.name, real=True) for s in expression.free_symbols})
 
@@ -265,10 +249,9 @@ def _check_parts(expression: sympy.Expr) -> None:
     for node in sympy.preorder_traversal(expression):
         beyond = isinstance(node, sympy.Number) and not abs(node) < LARGEST
         if beyond or not isinstance(node, _PARTS):
-            raise ValueError(
-                f"law = {brief(str(expression))} has {brief(str(node))}, which has no numeric form; "
-                f"allowed: numbers below {LARGEST:.0e}, + - * / ** and {', '.join(sorted(_FUNCTIONS))}"
-            )
+            what = f"law = {brief(str(expression))} has {brief(str(node))}, which has no numeric form"
+            allowed = f"numbers below {LARGEST:.0e}, + - * / ** and {', '.join(sorted(_FUNCTIONS))}"
+            raise ValueError(f"{what}; allowed: {allowed}")
 
 
 def _for_lanes(law: sympy.Expr) -> sympy.Expr:

@@ -290,11 +290,9 @@ def check_stationary(system: Arrangement) -> None:
             continue
         storey = int(np.argmax(weak))
         left = stack.system.post[..., storey].min()
-        raise ValueError(
-            f"structures, number {number}: storey {storey + 1} has no stiffness after yielding "
-            f"({left:.3g} N/m, with the weight above if p_delta): its drift grows without end, with no "
-            f"stationary value; {CURE}; or give more hardening, or p_delta=False"
-        )
+        what = f"structures, number {number}: storey {storey + 1} has no stiffness after yielding"
+        cure = f"{CURE}; or give more hardening, or p_delta=False"
+        raise ValueError(f"{what} ({left:.3g} N/m), so that its drift grows without end; {cure}")
 
 
 def shares_at(levels: Array, height: float) -> Array:
@@ -376,9 +374,7 @@ def common_floors(first: Stack, second: Stack, number: int) -> tuple[int, int]:
         return first.levels.size, second.levels.size
     level = np.abs(first.levels[:, None] - second.levels) < LEVEL
     if not level.any():
-        raise ValueError(
-            f"link {number}: the structures have no two floors at one level; give floors=(.., ..)"
-        )
+        raise ValueError(f"link {number}: no two floors are at one level; give floors=(.., ..)")
     i, j = np.argwhere(level)[-1] + 1
     return int(i), int(j)
 
@@ -416,10 +412,8 @@ def check_links(name: str, links: object, count: int) -> tuple[Link | None, ...]
     places = [None if link is None else link.structures for link in links]
     by_place = links and not any(places)
     if (by_place and len(links) != count - 1) or any(p is None for p in places[max(count - 1, 0) :]):
-        raise ValueError(
-            f"{name}: {len(links)} given; allowed: one between each two neighbours, {count - 1} in all, "
-            "None where there is none; or links with structures=(.., ..)"
-        )
+        allowed = "one between each two neighbours, or None, or links with structures=(.., ..)"
+        raise ValueError(f"{name}: {len(links)} given; allowed: {allowed}")
     return tuple(links)
 
 

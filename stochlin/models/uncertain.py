@@ -93,9 +93,7 @@ class Uncertain(metaclass=Named):
     def between(cls, low: float, high: float) -> Self:
         """A parameter with a uniform distribution from ``low`` to ``high``, both positive."""
         if not 0 < low <= high < np.inf:
-            raise ValueError(
-                f"Uncertain: from {low:g} to {high:g}; allowed: two positive numbers, the lower first"
-            )
+            raise ValueError(f"Uncertain: from {low:g} to {high:g}; allowed: 0 < lower <= higher")
         return cls(0.5 * (low + high), (high - low) / (high + low), "uniform")
 
     def factor(self, share: float | Array) -> Any:
@@ -161,10 +159,8 @@ class UncertainModel(WithoutCells):
                 try:
                     model.at({name: float(uncertain.factor(share))})
                 except ValueError as error:
-                    raise ValueError(
-                        f"{error}: {name} is uncertain, {uncertain.describe()}, and one value in "
-                        f"{1 / FAR:.0f} lies beyond this one; give it less spread, or another kind"
-                    ) from error
+                    what = f"{error}: {name} is uncertain, {uncertain.describe()}, and may be so"
+                    raise ValueError(f"{what}; give it less spread, or another kind") from error
         return model
 
     @property

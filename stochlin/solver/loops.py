@@ -63,9 +63,7 @@ def hysteresis_loop(
     """
     check_scalars(structure, "structure", "scalars, since a loop is of one structure")
     if structure.reduction_factor is not None:
-        raise ValueError(
-            "structure has a reduction_factor, which refers to a ground; give its yield_displacement"
-        )
+        raise ValueError("structure has a reduction_factor; allowed: its yield_displacement")
     turns = np.concatenate([[0.0], _turns(displacement)])
     values = structure.cells()
     square, uy = (2 * np.pi / values["period"]) ** 2, values.get("yield_displacement", np.nan)

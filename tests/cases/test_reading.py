@@ -50,7 +50,7 @@ MISTAKES = {
     "gaps": ('"5 cm"', '["5 cm", "3 cm"]', "does not fit the number of buildings, 2; allowed: 1 in all"),
     "two strengths of shaking": ('[motion]', 'pga = "0.3 g"\n[motion]', "as well as intensity"),
     "spread": ('"1.0 s"', '"1.0 s +- 0.2"', 'no valid spread; allowed: "10 s +- 20 %"'),
-    "ends": ('"1.0 s"', '"1.2 to 0.8 s"', "two positive numbers, the lower first"),
+    "ends": ('"1.0 s"', '"1.2 to 0.8 s"', "allowed: 0 < lower <= higher"),
     "certain": ('"5 cm"', '"5 cm +- 10 %"', "cannot be uncertain; allowed: a number in cm"),
     "record": ("[motion]", '[[site.records]]\npath = "a.at2"\n[motion]', "there is no such file"),
     "displacements": ("storeys = 8", 'displacements = ["1 cm", "2 cm"]', "does not fit 1 floors"),

@@ -98,7 +98,7 @@ def test_masked_numbers_are_missing_ones():
         ({"hardening": -1}, "hardening = -1 .*a stationary response needs more than 0"),
         ({"hardening": 1.2}, "hardening = 1.2 .*value <= 1"),
         ({"hardening": None}, "hardening is not given"),
-        ({"yield_displacement": 0.1}, "yield_displacement and reduction_factor are both given"),
+        ({"yield_displacement": 0.1}, "yield_displacement and reduction_factor; allowed: one"),
         ({"peak_factor": 0}, "peak_factor = 0"),
         ({"period": 1e-200}, "period = 1e-200 is out of range; allowed: 1e-09 <= value <= 1e"),
     ],

@@ -69,13 +69,12 @@ class MultistoreyBuilding(WithoutCells, Model):
             object.__setattr__(self, field, array)
         for dimension, (size, field) in sizes.items():
             if size > (most := MOST[dimension]):
-                what = f"{name}{field} has {size} values; allowed: one for each of at most {most}"
-                raise ValueError(f"{what} {dimension}s")
+                what = f"{name}{field} has {size} values"
+                raise ValueError(f"{what}; allowed: at most {most} {dimension}s")
         super().__post_init__()
         check_ranges(self, name)
         if self.yields and self.hardening is None:
-            what = f"{name}hardening is not given; what yields needs a hardening ratio"
-            raise ValueError(f"{what}, allowed: {HARDENING}")
+            raise ValueError(f"{name}hardening is not given; what yields needs it, allowed: {HARDENING}")
         self._check(name)
         _ = self.element_law
 
@@ -213,8 +212,7 @@ class MultistoreyBuilding(WithoutCells, Model):
             raise TypeError(f"law_parameters = {brief(values)}; allowed: a mapping of numbers by name")
         law = law_of(self.law, common, values)
         if not law.valid().all():
-            what = f"law_parameters = {brief(dict(values))}"
-            raise ValueError(f"{what}; allowed: what fits the hardening of every {self.element}")
+            raise ValueError(f"law_parameters = {brief(dict(values))}; allowed: what fits the hardening")
         return law
 
     def further(self) -> list[str]:
@@ -248,6 +246,5 @@ def along(label: str, value: Any, dimension: str) -> xr.DataArray:
     """A list or 1-D array as an array over a dimension; raises a ValueError for anything else."""
     array = as_array(value)
     if array.ndim != 1 or not array.size:
-        allowed = f"a list or 1-D array with one number for each {dimension}"
-        raise ValueError(f"{label} = {brief(value)}; allowed: {allowed}")
+        raise ValueError(f"{label} = {brief(value)}; allowed: a list, one number for each {dimension}")
     return xr.DataArray(array, dims=dimension)

@@ -149,8 +149,7 @@ class ModalBuilding(MultistoreyBuilding):
     def check_uncertain(cls, names: Collection[str]) -> None:
         """Raise a ValueError if the shapes or what follows from them are uncertain."""
         for name in {"shapes", "participation"}.intersection(names):
-            allowed = "numbers; periods, damping and yield displacements may be uncertain"
-            raise ValueError(f"{cls.__name__}: {name} is uncertain; allowed: {allowed}")
+            raise ValueError(f"{cls.__name__}: {name} is uncertain; allowed: numbers")
 
     @classmethod
     @takes_uncertain
@@ -192,8 +191,8 @@ class ModalBuilding(MultistoreyBuilding):
         1
         """
         if not isinstance(table, xr.Dataset) or not {*table.data_vars} >= OF_TABLE:
-            allowed = f"a dataset with {listed(sorted(OF_TABLE))}, as from read_modes"
-            raise ValueError(f"table = {brief(table)}; allowed: {allowed}")
+            needed = listed(sorted(OF_TABLE))
+            raise ValueError(f"table = {brief(table)}; allowed: a dataset with {needed}")
         shapes = _table("table: shape", table["shape"].transpose(MODE, FLOOR)).to_numpy()
         masses = table["mass"].to_numpy()
         if "modal_mass" in table and not _give(shapes, masses, table["modal_mass"].to_numpy()):
@@ -201,9 +200,8 @@ class ModalBuilding(MultistoreyBuilding):
                 "participation": table["participation"].to_numpy(),
                 "modal_masses": table["modal_mass"].to_numpy(),
             } | others
-        return cls(
-            table["period"].to_numpy(), shapes, masses, table["height"].to_numpy(), damping, **others
-        )
+        periods, heights = (table[name].to_numpy() for name in ("period", "height"))
+        return cls(periods, shapes, masses, heights, damping, **others)
 
     def __post_init__(self) -> None:
         name = f"{type(self).__name__}: "
@@ -228,9 +226,7 @@ class ModalBuilding(MultistoreyBuilding):
             raise ValueError(f"{what} {periods[n + 1]:g} s; allowed: the longest first, in seconds")
         if (self.participation is None) != (self.modal_masses is None):
             what = f"{name}participation and modal_masses belong together"
-            raise ValueError(
-                f"{what}; allowed: both, as the program of the modes prints them, or neither"
-            )
+            raise ValueError(f"{what}; allowed: both, as a program prints them, or neither")
         if self.participation is None:
             self._check_orthogonal(name)
         self._check_masses(name)
@@ -335,9 +331,8 @@ class ModalBuilding(MultistoreyBuilding):
 
     def _of_first_mode(self, period: float, yield_displacement: float, hardening: float) -> Self:
         if self.leading:
-            what = f"mode {self.leading + 1} has more effective mass than mode 1"
-            allowed = "a first mode that has the most, with a pushover curve"
-            raise ValueError(f"{type(self).__name__}: {what}; allowed: {allowed}")
+            what = f"{type(self).__name__}: mode {self.leading + 1} has more effective mass than mode 1"
+            raise ValueError(f"{what}; allowed with a pushover curve: most in mode 1")
         periods = [period, *self._numbers("periods")[1:]]
         firsts = zip((hardening, yield_displacement), self._strengths, strict=True)
         hardenings, strengths = ([first, *others[1:]] for first, others in firsts)
@@ -357,11 +352,8 @@ class ModalBuilding(MultistoreyBuilding):
         shared = _shared(shapes, self._numbers("masses"))
         if shared.max() > ORTHOGONAL:
             i, j = np.sort(np.unravel_index(np.argmax(shared), shared.shape)) + 1
-            raise ValueError(
-                f"{name}shapes of modes {i} and {j} are not orthogonal with the masses: they share "
-                f"{shared.max():.2g} of their modal masses; allowed: at most {ORTHOGONAL:g}, or "
-                "participation and modal_masses for the corner of a building that turns"
-            )
+            what = f"{name}shapes of modes {i} and {j} are not orthogonal: {shared.max():.2g} is shared"
+            raise ValueError(f"{what}; allowed: {ORTHOGONAL:g}, or participation and modal_masses")
 
     def _check_masses(self, name: str) -> None:
         shares = self.effective_masses() / self._numbers("masses").sum()
@@ -382,8 +374,7 @@ def _table(label: str, value: Any) -> xr.DataArray:
     """Mode shapes over modes and floors; raises a ValueError for anything but a table of numbers."""
     array = as_array(value)
     if array.ndim != 2 or not array.size or array.dtype.kind not in "iuf":
-        allowed = "a list of modes, each with one number for every floor"
-        raise ValueError(f"{label} = {brief(value)}; allowed: {allowed}")
+        raise ValueError(f"{label} = {brief(value)}; allowed: a number for each mode and floor")
     return xr.DataArray(array, dims=(MODE, FLOOR))
 
 

@@ -281,8 +281,8 @@ class ShearBuilding(MultistoreyBuilding):
 
     def _of_first_mode(self, period: float, yield_displacement: float, hardening: float) -> Self:
         if self.p_delta:
-            allowed = "False with a pushover curve, which contains the effect of the weight"
-            raise ValueError(f"{type(self).__name__}: p_delta = True; allowed: {allowed}")
+            what = f"{type(self).__name__}: p_delta = True"
+            raise ValueError(f"{what}; allowed: False with a pushover curve, which contains its effect")
         drifts = yield_displacement * np.diff(self.participation(), prepend=0.0)
         stiffer = self._numbers("stiffnesses") * (float(self.periods()[0]) / period) ** 2
         return replace(self, stiffnesses=stiffer, hardening=hardening, yield_drifts=drifts)
@@ -405,9 +405,8 @@ class ShearBuilding(MultistoreyBuilding):
         stiffness, taken = self._numbers("stiffnesses"), self.geometric_stiffness()
         if self.p_delta and (stiffness <= taken).any():
             worst = int(np.argmin(stiffness - taken))
-            what = f"the weight above takes {taken[worst]:g} N/m from storey {worst + 1}"
-            allowed = f"less than its stiffness, {stiffness[worst]:g} N/m, or p_delta=False"
-            raise ValueError(f"{type(self).__name__}: {what}; allowed: {allowed}")
+            what = f"ShearBuilding: the weight above takes {taken[worst]:g} N/m from storey {worst + 1}"
+            raise ValueError(f"{what}; allowed: less than {stiffness[worst]:g} N/m, or p_delta=False")
 
     def _check_damping_modes(self) -> None:
         modes, known = self.damping_modes, Whole(1, self.storeys)
@@ -417,8 +416,8 @@ class ShearBuilding(MultistoreyBuilding):
             raise ValueError(f"{what}; allowed: two different modes, each {known}")
         object.__setattr__(self, "damping_modes", each)
         if (first := float(self.damping_ratios()[0])) >= 1:
-            what = f"{type(self).__name__}: damping_modes = {each} give mode 1 the damping ratio"
-            raise ValueError(f"{what} {first:.3g}; allowed: below 1")
+            what = f"ShearBuilding: damping_modes = {each} give mode 1 the damping ratio {first:.3g}"
+            raise ValueError(f"{what}; allowed: below 1")
 
     def _modes(self) -> tuple[Array, Array]:
         """Circular frequencies [rad/s] of the modes, and mode shapes of unit modal mass as columns."""
@@ -428,7 +427,6 @@ class ShearBuilding(MultistoreyBuilding):
             diagonal = (k + np.append(k[1:], 0.0)) / root**2
             beside = -k[1:] / (root[:-1] * root[1:])
         if not (np.isfinite(diagonal).all() and np.isfinite(beside).all()):
-            what = f"{type(self).__name__}: stiffnesses over masses are beyond all numbers"
-            raise ValueError(f"{what}; allowed: stiffnesses in N/m, masses in kg")
+            raise ValueError("ShearBuilding: stiffnesses over masses are infinite; allowed: N/m and kg")
         squares, vectors = scipy.linalg.eigh_tridiagonal(diagonal, beside)
         return np.sqrt(squares), vectors / root[:, None]

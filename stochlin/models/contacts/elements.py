@@ -128,10 +128,8 @@ class Damped(Element):
         name = type(self).__name__
         if (damping is None) == (restitution is None):
             text = "neither is given" if damping is None else "both are given"
-            raise ValueError(
-                f"{name}: of {self.damping_name} and restitution {text}; allowed: exactly one of them, "
-                "since each defines the dashpot"
-            )
+            what = f"{name}: of {self.damping_name} and restitution {text}"
+            raise ValueError(f"{what}; allowed: exactly one of them")
         if damping is None:
             damping = self._damping_for(restitution)
         damping = checked_value(name, self.damping_name, damping, "1", DAMPING)

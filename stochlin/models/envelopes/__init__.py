@@ -81,9 +81,8 @@ class AminAng(Envelope):
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.strong_end < self.rise_end:
-            raise ValueError(
-                f"AminAng: strong_end = {self.strong_end:g}; allowed: from rise_end, {self.rise_end:g}"
-            )
+            least = f"allowed: from rise_end, {self.rise_end:g}"
+            raise ValueError(f"AminAng: strong_end = {self.strong_end:g}; {least}")
 
     def at(self, time: Array) -> Array:
         """Values of the envelope [-] at times [s] from 0 on."""
@@ -127,9 +126,7 @@ class ShinozukaSato(Envelope):
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.fast <= self.slow:
-            raise ValueError(
-                f"ShinozukaSato: fast = {self.fast:g} with slow = {self.slow:g}; allowed: fast > slow"
-            )
+            raise ValueError(f"ShinozukaSato: fast = {self.fast:g}; allowed: above slow, {self.slow:g}")
 
     def at(self, time: Array) -> Array:
         """Values of the envelope [-] at times [s] from 0 on."""

@@ -85,18 +85,15 @@ class Ground(Model):
             dims = ["frequency"][: values.ndim]
             coords = {"frequency": ("frequency", values, {"units": "rad/s"})} if dims else None
             frequency = xr.DataArray(values, dims=dims, coords=coords)
-        density = self.arrays()["intensity"] * self._transmission(frequency)
-        density.attrs = {"units": "m^2/s^3", "long_name": "two-sided PSD of ground acceleration"}
-        return density.rename("psd")
 
-    def _transmission(self, frequency: xr.DataArray) -> xr.DataArray:
-        """PSD of the ground acceleration over ``S0`` [-]."""
-
-        def of_cells(frequency: Array, *rows: Array) -> Array:
+        def transmission(frequency: Array, *rows: Array) -> Array:
             return self.filter_of(rows).transmission(frequency)
 
-        arrays = self.arrays().values()
-        return xr.apply_ufunc(of_cells, frequency, *arrays, join="exact")
+        arrays = self.arrays()
+        over_s0 = xr.apply_ufunc(transmission, frequency, *arrays.values(), join="exact")
+        density = arrays["intensity"] * over_s0
+        density.attrs = {"units": "m^2/s^3", "long_name": "two-sided PSD of ground acceleration"}
+        return density.rename("psd")
 
 
 @GROUNDS.register("white_noise", 3)
@@ -292,9 +289,7 @@ class ParallelGround(Ground):
 
     def __post_init__(self) -> None:
         if isinstance(self.grounds, Ground) or not isinstance(self.grounds, Sequence):
-            raise TypeError(
-                f"ParallelGround: grounds = {brief(self.grounds)}; allowed: a list of grounds"
-            )
+            raise TypeError(f"ParallelGround: grounds = {brief(self.grounds)}; allowed: a list of them")
         object.__setattr__(self, "grounds", tuple(self.grounds))
         if len(self.grounds) < 2:
             raise ValueError(f"ParallelGround: {len(self.grounds)} grounds; allowed: two or more")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from stochlin.models.laws.bouc_wen import DISSIPATES
+from stochlin.models.laws.bouc_wen import DISSIPATES, SHARP
 from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Parameter, Range, parameter
 from stochlin.models.structures import LAWS, Structure
 
@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 
 BELOW_1 = Range(upper=1.0, include_lower=True, reason="1 would take all stiffness")
 DECAYS = Range(include_lower=True, reason="damage makes nothing stronger or stiffer")
-EXPONENT = Range(lower=1.0, include_lower=True)
 
 
 def symbolic() -> Mapping[str, sympy.Expr]:
@@ -117,7 +116,7 @@ class BoucWenBaberNoori(Structure):
     symbolic = staticmethod(symbolic)
 
     beta: Parameter = parameter("1", "width beta of the loops", DISSIPATES, 0.5)
-    exponent: Parameter = parameter("1", "Bouc-Wen exponent n", EXPONENT, 1.0)
+    exponent: Parameter = parameter("1", "Bouc-Wen exponent n", SHARP, 1.0)
     strength_decay: Parameter = parameter("1", "strength decay d_nu", DECAYS, 0.0)
     stiffness_decay: Parameter = parameter("1", "stiffness decay d_eta", DECAYS, 0.0)
     pinching: Parameter = parameter("1", "share zeta_s of pinching", BELOW_1, 0.0)

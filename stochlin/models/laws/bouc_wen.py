@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     import sympy
     import xarray as xr
 
+SHARP = Range(lower=1.0, include_lower=True)
 DISSIPATES = Range(reason="the loops dissipate nothing at 0, and make energy below")
 
 
@@ -98,17 +99,15 @@ class BoucWen(Structure):
 
     beta: Parameter = parameter("1", "Bouc-Wen beta", DISSIPATES, 0.5)
     gamma: Parameter = parameter("1", "Bouc-Wen gamma", Range(lower=-float("inf")), 0.5)
-    exponent: Parameter = parameter(
-        "1", "Bouc-Wen exponent n", Range(lower=1.0, include_lower=True), 1.0
-    )
+    exponent: Parameter = parameter("1", "Bouc-Wen exponent n", SHARP, 1.0)
 
     def __post_init__(self) -> None:
         super().__post_init__()
         saturates = self._saturates()
         if not saturates.ndim and not saturates:
+            what = f"BoucWen: gamma = {self.gamma:g} is out of range"
             raise ValueError(
-                f"BoucWen: gamma = {self.gamma:g} is out of range; allowed: -beta < value, and beta is "
-                f"{self.beta:g} (z would grow without bound)"
+                f"{what}; allowed: -beta < value, where z is bounded; beta is {self.beta:g}"
             )
 
     def valid(self) -> xr.DataArray:

@@ -99,7 +99,7 @@ class Hysteretic(Structure):
         known = isinstance(names, (list, tuple)) and all(isinstance(name, str) for name in names)
         if not known or not {*names} <= {*further}:
             raise ValueError(
-                f"growing_states = {brief(names)}; allowed: a list or tuple of some of {brief(further)}"
+                f"growing_states = {brief(names)}; allowed: a list of some of {brief(further)}"
             )
         return tuple(name for name in further if name in names)
 
@@ -130,7 +130,6 @@ def law_of(
     missing = [name for name in known if name not in own and not hasattr(kind, name)]
     if unknown or missing:
         what = f"has no {listed(unknown)}" if unknown else f"needs {listed(missing)} as well"
-        raise ValueError(
-            f"law_parameters = {brief(dict(own))}: the law {what}; allowed: {', '.join(known) or 'none'}"
-        )
+        what, allowed = f"law_parameters = {brief(dict(own))}: the law {what}", ", ".join(known)
+        raise ValueError(f"{what}; allowed: {allowed or 'none'}")
     return kind(**common, **own)

@@ -14,9 +14,7 @@ from stochlin.models.structures import LAWS, Structure
 FROM_1 = Range(lower=1.0, include_lower=True)
 NOT_BEFORE_YIELD = Range(lower=1.0, include_lower=True, reason="the cap is not before yielding, at 1")
 FALLS = Range(reason="above hardening/(1 - hardening), so that the force falls")
-UNLOADS = Range(
-    upper=1.0, include_lower=True, reason="at 1 it unloads to the origin, above 1 it makes energy"
-)
+UNLOADS = Range(upper=1.0, include_lower=True, reason="at 1 to the origin, above 1 it makes energy")
 BELOW_CAP = Range(upper=1.0, include_lower=True, reason="z is 1 at the cap")
 # Parameters of which one means nothing without the other
 TOGETHER = [("cracking", "uncracked_stiffness"), ("cap_ductility", "softening")]
@@ -121,18 +119,15 @@ class ModifiedClough(Structure):
             alone = [name for name in pair if name in cells]
             if len(alone) == 1:
                 missing = pair[1 - pair.index(alone[0])]
-                raise ValueError(
-                    f"ModifiedClough: {alone[0]} is given without {missing}; allowed: both, or neither"
-                )
+                what = f"ModifiedClough: {alone[0]} is given without {missing}"
+                raise ValueError(f"{what}; allowed: both, or neither")
         falls = self._falls()
         if not falls.ndim and not falls:
             hardening, softening = (float(self.arrays()[name]) for name in ("hardening", "softening"))
             least = hardening / (1 - hardening) if hardening < 1 else np.inf
-            raise ValueError(
-                f"ModifiedClough: softening = {softening:g} gives no descending branch beside the "
-                f"hardening of {hardening:g}; allowed: hardening/(1 - hardening) = {least:.6g} < value; "
-                "or cap_ductility = 1, for a part that breaks beside one that stays elastic"
-            )
+            what = f"ModifiedClough: softening = {softening:g} gives no descending branch"
+            allowed = f"hardening/(1 - hardening) = {least:.6g} < value; or cap_ductility = 1"
+            raise ValueError(f"{what}; allowed: {allowed}")
 
     def valid(self) -> xr.DataArray:
         """True for the cells in which every parameter is in its range."""
