@@ -52,7 +52,7 @@ MOST_DAMPING = 0.999  # largest total damping ratio of a structure
 SIMULATIONS = 20  # usual number of simulations of the three searches together
 
 FAR = 1e6  # [m], in place of a required gap that is infinite, since a structure falls
-CLOSE = 1e-3  # relative tolerance of a found value, and of an estimated gap there
+CLOSE = 1e-2  # relative difference of a simulated gap, or of two values, from which limits follow
 FEW, LEAST_FEW = 8, 64  # a few motions are one in eight, and at least this many
 CLEAR = 2.0  # half 95 % intervals between a gap from a few motions and the limit, so that these decide
 
@@ -136,29 +136,29 @@ class Required:
             root = first if self(first) > self.most else second
         else:
             root = scipy.optimize.brentq(self._excess, low, high, rtol=CLOSE, xtol=1e-6)
-        if not self._interval:
-            return Edge(float(root))
         required, *ends = self._at(root, self._paths)
-        slope = (self(high) - self(low)) / (high - low)
-        for end in ends:  # near these values, the ends of the interval equal the limit
-            moved = root - (end - required) / slope
+        for end in ends if self._interval else ():  # near these values, the ends equal the limit
+            moved = root - (end - required) * (high - low) / (self(high) - self(low))
             if end != required and moved > 0:
                 self(moved)
-        return Edge(float(root), *self._around(float(root)))
+        return self._interpolated(float(root), low, high)
 
     def _excess(self, value: float) -> float:
         """Required gap less the existing one [m]; 0 if it is close."""
         excess = self(value) - self.most
         return 0.0 if abs(excess) <= CLOSE * self.most else excess
 
-    def _around(self, value: float) -> tuple[float, float]:
-        """Values next to ``value`` at which the ends of the required gap's interval equal the limit."""
+    def _interpolated(self, root: float, low: float, high: float) -> Edge:
+        """The value next to ``root`` at which the required gap equals the limit, with its interval."""
         known = {x: ends for (x, paths), ends in self._known.items() if paths == self._paths}
         at = np.array(sorted(known))
-        ends = np.array([known[x][1:] for x in at]).T
-        passed = np.concatenate([_crossings(at, end - self.most) for end in ends])
-        below, above = passed[passed <= value], passed[passed >= value]
-        return float(below.max(initial=at[0])), float(above.min(initial=at[-1]))
+        over = np.array([known[x] for x in at]).T - self.most
+        passed, *of_ends = (_crossings(at, each) for each in over)
+        passed = passed[(passed >= low) & (passed <= high)]
+        value = float(min(passed, key=lambda x: abs(x - root), default=root))
+        ends = np.concatenate(of_ends)
+        below, above = ends[ends <= value], ends[ends >= value]
+        return Edge(value, float(below.max(initial=at[0])), float(above.min(initial=at[-1])))
 
 
 def _finite(ends: Ends) -> Ends:
@@ -230,7 +230,8 @@ def existing_gap(
     Notes
     -----
     Trial values are simulated with one motion in eight, at least 64, where these decide by twice the
-    half length of their 95 % interval; limits are found with all motions, to 0.1 % of the gap.
+    half length of their 95 % interval. Limits are interpolated between values that are simulated with
+    all motions, of which one requires the existing gap within 1 %.
 
     A least reduction factor above 0 means that the gap is not sufficient for stronger structures, for
     instance if they are in resonance while elastic.
