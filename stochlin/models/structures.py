@@ -74,7 +74,7 @@ class Structure(Model):
         if self.yield_displacement is not None and self.reduction_factor is not None:
             raise ValueError(f"{name}: yield_displacement and reduction_factor; allowed: one of them")
         if self.yields and self.hardening is None:
-            raise ValueError(f"{name}: hardening is missing beside a strength; allowed: {HARDENING}")
+            raise ValueError(f"{name}: hardening is not given beside a strength; allowed: {HARDENING}")
 
     @property
     def yields(self) -> bool:

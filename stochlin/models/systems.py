@@ -292,7 +292,7 @@ def check_stationary(system: Arrangement) -> None:
         left = stack.system.post[..., storey].min()
         what = f"structures, number {number}: storey {storey + 1} has no stiffness after yielding"
         cure = f"{CURE}; or give more hardening, or p_delta=False"
-        raise ValueError(f"{what} ({left:.3g} N/m), so that its drift grows without end; {cure}")
+        raise ValueError(f"{what} ({left:.3g} N/m), whose drift has no stationary value; {cure}")
 
 
 def shares_at(levels: Array, height: float) -> Array:

@@ -104,9 +104,11 @@ BROKEN = {
     "line 6, column 3: '0.6.2' is not a shape": PLAIN.replace("0.62", "0.6.2"),
     "line 2: mode numbers are not 1, 2 and so on": PLAIN.replace("mode,,1,2", "mode,,1,1"),
     "line 3: the floors are missing": PLAIN[: PLAIN.index("\nlevel")],
-    "line 2, column 1: the periods are missing below": PLAIN.replace("period [s],,0.5,0.18\n", ""),
+    "line 2, column 1: a line 'period [s]' is missing below": PLAIN.replace(
+        "period [s],,0.5,0.18\n", ""
+    ),
     "line 3, column 1: periods are in 'min'; allowed: s": PLAIN.replace("[s]", "[min]"),
-    "line 3, column 1: 'frequency [Hz]' is not known here": PLAIN.replace(
+    "line 3, column 1: 'frequency [Hz]' is not known; allowed: period, participation": PLAIN.replace(
         "period [s]", "frequency [Hz]"
     ),
     "line 4, column 2: the file does not say the unit of the mass; give mass_units=": PLAIN.replace(

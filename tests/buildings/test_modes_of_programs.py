@@ -321,7 +321,7 @@ BROKEN: dict[str, str | tuple[str, dict[str, object]]] = {
     "has no displacement of floor 'Story1' in mode 5": sub(
         r"Story1,D1,Modal,LinModEigen,Mode,5,.*\n", ""
     ),
-    "line 35: 'Roof 2' is there twice; export one of them, or choose by tower= or points=": sub(
+    "line 35: 'Roof 2' is there twice; choose by tower= or points=": sub(
         r"(Roof,D1,Modal,LinModEigen,Mode,2,.*\n)", r"\1\1"
     ),
     "Joint Displacements has no joint 9, which points names; it has 1, 21": (ETABS, {"points": ["9"]}),

@@ -101,7 +101,7 @@ def test_a_row_of_three(tmp_path: Path) -> None:
     assert case.title == "Office block, Annex and Garage"
     assert case.buildings[2].structure == sl.Bilinear(0.35, 0.05, mass=6e5)
     for of_two in (pair_of, gap_of):
-        with pytest.raises(ValueError, match="describes 3 buildings; this command needs two"):
+        with pytest.raises(ValueError, match="describes 3 buildings; allowed: two"):
             of_two(case)
 
 

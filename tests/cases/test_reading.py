@@ -115,7 +115,7 @@ OF_MEASURES = {
     'link.stiffness = "1 MN/m"\nlink.floors = [5, 1]': "allowed: up to [1, 1]",
     'link.stiffness = "1 MN/m"\nlink.hardening = 0.1': "allowed: both for a link that yields",
     'link.damping_constant = "1 MN s/m"\nlink.damping_exponent = 0.5': "MN (s/m)^0.5",
-    "dampers_1 = { storeys = [1] }": "allowed: a stiffness, a damping constant, or both",
+    "dampers_1 = { storeys = [1] }": "does nothing; give stiffness or damping_constant",
     'dampers_1 = { storeys = [1, 2], stiffness = "1 MN/m" }': "or storeys 1 to 1",
     'dampers_1 = { storeys = "some", stiffness = "1 MN/m" }': "storeys = 'some'",
     'dampers_1 = { stiffness = ["1 MN/m", "2 MN/m"] }': "is no number",

@@ -146,7 +146,7 @@ def test_scaled_record_has_a_scaled_intensity_and_a_faster_one_a_shorter_period(
 
 def test_white_noise_has_no_ground_period():
     noise = motion(np.random.default_rng(0).standard_normal(3000))
-    with pytest.raises(ValueError, match=r"ends on a bound, .*try another estimator.*WhiteNoise"):
+    with pytest.raises(ValueError, match=r"ends on a bound of .*try another estimator.*WhiteNoise"):
         sl.fit_ground(noise, estimator="whittle")
 
 

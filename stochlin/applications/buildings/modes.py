@@ -180,6 +180,6 @@ def _doubt_order(table: xr.Dataset, name: str) -> None:
     leading = np.abs(shapes[np.argmax(own)])
     if leading[0] > leading[-1]:
         what = (
-            f"{name}: the leading mode moves {leading[0]:g} at the lowest floor and {leading[-1]:g} at"
+            f"{name}: the leading mode moves {leading[0]:g} at the lowest floor, {leading[-1]:g} at the"
         )
-        warnings.warn(f"{what} the roof; are the floors in order?", DoubtfulInput, stacklevel=4)
+        warnings.warn(f"{what} roof; are the floors in order?", DoubtfulInput, stacklevel=4)

@@ -234,9 +234,8 @@ def checked_curve(displacement: Array, force: Array, places: Sequence[str]) -> t
     back = np.diff(u, prepend=-np.inf) <= 0
     if back[: peak + 1].any():
         n = int(np.argmax(back))
-        what = f"the displacement goes from {u[n - 1]:g} to {u[n]:g} m"
-        allowed = "displacements that increase, of one push without unloading"
-        raise ValueError(f"{places[n]}: {what}; allowed: {allowed}")
+        what = f"{places[n]}: the displacement goes from {u[n - 1]:g} to {u[n]:g} m"
+        raise ValueError(f"{what}; allowed: increasing displacements of one push")
     for n in np.flatnonzero((np.abs(u) <= small[0]) & (np.arange(u.size) > peak))[:1]:
         raise ValueError(f"{places[n]}: a second push begins; allowed: one, so take the other out")
     end = int(np.argmax(back)) if back.any() else u.size
@@ -262,16 +261,13 @@ def _peak_of(force: Array) -> int:
 def _curve_of(pushover: object) -> tuple[Array, Array]:
     """Displacements [m] and base shears [N] of a curve, checked."""
     if not isinstance(pushover, xr.DataArray) or pushover.dims != (DISPLACEMENT,):
-        allowed = "an xarray.DataArray over displacement alone, as read_pushover gives it"
-        raise TypeError(f"pushover = {brief(pushover)}; allowed: {allowed}")
+        raise TypeError(f"pushover = {brief(pushover)}; allowed: what read_pushover returns")
     arrays = pushover[DISPLACEMENT], pushover
     for array, units in zip(arrays, ("m", "N"), strict=True):
         stated = array.attrs.get("units")
         if stated != units or array.dtype.kind not in "iuf" or not np.isfinite(array).all():
             what = f"pushover has {array.dtype} values in {brief(stated)}"
-            raise ValueError(
-                f"{what}; allowed: finite numbers in {units}, which its attribute units says"
-            )
+            raise ValueError(f"{what}; allowed: finite numbers with the attribute units = {units!r}")
     displacement, force = (array.to_numpy().astype(float) for array in arrays)
     return checked_curve(displacement, force, [f"pushover, point {n}" for n in range(1, force.size + 1)])
 

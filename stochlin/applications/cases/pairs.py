@@ -34,8 +34,8 @@ def mitigate_case(case: Case, progress: Progress | None = None) -> xr.Dataset:
     """
     (first, second), gap = pair_of(case), gap_of(case)
     if gap is None:
-        cure = 'write existing = "5 cm" in [separation], "0 cm" for buildings that touch'
-        raise case.whole.table.error("", f"measures are compared for the existing gap; {cure}")
+        what = 'measures need the existing gap; write existing = "5 cm" in [separation]'
+        raise case.whole.table.error("", what)
     models = first.sampled, second.sampled, case.site.sampled_ground
     with case.whole.table.naming("", ""):
         table = mitigate(*models, gap=gap, measures=case.measures, **motion_of(case), progress=progress)

@@ -17,8 +17,8 @@ TOUCHING = 1e-6  # m, in place of a gap of 0: any motion towards each other clos
 def one_or_two(case: Case) -> tuple[Building, ...]:
     """The two buildings, or one beside its property line; a ValueError if there are more."""
     if len(case.buildings) > 2:
-        what = f"describes {len(case.buildings)} buildings; this command needs two, so leave the others"
-        raise case.whole.table.error("", f"{what} out; 'stochlin pound' accepts more")
+        what = f"describes {len(case.buildings)} buildings; allowed: two, and more by 'stochlin pound'"
+        raise case.whole.table.error("", what)
     return case.buildings
 
 
@@ -26,8 +26,7 @@ def pair_of(case: Case) -> tuple[Building, Building]:
     """The two buildings from left to right; a ValueError if there are more or fewer."""
     buildings = one_or_two(case)
     if len(buildings) == 1:
-        only = "only 'stochlin gap' and 'stochlin pound' accept one building alone"
-        what = f"is missing; write [building_2] and its keys below it; {only}"
+        what = "is missing; only 'stochlin gap' and 'stochlin pound' accept one building alone"
         raise case.whole.table.error("building_2", what)
     return buildings[0], buildings[1]
 

@@ -102,9 +102,8 @@ def answer_case(case: Case, progress: Progress | None = None) -> CaseAnswer:
     if case.uncertain:
         slow = any(each.has_storeys and each.name in case.uncertain for each in case.buildings)
         few = min(case.simulated.motions, FEW_PATHS if slow else USUAL_PATHS)
-        matters = sensitivity(
-            *models, **motion | {"paths": few, "progress": part_of(progress, end, 1.0)}
-        )
+        options = motion | {"paths": few, "progress": part_of(progress, end, 1.0)}
+        matters = sensitivity(*models, **options)
     if len(case.site.records) > MOST_RECORDS:
         records = over_records(case, table.record_separation, answer)
     results = existing, _spectrum(case), shaking_of(case), records, risk, matters

@@ -99,9 +99,7 @@ def check_structure(role: str, structure: AnyStructure) -> None:
     """Raise an error for a structure whose response to a record cannot be computed."""
     expect(structure, STRUCTURES, role)
     if isinstance(structure, Structure) and structure.reduction_factor is not None:
-        raise ValueError(
-            f"{role}: reduction_factor is for a ground; allowed on a record: yield_displacement"
-        )
+        raise ValueError(f"{role}: reduction_factor is for a ground; allowed: yield_displacement")
 
 
 # Structures whose response to a record can be computed.

@@ -41,8 +41,7 @@ class Text(NamedTuple):
             return None
         rows = [lines[n - 1].strip() for n in head.rows.index]
         if all(map(_COMMA.fullmatch, rows)) and any(",0" in row for row in rows):
-            what = f"{name} seems to have decimal commas, as {brief(rows[0])}"
-            raise ValueError(f"{what}; allowed: points")
+            raise ValueError(f"{name} has decimal commas, as {brief(rows[0])}; allowed: points")
         above = [n for n in head.sheet.cells.index if n < head.rows.index[0]]
         texts = {n: " ".join(head.sheet.row(n)) for n in above}
         titles = [text for n, text in texts.items() if n not in (head.titles, head.units)]
@@ -117,9 +116,7 @@ class Text(NamedTuple):
     def _or_wrapped(self) -> str:
         """The other cure for rows of numbers without names."""
         count = len(self._words().split())
-        return (
-            "" if self.head.titles else f", or wrapped=True, if these are one series of {count} numbers"
-        )
+        return "" if self.head.titles else f", or wrapped=True for one series of {count} numbers"
 
     def _chosen(self, column: Column | None, time: int | None) -> int:
         """The column that is asked for, or the only one but the time."""

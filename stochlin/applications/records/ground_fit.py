@@ -58,11 +58,10 @@ def _deviance(record: Array, model: Array) -> Array:
     return np.sign(ratio - 1) * np.sqrt(2 * np.maximum(ratio - 1 - np.log(ratio), 0))
 
 
+OF_LOG = np.pi**2 / 6  # variance of the logarithm of an exponential variable
 ESTIMATORS = {
     "psd": Estimator("least squares on the linear PSD", _difference, np.square, 1.0, 0.0),
-    "log_psd": Estimator(
-        "least squares on the log PSD", _log_difference, np.ones_like, np.pi**2 / 6, _TAPER
-    ),
+    "log_psd": Estimator("least squares on the log PSD", _log_difference, np.ones_like, OF_LOG, _TAPER),
     "whittle": Estimator("Whittle likelihood", _deviance, np.ones_like, 1.0, _TAPER),
 }
 
@@ -167,11 +166,8 @@ def _minimize(frequency: Array, density: Array, problem: _Problem, estimator: Es
         raise ValueError(f"the fit failed ({best.message}); try another estimator or frequency_range")
     for name, value, lower, upper in zip(problem.bounds, best.x, *bounds, strict=True):
         if min(value - lower, upper - value) < _ON_BOUND:
-            shown = f"{name} / period" if problem.over_period(name) else name
-            which = f"{shown} = {np.exp(value):.3g}, which the record does not define"
-            raise ValueError(
-                f"the fit ends on a bound, {which}; try another estimator, part or WhiteNoise"
-            )
+            which = f"the fit ends on a bound of {name}, which the record does not define"
+            raise ValueError(f"{which}; try another estimator, part or WhiteNoise")
     logs: Array = best.x
     return logs
 

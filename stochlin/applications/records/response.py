@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 import xarray as xr
@@ -78,9 +78,8 @@ def pseudo_energy_radius(
     >>> bool((table.pseudo_energy_radius >= table.displacement_max).all())
     True
     """
-    spectrum = response_spectrum(
-        record, period, damping, hardening=hardening, yield_displacement=yield_displacement
-    )
+    strength: Any = {"hardening": hardening, "yield_displacement": yield_displacement}
+    spectrum = response_spectrum(record, period, damping, **strength)
     table = spectrum[["pseudo_energy_radius", "displacement_max", "status"]]
     title = "Pseudo energy radius"
     return labels.with_run_information(table, title, "pseudo_energy_radius()", {}, REFERENCES)

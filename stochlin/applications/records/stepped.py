@@ -68,7 +68,7 @@ def stepped_response(
             break
     if not np.isfinite(change):
         raise ArithmeticError(
-            f"the response is no longer finite, with steps of {ground.dt / cuts:.2g} s; {RUNS_AWAY}"
+            f"the response in steps of {ground.dt / cuts:.2g} s is infinite; {RUNS_AWAY}"
         )
     return SteppedResponse(values, cuts, change)
 

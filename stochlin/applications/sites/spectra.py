@@ -80,9 +80,8 @@ def check_goal(goals: Mapping[str, object], period: object) -> None:
     stated = [name for name, value in goals.items() if value is not None]
     if len(stated) != 1:
         named = ["sa with a period" if name == "sa" else name for name in goals]
-        raise ValueError(
-            f"{' and '.join(stated) or 'nothing'} is given; allowed: one of {listed(named)}"
-        )
+        both = " and ".join(stated) or "nothing"
+        raise ValueError(f"{both} is given; allowed: one of {listed(named)}")
     if (goals.get("sa") is None) != (period is None):
         raise ValueError("sa and period go together; allowed: both, or neither")
 

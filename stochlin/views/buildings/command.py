@@ -76,9 +76,7 @@ def building(
             click.echo(EXAMPLE, nl=False)
             return
         if modes is None:
-            raise ValueError(
-                "MODES is missing; 'stochlin building --example > tower.csv' writes one to start from"
-            )
+            raise ValueError("MODES is missing; 'stochlin building --example > tower.csv' writes one")
         check_target("--out", out, FORMATS, [modes, *([pushover] if pushover else [])])
         named = [name.strip() for name in points.split(",")] if points else ()
         units = {"tower": tower, "mass_units": mass_units, "length_units": length_units}

@@ -67,8 +67,7 @@ def charts(name: str | None, comparison: bool, **options: Any) -> None:
         chosen = {key: options[key] for key in options if key in ChartSettings.__dataclass_fields__}
         if options["curves"] is not None:
             chosen["curves"] = options["curves"].split(",")
-        lists = {key: tuple(value) for key, value in chosen.items() if isinstance(value, list)}
-        functions = chart_functions(ChartSettings(**chosen | lists))
+        functions = chart_functions(ChartSettings(**chosen))
         names = [*functions] if name is None else [as_key(name)]
         CHARTS.named(names[0], "NAME")
         width_in_print(options["print_width"])

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 LOOP_RESTITUTION, HISTORY_DAMPING = 0.65, 0.5  # of Fig. 6, and of Fig. 7, that of the paper
-TOLERANCE = {"rtol": 1e-13, "atol": 1e-15}
+METHOD: Any = {"method": "DOP853", "rtol": 1e-13, "atol": 1e-15}
 SCALES = (
     "Two free masses of reduced mass m meet at velocity v0. Scales: τ = (m v0^(1-n)/k)^(1/(n+1)), v0 τ, "
     "k (v0 τ)^n;\nn = 1.5 for Hertz, Hertz-damp and Jankowski; n = 1 for linear springs."
@@ -183,9 +183,7 @@ def _motion(model: Element, points: int) -> xr.Dataset:
 
     margin.terminal, margin.direction = True, -1  # type: ignore[attr-defined]
     span = (0.0, LONGEST / float(model.e))
-    solved = solve_ivp(
-        rates, span, (0.0, 1.0), method="DOP853", events=margin, dense_output=True, **TOLERANCE
-    )
+    solved = solve_ivp(rates, span, (0.0, 1.0), events=margin, dense_output=True, **METHOD)
     end = solved.t_events[0][0]
     time = np.linspace(0, end, points)
     deformation, velocity = solved.sol(time)

@@ -148,9 +148,8 @@ def amplification_chart(settings: ChartSettings = USUAL, ground: Ground | None =
         if factor >= SLOWEST_DRIFT:
             place = {"reduction_factor": slice(n, n + 1), "period_ratio": seldom}
             here = structure.isel(place)
-            simulated = correlate(
-                here, here.isel(dict.fromkeys(place, 0)), ground, "simulation", **paths
-            )
+            single = here.isel(dict.fromkeys(place, 0))
+            simulated = correlate(here, single, ground, "simulation", **paths)
             stds = simulated[[*names]].rename(names) / elastic
             tables.append(stds.assign({MEMORY: simulated[f"{MEMORY}_1"]}))
     chart = labels.label(with_points(chart, tables), VARIABLES)

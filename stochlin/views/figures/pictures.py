@@ -88,10 +88,7 @@ def draw(dataset: xr.Dataset, *, comparison: bool = False, print_width: float | 
     draw_axes = PICTURES.named(dataset.attrs.get(kind), f"attribute {kind}")
     numbers = [array for array in dataset.data_vars.values() if array.dtype.kind == "f"]
     if numbers and not any(bool(np.isfinite(array).any()) for array in numbers):
-        raise ValueError(
-            "the chart has no finite number to draw; allowed: parameters in their ranges; its status "
-            "names the cause"
-        )
+        raise ValueError("the chart has no finite number to draw; its status names the cause")
     title, *notes = (dataset.attrs.get(key, "") for key in ("title", "caption", "comment"))
     width = width_in_print(print_width)
     with mpl.rc_context({} if print_width is None else PRINT_STYLE):

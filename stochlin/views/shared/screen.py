@@ -38,7 +38,7 @@ COMMANDS: Registry[click.Command] = Registry("command", "stochlin.views", "comma
 SCREEN_ROWS, WIDTH = 40, 100
 STEPS = 1000  # of a bar
 COMPILING = (
-    "compiling for this machine, once: up to half a minute ('stochlin warmup' does it for all commands)"
+    "compiling for this machine, once: half a minute ('stochlin warmup' does it for all commands)"
 )
 FILE = click.Path(dir_okay=False, path_type=Path)
 # Consoles that know few signs are still about.
@@ -124,9 +124,8 @@ def check_target(
     if path is None:
         return
     if path.suffix.lower() not in allowed:
-        raise ValueError(
-            f"{option} {path} ends in {brief(path.suffix)}; allowed: {' or '.join(allowed)}"
-        )
+        what = f"{option} {path} ends in {brief(path.suffix)}"
+        raise ValueError(f"{what}; allowed: {' or '.join(allowed)}")
     try:
         target = written_file(path)
     except OSError as error:
@@ -199,10 +198,9 @@ def _columns(table: Table) -> list[str]:
         wide = max(map(len, cells))
         left = not columns or head in table.words
         columns.append([cell.ljust(wide) if left else cell.rjust(wide) for cell in cells])
-    lines_apart = [
-        [apart.join(cells).rstrip() for cells in zip(*columns, strict=True)] for apart in ("  ", " ")
-    ]
-    fitting = next((rows for rows in lines_apart if max(map(len, rows)) <= WIDTH), lines_apart[0])
+    across = [*zip(*columns, strict=True)]
+    loose, close = ([apart.join(cells).rstrip() for cells in across] for apart in ("  ", " "))
+    fitting = close if max(map(len, close)) <= WIDTH < max(map(len, loose)) else loose
     return ["", *fitting, ""]
 
 

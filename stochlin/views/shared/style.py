@@ -140,9 +140,7 @@ def save(figure: Figure, path: str | os.PathLike[str], dpi: float | None = None)
 
     suffix = os.path.splitext(path)[1].lower()
     if suffix not in PICTURES:
-        raise ValueError(
-            f"path = {brief(os.fspath(path))} ends in {brief(suffix)}; allowed: {', '.join(PICTURES)}"
-        )
+        raise ValueError(f"path = {brief(os.fspath(path))}; allowed: an ending of {', '.join(PICTURES)}")
     with mpl.rc_context(STYLE), whole_file(path) as temporary:
         _fix_layout(figure, dpi or PRINT)
         figure.savefig(temporary, dpi=dpi or PRINT, metadata=PICTURES[suffix])

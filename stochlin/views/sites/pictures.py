@@ -59,10 +59,8 @@ def draw_spectrum(dataset: xr.Dataset, caption: bool = True, periods: Sequence[f
 
     known = "pseudo_acceleration_quantile" in dataset and "duration_s" in dataset.attrs
     if not known or dataset.sizes["period"] < 2:
-        raise ValueError(
-            f"dataset has the dimensions {dict(dataset.sizes)}; allowed: what simulated_spectrum "
-            "returns, of two periods or more"
-        )
+        what = f"dataset has the dimensions {dict(dataset.sizes)}"
+        raise ValueError(f"{what}; allowed: what simulated_spectrum returns, of two periods or more")
     text = filled(_caption(dataset, periods), CAPTION) if caption else ""
     figure = Figure((WIDTH, HEIGHT + LINE * text.count("\n")), layout="constrained")
     axes, period = figure.add_subplot(), np.asarray(dataset.period)

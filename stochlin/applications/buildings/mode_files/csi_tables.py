@@ -104,9 +104,8 @@ def keyed(
     if MODE in frame:
         frame[MODE] = table.numbers(MODE, "mode number", MODE_NUMBERS).astype(int)
     for line in frame.index[frame.duplicated()][:1]:
-        names = " ".join(map(str, frame.loc[line]))
-        cure = "export one of them, or choose by tower= or points="
-        raise table.sheet.error(line, None, f"{brief(names)} is there twice; {cure}")
+        names = brief(" ".join(map(str, frame.loc[line])))
+        raise table.sheet.error(line, None, f"{names} is there twice; choose by tower= or points=")
     read = partial(table.in_si, unit=unit) if what in {"mass", "length"} else table.numbers
     frame["value"] = read(title, what, allowed=allowed)
     return frame.set_index([*keys])["value"]

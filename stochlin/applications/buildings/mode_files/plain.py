@@ -23,6 +23,7 @@ from stochlin.models.units import stated_size
 
 MODE, LEVEL, MASS, PERIOD = "mode", "level", "mass", "period"
 FACTOR, MODAL_MASS = "participation", "modal mass"
+KNOWN = PERIOD, FACTOR, MODAL_MASS  # lines above the floors
 FIRST = 2  # column of the first mode, from 0: before it are level and mass
 EXAMPLE = files(__package__).joinpath("example_modes.csv").read_text(encoding="utf-8")
 HEADER = "a line 'mode,,1,2', the plain form"
@@ -57,8 +58,7 @@ def read(content: Sheet, choice: AskedModes) -> ModesOfFile:
     titles = next(iter(names.index[names == LEVEL]), names.index[-1])
     floors = Table("the table", content, titles, 0, content.cells.loc[titles:].iloc[1:])
     if floors.rows.empty:
-        what = f"the floors are missing; allowed: {FLOORS}"
-        raise content.error(content.cells.index[-1], None, what)
+        raise content.error(names.index[-1], None, f"the floors are missing; allowed: {FLOORS}")
     first, *head = names.index[: names.index.get_loc(titles)]
     columns = range(FIRST, len(content.row(first)))
 
@@ -68,12 +68,10 @@ def read(content: Sheet, choice: AskedModes) -> ModesOfFile:
 
     numbers = over_modes([first], "mode number", MODE_NUMBERS)[0]
     if (np.diff(numbers, prepend=0) < 1).any() or (numbers % 1).any():
-        what = "mode numbers are not 1, 2 and so on; allowed: increasing ones"
-        raise content.error(first, None, what)
+        raise content.error(first, None, "mode numbers are not 1, 2 and so on; allowed: increasing ones")
     lines = _lines(content, names[head])
     if PERIOD not in lines:
-        what = "the periods are missing below; allowed: a line 'period [s]'"
-        raise content.error([first, *head][-1], 0, what)
+        raise content.error([first, *head][-1], 0, "a line 'period [s]' is missing below")
     check_seconds(with_unit(content.cells.at[lines[PERIOD], 0])[1], content.where(lines[PERIOD], 0))
     shapes = over_modes(floors.rows.index, "shape").T
     modes = ModesOfFile(
@@ -101,15 +99,11 @@ def _lines(sheet: Sheet, names: pd.Series) -> dict[str, int]:
     """The lines above the floors by their names; a ValueError for an unknown or a repeated one."""
     lines: dict[str, int] = {}
     for line, name in names.items():
-        if name not in (PERIOD, FACTOR, MODAL_MASS) or name in lines:
-            what = "is there twice" if name in lines else "is not known here"
-            title = brief(sheet.cells.at[line, 0])
-            raise sheet.error(
-                line, 0, f"{title} {what}; allowed: {PERIOD} [s], {FACTOR}, {MODAL_MASS} [kg]"
-            )
+        if name not in KNOWN or name in lines:
+            what = "is there twice" if name in lines else f"is not known; allowed: {', '.join(KNOWN)}"
+            raise sheet.error(line, 0, f"{brief(sheet.cells.at[line, 0])} {what}")
         lines[name] = line
     if (FACTOR in lines) != (MODAL_MASS in lines):
         there, other = (FACTOR, MODAL_MASS) if FACTOR in lines else (MODAL_MASS, FACTOR)
-        what = f"{there} is given without {other}; allowed: both or neither"
-        raise sheet.error(lines[there], 0, what)
+        raise sheet.error(lines[there], 0, f"{there} is given without {other}; allowed: both or neither")
     return lines

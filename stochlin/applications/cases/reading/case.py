@@ -151,8 +151,7 @@ class Wanted(Form):
             raise self.table.error("codes", what + ", ".join(known))
         for rule in rules:
             if rule.takes_peaks() and not rule.multiplies:
-                what = f"has {rule.name}, which states no factor on displacements under design forces"
-                raise self.table.error("codes", f"{what}; leave it out")
+                raise self.table.error("codes", f"has {rule.name}, which states no factor; leave it out")
             if rule.name not in (*code_rule_names(), *self.numbers.more):
                 what = f"has {rule.name}, but its number is missing"
                 raise self.table.error("codes", f"{what}, as numbers = {{ {rule.name} = 0.02 }}")
@@ -236,8 +235,7 @@ class OfLink(Form):
     def link(self, **ends: Any) -> Link:
         """The link with these ends."""
         if not {"stiffness", "damping_constant"} & self.more.keys():
-            what = "is a link that does nothing; allowed: a stiffness, a damping constant, or both"
-            raise self.table.error("", what)
+            raise self.table.error("", "is a link that does nothing; give stiffness or damping_constant")
         return self.table.made(Link, **self.more, **ends)
 
 

@@ -66,11 +66,8 @@ class Quantity:
             if alone and unit and not alone[2].strip():  # both have the unit of the second
                 low = f"{low} {unit[2].strip()}"
             return Uncertain.between(self.certain(low, warn), self.certain(high, warn))
-        unit_shown = self.spellings[0]
-        raise ValueError(
-            f'has no valid spread; allowed: "10 {unit_shown} +- 20 %", the standard deviation of its '
-            f'logarithm, at most 100 %, or "8 to 12 {unit_shown}", evenly between both'
-        )
+        shown = self.spellings[0]
+        raise ValueError(f'has no valid spread; allowed: "10 {shown} +- 20 %", "8 to 12 {shown}"')
 
     def certain(self, written: Any, warn: Warn) -> float:
         """A number in SI without a spread."""
@@ -193,8 +190,7 @@ class ListOf:
         if spreads == {False}:
             return values
         if len(spreads) > 1:
-            what = "has numbers with different spreads; allowed: one spread for all of them"
-            raise ValueError(f"{what}, since they vary together, by one factor")
+            raise ValueError("has numbers with different spreads; allowed: one spread for all of them")
         return replace(values[0], median=np.array([value.median for value in values]))
 
     def _value(self, place: int, written: Any, warn: Warn) -> Any:

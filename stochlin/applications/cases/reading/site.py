@@ -35,7 +35,7 @@ from stochlin.applications.cases.reading.records import (
     read_records_of,
 )
 from stochlin.applications.cases.reading.tables import Form, Table
-from stochlin.applications.records.ground_fit import ESTIMATORS, fitted_grounds
+from stochlin.applications.records.ground_fit import fitted_grounds
 from stochlin.applications.sites.design_spectra import asce_7, eurocode_8
 from stochlin.applications.sites.ground_fit import fit_ground
 from stochlin.applications.sites.intensity import paths_for, scale_ground
@@ -177,7 +177,6 @@ class OfRecord(Scaled):
 
     ground: str = key(Word((FITTED,)), "Kind of the ground")
     model: str = key(Word(fitted_grounds), "Kind of the ground that is fitted", "kanai_tajimi")
-    estimator: str = key(Word(lambda: [*ESTIMATORS]), "What the fit minimizes", "psd")
 
 
 class WithMotionOfRecord(OfSite):
@@ -337,7 +336,7 @@ class Site:
                 return fit_ground(self.spectrum, **options)
         record = next(iter(self.records.values()))
         with self.form.table.naming("ground", f"cannot be fitted to {listed(self.components)}: "):
-            ground = fit_ground(record, self.form.model, self.form.estimator)
+            ground = fit_ground(record, self.form.model)
         ratio = energy_ratio(record, ground, envelope, duration)
         if not LIKE[0] <= ratio <= LIKE[1]:
             of_record = f"times the energy of the record; for equal energy write envelope = {FITTED!r}"

@@ -67,8 +67,7 @@ class RecordFile(NamedTuple):
         fields = [(n, field) for n, line in enumerate(lines, first) for field in _fields(line, width)]
         for n, field in fields:
             if number_in(field) is None:
-                what = f"{self.name}, line {n}: {brief(field)} is not a number"
-                raise ValueError(f"{what}; allowed: a finite number, such as -0.5E-3")
+                raise self.wrong(n, f"finite numbers, such as -0.5E-3, and not {brief(field)}")
         return np.array([number_in(field) for _, field in fields], float)
 
     def check_length(self, count: int, dt: float, seconds: float, number: int) -> None:
