@@ -42,6 +42,8 @@ def test_where_slabs_meet_columns_is_told():
     assert table.column.values.tolist() == ["right", "left", "right", "left", "left", "right", "left"]
     assert table.storey.values.tolist() == [1, 2, 2, 3, 3, 4, 4]
     np.testing.assert_allclose(table.share[:3], [3.5 / 4.2, 0.2, 2.8 / 3])
+    level = sl.pound([TALL, building([3.5, 4.0])], 0.01, CONTACTS["kelvin"], shaking())
+    assert level.storey.values.tolist() == [0, 2, 3]  # the first is one of two slabs
     hit = table.impact_contact.values
     for number, force in enumerate(table.column_force.values, start=1):
         assert force == pytest.approx(table.largest_force.values[hit == number].max(initial=0.0))
