@@ -85,7 +85,6 @@ def test_samples_are_those_of_the_distribution():
 @pytest.mark.parametrize(
     ("make", "told"),
     [
-        (lambda: sl.Uncertain(1.0, -0.1), "spread = -0.1; allowed: 0 to 1"),
         (lambda: sl.Uncertain(1.0, 20), "for 20 % write 0.2"),
         (lambda: sl.Uncertain("long", 0.1), "median = 'long'; allowed: a number"),
         (lambda: sl.Uncertain(np.inf, 0.1), "allowed: finite numbers"),
