@@ -136,8 +136,9 @@ class SymbolicLaw:
         values |= {name: w[i] for i, (name, _) in enumerate(self.rates)}
         numbers = {sympy.Symbol(name, real=True): value for name, value in values.items()}
         rates = sympy.Tuple(*(_for_lanes(rate).subs(numbers) for _, rate in self.rates))
-        functions = [_VECTOR_FUNCTIONS, "math"]
-        of_rates = sympy.lambdify((_V, w, own, lane), rates, functions, cse=True)
+        of_rates = sympy.lambdify((_V, w, own, lane), rates, [_VECTOR_FUNCTIONS, "math"], cse=True)
+        # sympy counts functions in the names of their files: numba would never find compiled code again.
+        of_rates.__code__ = of_rates.__code__.replace(co_filename=__name__)
         name = sympy.srepr(rates)
         return RateLaw(advance_of(of_rates, len(rates), name), len(rates), name)
 

@@ -205,9 +205,11 @@ def test_functions_of_two_laws_have_different_names_in_compiled_code(toy):
     toy[0]()  # nothing is compiled yet, since numba shows no code that it has loaded
     v, z = sympy.symbols("v z")
 
+    def structure(law):
+        return sl.Hysteretic(0.5, 0.05, 0.1, yield_displacement=0.02, law=law)
+
     def names(law):
-        structure = sl.Hysteretic(0.5, 0.05, 0.1, yield_displacement=0.02, law=law)
-        code = by_number((structure.step(),)).inspect_llvm()
+        code = by_number((structure(law).step(),)).inspect_llvm()
         defined = re.findall(r'^define .*?@"?([^"( ]+)', code, re.M)
         # numba's own number of a function in its process is left out
         return {re.sub(r"B\d+v\d+", "", name) for name in defined if "NRT" not in name}
@@ -215,3 +217,6 @@ def test_functions_of_two_laws_have_different_names_in_compiled_code(toy):
     first, second = names(v - 1.25 * abs(v) * z), names(v * (1 - 1.5 * z**2))
     assert any("advance" in name for name in first)
     assert not first & second
+    known = structure(v - 1.25 * abs(v) * z)._compiled
+    after_others = type(known).step.func(known)  # as a process makes it that has met other laws before
+    assert by_number((after_others,)).cache_hits == 1
