@@ -13,7 +13,7 @@ from stochlin.solver.tables import labels
 
 pytestmark = pytest.mark.invariant
 
-CELLS = 40
+CELLS = 20
 POWER = st.floats(-300, 300)
 SHARE = st.floats(-300, -0.001)  # power of a ratio below 1
 ELASTIC, STRENGTH, FACTOR = (), ("yield_displacement",), ("reduction_factor",)

@@ -73,7 +73,3 @@ def test_rho_takes_the_rule(toy, tmp_path):
         assert min(mu) > 1
         assert float(table.rho) == pytest.approx(eq_4(*periods, *dampings), rel=1e-12)
         assert table.attrs["rule"] == "root: Some author (2031), Some journal 4 [M]"
-    pair = ("--period-1", "1s", "--period-2", "2s")
-    unknown = toy("rho", *pair, "--method", "effective", "--rule", "rot")
-    assert unknown.returncode == 2
-    assert "root" in unknown.stderr

@@ -70,6 +70,8 @@ LONG = {
     "stochlin gap case.toml --report gap.html",  # there is one with another name
     "stochlin gap case.toml --report gap.html --out gap.nc",
     "stochlin mitigate case.toml --out measures.csv",
+    "stochlin gap case.toml --details",  # the README's
+    "stochlin probability case.toml",  # tests/answers/probability_of_the_example
     "stochlin pound case.toml --motions 100",  # there is one with a picture
     "stochlin pound case.toml --picture pound.png",
 }

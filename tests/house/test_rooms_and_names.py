@@ -8,6 +8,7 @@ import sys
 import tomllib
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from functools import cache
 from graphlib import TopologicalSorter
 from pathlib import Path
 
@@ -19,7 +20,7 @@ from stochlin.solver.variables import VARIABLES
 pytestmark = pytest.mark.invariant
 
 ROOT = Path(sl.__file__).parent
-TREES = {path: ast.parse(path.read_text(encoding="utf-8")) for path in sorted(ROOT.rglob("*.py"))}
+MODULES = sorted(ROOT.rglob("*.py"))
 ROOMS = tomllib.loads((Path(__file__).parent / "rooms.toml").read_text(encoding="utf-8"))
 FLOORS = tuple(ROOMS)
 MOST_MODULES = 12  # of a folder
@@ -35,9 +36,15 @@ PURE_NUMBERS = {"rtol", "relaxation_times"}
 FIT_ANYTHING = {"one", "found", "told", "given", "asked", "meant", "doubt"}
 
 
+@cache
+def tree(path: Path) -> ast.Module:
+    """What a file consists of."""
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
 def imports(path: Path) -> Iterator[str]:
     """Names of all modules that a file imports, wherever it does."""
-    for node in ast.walk(TREES.get(path) or ast.parse(path.read_text(encoding="utf-8"))):
+    for node in ast.walk(tree(path)):
         if isinstance(node, ast.ImportFrom) and node.module:
             yield node.module
             yield from (f"{node.module}.{alias.name}" for alias in node.names)
@@ -55,7 +62,7 @@ def test_rooms_import_what_is_written_down_and_in_no_circle_and_floors_only_thos
     """Nor does anything below the package root import that."""
     arrows: dict[str, dict[str, set[str]]] = {floor: {} for floor in FLOORS}
     upwards = []
-    for path in TREES:
+    for path in MODULES:
         floor, own = room_of(path.relative_to(ROOT).parts)
         if floor not in FLOORS:
             continue
@@ -75,19 +82,19 @@ def test_rooms_import_what_is_written_down_and_in_no_circle_and_floors_only_thos
 
 def test_modules_import_one_another_in_no_circle() -> None:
     """Wherever they do: inside functions, too."""
-    names = {path: ".".join(path.relative_to(ROOT.parent).with_suffix("").parts) for path in TREES}
+    names = {path: ".".join(path.relative_to(ROOT.parent).with_suffix("").parts) for path in MODULES}
     names = {path: name.removesuffix(".__init__") for path, name in names.items()}
     arrows = {name: {*names.values()} & {*imports(path)} - {name} for path, name in names.items()}
     assert list(TopologicalSorter(arrows).static_order())
 
 
 def test_folders_are_seen_at_a_glance() -> None:
-    folders = Counter(path.parent for path in TREES if path.name != "__init__.py")
+    folders = Counter(path.parent for path in MODULES if path.name != "__init__.py")
     assert {folder: n for folder, n in folders.items() if n > MOST_MODULES} == {}
 
 
 def test_kernels_know_no_labels_and_nothing_knows_the_inside_of_numba() -> None:
-    for path in TREES:
+    for path in MODULES:
         names = set(imports(path))
         assert not {name for name in names if PRIVATE.match(f"{name}.")}, path
         assert not re.search(r"\b(nb|numba)\.(core|_)", path.read_text(encoding="utf-8")), path
@@ -98,8 +105,8 @@ def test_kernels_know_no_labels_and_nothing_knows_the_inside_of_numba() -> None:
 def test_variables_and_arguments_have_names_that_say_what_they_are() -> None:
     named = Counter(
         f"{path.relative_to(ROOT)}: {name}"
-        for path, tree in TREES.items()
-        for node in ast.walk(tree)
+        for path in MODULES
+        for node in ast.walk(tree(path))
         if (name := getattr(node, "id", getattr(node, "arg", ""))) in FIT_ANYTHING
         and (isinstance(node, ast.arg) or isinstance(getattr(node, "ctx", None), ast.Store))
     )

@@ -12,7 +12,7 @@ import stochlin as sl
 pytestmark = pytest.mark.oracle
 
 FIRM = sl.KanaiTajimi(2 * np.pi / 15, 0.6, intensity=0.01)
-QUAKE = {"envelope": sl.AminAng(4.0, 10.0, 0.35), "duration": 14.0}
+QUAKE = {"envelope": sl.AminAng(2.0, 5.0, 0.5), "duration": 7.0}
 TALL = sl.ShearBuilding(
     [2e5, 2e5, 2e5, 1.5e5],
     [1.1e8, 0.9e8, 0.8e8, 0.5e8],
@@ -85,7 +85,7 @@ def test_linear_moments_are_those_of_the_lyapunov_differential_equation(ground):
     pair = replace(elastic(TALL), p_delta=True), elastic(LOW)
     found = probability(*pair, ground, 0.1, points=8)
     space = sl.statespace(pair, ground)
-    p = covariances_in_time(space, QUAKE["envelope"], found.time.values, (4.0, 10.0, 14.0))
+    p = covariances_in_time(space, QUAKE["envelope"], found.time.values, (2.0, 5.0, 7.0))
     share = (6.4 - 4.0) / 3.0  # of the second floor of TALL at the roof of LOW
     places = {
         3.2: ({"1.1": 0.8}, {"2.1": 1.0}),
@@ -154,7 +154,7 @@ def test_the_formula_knows_what_the_weight_takes():
 
 def test_gap_and_structure_may_share_a_dimension():
     periods, gaps = (xr.DataArray(values, dims="case") for values in ([0.4, 0.6], [0.05, 0.08]))
-    options = {"points": 3, "duration": 5.0, "paths": 64}
+    options = {"points": 3, "duration": 2.5, "paths": 64}
     table = probability(TALL, sl.Bilinear(periods, 0.05), FIRM, gaps, **options)
     assert table.confidence_of_no_pounding_simulated.dims == ("case",)
     alone = probability(TALL, sl.Bilinear(0.6, 0.05), FIRM, 0.08, **options)

@@ -113,7 +113,7 @@ def test_risks_that_are_none_or_outside_of_the_hazard_are_named():
         (0, "risk = "),
     ):
         with pytest.raises(ValueError, match=told):
-            sl.required_gap(*ELASTIC, GROUND, hazard, 15.0, risk=risk)
+            sl.required_gap(*ELASTIC, GROUND, hazard, 15.0, risk=risk, paths=32)
 
 
 @pytest.mark.slow

@@ -23,7 +23,7 @@ KNOWN = sl.Bilinear(1.0, 0.05)
 @pytest.fixture(scope="module")
 def table():
     first = sl.Bilinear(sl.Uncertain(0.6, 0.25), sl.Uncertain.between(0.03, 0.07))
-    return sl.sensitivity(first, KNOWN, GROUND, 12.0, paths=64)
+    return sl.sensitivity(first, KNOWN, GROUND, 12.0, paths=32)
 
 
 def test_rows_begin_with_what_is_uncertain_and_moves_the_gap_most(table):

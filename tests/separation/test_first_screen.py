@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from cases import BLOCK, KIOSK, example_case, with_buildings
+from cases import BLOCK, KIOSK, example_case, with_buildings, with_slow
 from matplotlib.axes import Axes
 from matplotlib.text import Text
 
@@ -108,7 +108,7 @@ def walls(buildings: Axes) -> list[tuple[float, float]]:
     return [(float(xy[1][0]), float(xy[2][1])) for xy in polygons]
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", with_slow(CASES, {"no gap yet", "codes", "codes without heights"}))
 def test_every_kind_of_case_stands_to_scale(name: str, answer: Any) -> None:
     one = answer(name)
     table = one.separation

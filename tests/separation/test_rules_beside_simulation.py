@@ -117,8 +117,8 @@ def test_records_stand_beside_the_rules(table):
 
 def test_rules_that_need_linearization_are_not_available_far_beyond_yield():
     """The simulation answers, and so do the rules that are fed with it; the others say why not."""
-    pair = [sl.Bilinear(period, 0.05, 0.05, reduction_factor=1e300) for period in (0.6, 1.0)]
-    table = sl.separation(*pair, sl.named_ground("firm", intensity=0.01), 10.0, paths=128)
+    weak, elastic = building(0.6, reduction_factor=1e300), sl.Bilinear(1.0, 0.05)
+    table = sl.separation(weak, elastic, sl.named_ground("firm", intensity=0.01), 10.0, paths=128)
     gap = table.gap.to_series()
     assert gap["simulation"] > 0
     assert gap["share_of_sum"] > gap["simulation"]

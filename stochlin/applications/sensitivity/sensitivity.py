@@ -109,7 +109,7 @@ def sensitivity(
     >>> import stochlin as sl
     >>> old = sl.Bilinear(sl.Uncertain(0.6, 0.25), 0.05)
     >>> new, ground = sl.Bilinear(1.0, 0.05), sl.named_ground("firm", intensity=0.01)
-    >>> table = sl.sensitivity(old, new, ground, 15.0, paths=64)
+    >>> table = sl.sensitivity(old, new, ground, 6.0, paths=32)
     >>> change = table.gap_change.sel(input="ground.intensity") / table.gap  # of a linear structure
     >>> change.values.round(3)  # the square root of 0.9 and of 1.1, less 1
     array([-0.051,  0.049])
