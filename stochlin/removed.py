@@ -4,16 +4,23 @@ A name is that of a function, class, keyword, value, command, option (``--json``
 Whoever still uses it reads the clause in an error.
 """
 
+OF_RULES = ["code_rule", "effective_rule", "peak_factor_model", "rho_effective"]
+OF_RULES += ["code_rule_names", "effective_rule_names", "peak_factor_names"]
+AMPLIFICATION = "peak over peak_alone of pound is the amplification"
+LAZY = "parameters that are dask arrays give lazy tables, which .to_zarr() stores"
+OTHERS = "compare with a structure of another period, stiffness or strength"
+BUMPERS = "pound with the contact of the bumpers, and with the gap less their thickness"
 REMOVED: dict[str, str] = {
-    "amplification_limit": "peak over peak_alone of pound is the amplification",
-    "mitigation": "peak over peak_alone of pound is the amplification",
+    **{name: f"use rules.{name}" for name in OF_RULES},
+    **dict.fromkeys(("amplification_limit", "mitigation"), AMPLIFICATION),
+    **dict.fromkeys(("write_atlas", "atlas"), LAZY),
+    **dict.fromkeys((f"{name}_{n}" for name in ("stiffening", "strengthening") for n in (1, 2)), OTHERS),
+    **dict.fromkeys(("contact", "bumper_thickness"), BUMPERS),
     "example_case": "stochlin gap --example prints it",
     "fitted": "ModalBuilding takes the modes as they are",
     "evolutionary_psd": "it is envelope.at(time) ** 2 * ground.psd(frequency)",
-    "write_atlas": "parameters that are dask arrays give lazy tables, which .to_zarr() stores",
     "open_atlas": "xarray.open_zarr() opens a stored table",
     "lookup": "xarray.open_zarr() opens a stored table, and .interp() interpolates in it",
-    "atlas": "parameters that are dask arrays give lazy tables, which .to_zarr() stores",
     "pounding_estimate_row": "pounding_estimate for each two neighbours, or pound for the row",
     "pound_motions": "charts.pound_case(case, motions) simulates them",
     "draw_ensemble": "charts.draw_pound draws the results of many motions, too",
@@ -21,13 +28,6 @@ REMOVED: dict[str, str] = {
     "ground_names": "the documentation of named_ground lists the names",
     "strong_part": "fit_ground(record, part=(0.05, 0.95)) takes this part of a record",
     "fit_spectra": "ground.psd(frequency), beside scipy.signal.welch of the record over 4 pi",
-    "effective_rule": "use rules.effective_rule",
-    "effective_rule_names": "use rules.effective_rule_names",
-    "code_rule": "use rules.code_rule",
-    "code_rule_names": "use rules.code_rule_names",
-    "peak_factor_model": "use rules.peak_factor_model",
-    "peak_factor_names": "use rules.peak_factor_names",
-    "rho_effective": "use rules.rho_effective",
     "correlate_linked": "linearize_system([first, second], ground, links=[link]) has rho of all floors",
     "delivered_restitution": "the relations of the contact elements are exact: e is what was given",
     "energy_loss": "0.5 * (1 - e**2) * m1 * m2 / (m1 + m2) * (v1 - v2)**2 is lost in an impact",
@@ -49,12 +49,6 @@ REMOVED: dict[str, str] = {
     "added_damping_chart": "damping_for_gap gives the gap over added damping, which .plot draws",
     "system": "no number depends on it; the page on buildings says what a chain leaves out of a wall",
     "strength_factor": "multiply the yield drifts",
-    "stiffening_1": "compare with a structure of a shorter period or larger stiffnesses",
-    "stiffening_2": "compare with a structure of a shorter period or larger stiffnesses",
-    "strengthening_1": "compare with a structure of a larger strength",
-    "strengthening_2": "compare with a structure of a larger strength",
-    "contact": "pound with the contact of the bumpers, and with the gap less their thickness",
-    "bumper_thickness": "pound with the contact of the bumpers, and with the gap less their thickness",
     "parallel": "ParallelGround in Python, or a site by its spectrum, has several grounds",
     "--law": "stochlin.correlate of the library takes structures of any law",
     "solver": "linearize_system([first, second], ground).rho is by the full Lyapunov equation",

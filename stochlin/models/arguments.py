@@ -20,9 +20,9 @@ import numpy as np
 import numpy.typing as npt
 
 from stochlin.messages import brief, check_names, hint
-from stochlin.models.parameters import POSITIVE, Model, Range, as_array, expect
+from stochlin.models.parameters import POSITIVE, Model, Range, expect
 from stochlin.models.plausible import implausible, warn_caller
-from stochlin.models.uncertain import TAKERS, UncertainModel, median_of
+from stochlin.models.uncertain import TAKERS, UncertainModel, as_array, median_of
 
 LONGEST_LABEL = 200
 A_LABEL = f"a text on one line, {LONGEST_LABEL} characters at most, no control characters"

@@ -12,7 +12,8 @@ import xarray as xr
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief
 from stochlin.models.arguments import Number, OneOf
-from stochlin.models.parameters import POSITIVE, Model, Parameter, Range, as_array, check, parameter
+from stochlin.models.parameters import POSITIVE, Model, Parameter, Range, check, parameter
+from stochlin.models.uncertain import as_array
 
 MEASURES = ("pga", "sa", "intensity")
 FEWEST = 2  # smallest number of points of a curve

@@ -17,7 +17,7 @@ import xarray as xr
 from stochlin.messages import Named, brief, check_names, hyphenated, sentence
 from stochlin.models.descriptions import stated
 from stochlin.models.plausible import implausible, warn_caller
-from stochlin.models.uncertain import TAKERS, Uncertain, UncertainModel, median_of
+from stochlin.models.uncertain import TAKERS, Uncertain, UncertainModel, as_array, median_of
 
 _Number = float | np.floating | np.integer
 Parameter = (
@@ -226,16 +226,6 @@ def expect(value: object, kind: type[Model] | tuple[type[Model], ...], role: str
         if value is None and role in ("first", "second"):
             instead = f"; {ALONE}"
         raise TypeError(f"{role} = {brief(value)} is of the wrong kind; allowed: {names}{instead}")
-
-
-def as_array(value: object) -> npt.NDArray[Any]:
-    """The array of ``value``, with NaN for masked numbers; without dimensions if it is no array."""
-    try:
-        array = np.ma.asarray(value) if isinstance(value, (list, tuple)) else np.asanyarray(value)
-    except (ValueError, TypeError):  # ragged lists; a dataset
-        return np.empty((), object)
-    masked = np.ma.getmaskarray(array)
-    return np.where(masked, np.nan, array) if masked.any() else np.asarray(array)
 
 
 def check(prefix: str, name: str, value: Any, declared: Mapping[str, Any]) -> float | xr.DataArray:

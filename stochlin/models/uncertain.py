@@ -28,6 +28,16 @@ TAKERS = (
 )
 
 
+def as_array(value: object) -> npt.NDArray[Any]:
+    """The array of ``value``, with NaN for masked numbers; without dimensions if it is no array."""
+    try:
+        array = np.ma.asarray(value) if isinstance(value, (list, tuple)) else np.asanyarray(value)
+    except (ValueError, TypeError):  # ragged lists; a dataset
+        return np.empty((), object)
+    masked = np.ma.getmaskarray(array)
+    return np.where(masked, np.nan, array) if masked.any() else np.asarray(array)
+
+
 @dataclass(frozen=True)
 class Uncertain(metaclass=Named):
     """An uncertain parameter, with its median, its spread and the kind of its distribution.
@@ -73,13 +83,10 @@ class Uncertain(metaclass=Named):
     kind: str = "lognormal"
 
     def __post_init__(self) -> None:
-        try:
-            median = np.asarray(self.median)
-        except (ValueError, TypeError):  # ragged lists
-            median = np.empty((), object)
+        median = as_array(self.median)
         if median.dtype.kind not in "iuf":
             raise TypeError(f"Uncertain: median = {brief(self.median)}; allowed: a number, or an array")
-        if np.ma.is_masked(self.median) or not np.isfinite(median).all():
+        if not np.isfinite(median).all():
             raise ValueError(f"Uncertain: median = {brief(self.median)}; allowed: finite numbers")
         spread = self.spread
         a_number = isinstance(spread, (int, float, np.number)) and not isinstance(spread, bool)

@@ -31,7 +31,7 @@ _SIZES: dict[tuple[float, ...], dict[str, float]] = {
     (0, 0, 0, 0): {"1": 1.0, "%": 0.01},
     (1, 0, 0, 0): {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048},
     (0, 1, 0, 0): {"kg": 1.0, "t": 1e3, "tonne": 1e3},
-    (0, 0, 1, 0): {"s": 1.0, "sec": 1.0, "second": 1.0, "seconds": 1.0, "ms": 1e-3},
+    (0, 0, 1, 0): {"s": 1, "sec": 1, "secs": 1, "second": 1, "seconds": 1, "ms": 1e-3, "msec": 1e-3},
     (0, 0, 0, 1): {"yr": 1.0, "years": 1.0, "a": 1.0},
     (1, 0, -2, 0): {"g": constants.g, "gal": 0.01},
     (1, 1, -2, 0): _FORCES,
@@ -40,9 +40,7 @@ _SIZES: dict[tuple[float, ...], dict[str, float]] = {
 _QUANTITIES = {"length": "m", "mass": "kg", "force": "N", "acceleration": "m/s^2"}
 _KNOWN = {name: (size, powers) for powers, of in _SIZES.items() for name, size in of.items()}
 # Signs of powers and products, also a raised 2 that was read in another encoding.
-_SIGNS = str.maketrans(
-    {"²": "2", "³": "3", "\N{REPLACEMENT CHARACTER}": "2", "*": " ", "·": " ", "-": " ", "^": ""}
-)
+_SIGNS = str.maketrans("²³\N{REPLACEMENT CHARACTER}*·-", "232   ", "^")
 _OF_RATIO = re.compile(r"\((\w+)/(\w+)\)([\d.]+)")  # (s/m)0.5
 _FACTOR = re.compile(r" ?(/?) ?(1(?=/)|[a-z%]+)(\d\.?\d*)?")
 

@@ -204,7 +204,7 @@ WRONG: dict[str, tuple[dict[str, Any], str]] = {
         {"shapes": [[1.0, 1.0]] * 601, "periods": [1.0] * 601},
         r"has 601 values; .* at most 600 modes",
     ),
-    "participation alone": ({"participation": [1.0, 0.3]}, r"participation and modal_masses belong"),
+    "participation alone": ({"participation": [1.0, 0.3]}, r"participation or modal_masses alone"),
     "ratios": ({"participation": [1.0, 0.3], "modal_masses": [5e5, 2e4]}, r"are 1\.3 of the masses"),
     "across the gap": ({"participation": [1.0, 0.3], "modal_masses": [4e5, 1e-3]}, r"2 does not move"),
     "still": ({"shapes": [[0.62, 1.0], [0.0, 0.0]]}, r"shapes of mode 2 are all 0"),

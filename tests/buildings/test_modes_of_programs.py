@@ -324,7 +324,7 @@ BROKEN: dict[str, str | tuple[str, dict[str, object]]] = {
     "line 35: 'Roof 2' is there twice; choose by tower= or points=": sub(
         r"(Roof,D1,Modal,LinModEigen,Mode,2,.*\n)", r"\1\1"
     ),
-    "Joint Displacements has no joint 9, which points names; it has 1, 21": (ETABS, {"points": ["9"]}),
+    "Joint Displacements has no joint 9; allowed as points: 1, 21": (ETABS, {"points": ["9"]}),
     "line 5, column 1: a second load case, 'Ritz' beside 'Modal'": swap("Modal,2,", "Ritz,2,"),
     "hardly moves along the direction, where it has mass; allowed: shapes of the same analysis": sub(
         "(Story.|Roof),D1(.*),Mode,2,[^,]*", r"\1,D1\2,Mode,2,1e-12"

@@ -274,7 +274,7 @@ def test_higher_modes_keep_their_strength() -> None:
 
 def test_what_does_not_fit_a_building_is_said() -> None:
     ideal = sl.bilinear_of(curve([0, 0.03, 0.06, 0.12], OF_ROOF * np.array([0, 0.03, 0.032, 0.036])))
-    with pytest.warns(DoubtfulInput, match="check units and masses"):
+    with pytest.warns(DoubtfulInput, match="are units, masses and"):
         CHAIN.with_pushover(ideal.assign(initial_stiffness=ideal.initial_stiffness * 1e3))
     with pytest.raises(ValueError, match="idealized has hardening = nan; allowed: the result of bilin"):
         CHAIN.with_pushover({"yield_force": 1e6, "yield_displacement": 0.02})
@@ -287,7 +287,7 @@ def test_what_does_not_fit_a_building_is_said() -> None:
     given_: dict[str, Any] = {"participation": [0.4, 1.2], "modal_masses": [1e5, 2.9e5]}
     turning = sl.ModalBuilding([0.5, 0.4], [[0.5, 1], [0.4, 1]], [2e5] * 2, [3.0] * 2, 0.05, **given_)
     with (
-        pytest.warns(DoubtfulInput, match="check units"),
+        pytest.warns(DoubtfulInput, match="are units"),
         pytest.raises(ValueError, match="mode 2 has more effective mass than mode 1"),
     ):
         turning.with_pushover(ideal)

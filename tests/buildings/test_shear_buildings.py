@@ -290,7 +290,7 @@ REFUSED = {
     "gamma = -3 is out of range; allowed: -beta": of_law("bouc_wen", gamma=-3.0),
     "law_parameters = .*has no bet; allowed: beta, gamma, expo": of_law("bouc_wen", bet=1),
     "stiffnesses = inf in storey 1 is out of range; allowed: 0": regular_building(mass=1e308),
-    "storey_height has 2 values, storeys = 4; allowed: o": regular_building(storey_height=[3.0, 3.0]),
+    "storey_height has 2 values; allowed: one, or 4": regular_building(storey_height=[3.0, 3.0]),
     "hardening is not given; what yields": regular_building(hardening=None),
     "takes 653777 N/m from storey 1; .*less than 600000 N/m": shear(
         stiffnesses=[6e5, 1e8], p_delta=True

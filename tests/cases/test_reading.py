@@ -90,7 +90,7 @@ MISTAKES = {
         BUILDING,
         'period = "1 s"\nstoreys = 2\nheights = ["3 m"]\nfloor_mass = "9 t"\ndamping = 0.05\n'
         "elastic = true\n",
-        "has 1 values, storeys = 2; allowed: one number, or one for each storey",
+        "has 1 values; allowed: one, or 2",
     ),
     "different spreads": (
         BUILDING,

@@ -82,7 +82,7 @@ def test_the_package_runs_without_its_script() -> None:
         ("rho --period-2 1s", "--period-1"),
         ("rho --period-1 one --period-2 1s", "'one' is no number"),
         ("rho --period-1 1s:2s --period-2 1s", "start:stop:count"),
-        ("rho --period-1 1s:2s:1 --period-2 1s", "a count of 2 to 999999"),
+        ("rho --period-1 1s:2s:1 --period-2 1s", "with 2 to 999999 values"),
         ("rho --period-1 0s:2s:5:log --period-2 1s", "includes 0"),
         ("rho --period-1 1s --period-2 1s --ground moon", "firm"),
         ("rho --period-1 1s --period-2 1s --ground kanai-tajimi", "needs --ground-period"),

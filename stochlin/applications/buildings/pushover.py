@@ -276,12 +276,8 @@ def _hardening(ratio: float) -> float:
     """The hardening ratio of an idealization, or the least one with a warning."""
     if ratio >= LEAST_HARDENING:
         return ratio
-    warnings.warn(
-        f"pushover: the hardening ratio is {ratio:.3g}; {LEAST_HARDENING:g} is taken, since with less a "
-        "building drifts away; give hardening",
-        DoubtfulInput,
-        stacklevel=4,
-    )
+    what = f"pushover: the hardening ratio is {ratio:.3g}; {LEAST_HARDENING:g} is taken; give hardening"
+    warnings.warn(what, DoubtfulInput, stacklevel=4)
     return LEAST_HARDENING
 
 

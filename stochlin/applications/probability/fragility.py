@@ -22,9 +22,10 @@ from stochlin.messages import brief
 from stochlin.models.arguments import Duration, Probability, Scatter, Seed, as_numbers, checked
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
-from stochlin.models.parameters import Parameter, as_array
+from stochlin.models.parameters import Parameter
 from stochlin.models.structures import Gap
 from stochlin.models.systems import AnyStructure, first_period
+from stochlin.models.uncertain import as_array
 from stochlin.solver.linearization.strength import strength_in_metres
 from stochlin.solver.linearization.transient_systems import check_course, course_of, over_time
 from stochlin.solver.simulation.finite_motions import exceedance

@@ -284,20 +284,15 @@ def _misfits(
 ) -> Iterator[str]:
     """Sentences on what motions miss: significant durations [s] and ratios of spectra."""
     if not 1 / LIKE_DURATION <= duration / wanted <= LIKE_DURATION:
-        yield (
-            f"the motions have a significant duration of {duration:.3g} s and the record of "
-            f"{wanted:.3g} s; gaps of buildings that yield depend on it, so try another envelope"
-        )
+        what = f"the motions have a significant duration of {duration:.3g} s, the record {wanted:.3g} s"
+        yield f"{what}; try another envelope"
     inside = (periods >= band[0]) & (periods <= band[1])
     off = np.log(ratio[inside])
     rms = float(np.sqrt(np.mean(off**2))) if off.size else 0.0
     if rms > np.log(LIKE_SPECTRUM):
         worst = int(np.abs(off).argmax())
-        yield (
-            f"the mean spectrum of the motions is off by {100 * np.expm1(rms):.0f} % (root mean square "
-            f"from {band[0]:.2g} to {band[1]:.2g} s), most at {periods[inside][worst]:.2g} s, where it "
-            f"is {ratio[inside][worst]:.2f} times that of the record; try more filters"
-        )
+        where = f"from {band[0]:.2g} to {band[1]:.2g} s, most at {periods[inside][worst]:.2g} s"
+        yield f"the mean spectrum is off by {100 * np.expm1(rms):.0f} % {where}; try more filters"
 
 
 def energy_ratio(

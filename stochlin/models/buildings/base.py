@@ -16,10 +16,10 @@ from stochlin.kernels.basics.systems import System
 from stochlin.messages import DoubtfulInput, brief
 from stochlin.models.arguments import is_number
 from stochlin.models.laws.hysteretic import Hysteretic, law_of
-from stochlin.models.parameters import CASE, Model, as_array
+from stochlin.models.parameters import CASE, Model
 from stochlin.models.states import in_words
 from stochlin.models.structures import HARDENING, Structure
-from stochlin.models.uncertain import WithoutCells
+from stochlin.models.uncertain import WithoutCells, as_array
 
 if TYPE_CHECKING:
     import sympy
@@ -182,13 +182,9 @@ class MultistoreyBuilding(WithoutCells, Model):
         displacement = values["yield_displacement"] / roof
         begins = 2 * np.pi * np.sqrt(mass / (roof * values["initial_stiffness"]))
         if abs(begins / period - 1) > PERIOD_OFF:
-            warnings.warn(
-                f"the pushover curve begins with the stiffness of a period of {begins:.3g} s, and the "
-                f"first mode has {period:.3g} s: check units and masses, and whether the forces were "
-                "those of the first mode; the stiffness of the curve is taken",
-                DoubtfulInput,
-                stacklevel=2,
-            )
+            what = f"the pushover curve begins with the stiffness of a period of {begins:.3g} s"
+            cure = f"the first mode has {period:.3g} s; are units, masses and the pushing forces right?"
+            warnings.warn(f"{what}, {cure}", DoubtfulInput, stacklevel=2)
         own = 2 * np.pi * np.sqrt(mass * displacement / values["yield_force"])
         return self._of_first_mode(float(own), displacement, values["hardening"])
 

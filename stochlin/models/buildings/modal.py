@@ -23,9 +23,9 @@ from stochlin.models.buildings.base import (
     MultistoreyBuilding,
     numbered,
 )
-from stochlin.models.parameters import PERIODS, POSITIVE, Parameter, Range, as_array, parameter
+from stochlin.models.parameters import PERIODS, POSITIVE, Parameter, Range, parameter
 from stochlin.models.structures import DAMPING, HARDENING, Structure
-from stochlin.models.uncertain import takes_uncertain
+from stochlin.models.uncertain import as_array, takes_uncertain
 
 if TYPE_CHECKING:
     import sympy
@@ -225,8 +225,7 @@ class ModalBuilding(MultistoreyBuilding):
             what = f"{name}periods of modes {n + 1} and {n + 2} are {periods[n]:g} and"
             raise ValueError(f"{what} {periods[n + 1]:g} s; allowed: the longest first, in seconds")
         if (self.participation is None) != (self.modal_masses is None):
-            what = f"{name}participation and modal_masses belong together"
-            raise ValueError(f"{what}; allowed: both, as a program prints them, or neither")
+            raise ValueError(f"{name}participation or modal_masses alone; allowed: both, or neither")
         if self.participation is None:
             self._check_orthogonal(name)
         self._check_masses(name)
@@ -362,8 +361,7 @@ class ModalBuilding(MultistoreyBuilding):
             what = f"{name}mode {listed(np.flatnonzero(still) + 1)} does not move along the gap"
             raise ValueError(f"{what}; allowed: modes with {LEAST_MASS:g} of the mass or more")
         if total > 1 + ORTHOGONAL:
-            what = f"{name}modal_masses are {total:.3g} of the masses together"
-            raise ValueError(f"{what}; allowed: at most 1, in kg and along the gap")
+            raise ValueError(f"{name}modal_masses are {total:.3g} of the masses; allowed: at most 1")
         if total < ENOUGH_MASS:
             what = f"{name}the modes have {total:.1%} of the mass; {1 - total:.1%} is left out"
             limit = f"more than the {1 - ENOUGH_MASS:.0%} that codes allow"

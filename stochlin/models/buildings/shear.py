@@ -224,8 +224,7 @@ class ShearBuilding(MultistoreyBuilding):
         values = {name: np.asarray(value) for name, value in known.cells().items()}
         heights = values["storey_height"]
         if heights.ndim and heights.shape != (storeys,):
-            what = f"storey_height has {heights.size} values, storeys = {storeys}"
-            raise ValueError(f"{what}; allowed: one number, or one for each storey")
+            raise ValueError(f"storey_height has {heights.size} values; allowed: one, or {storeys}")
         relative = heights / heights.flat[0]
         levels = np.cumsum(np.broadcast_to(relative, storeys))
         above = levels[::-1].cumsum()[::-1]

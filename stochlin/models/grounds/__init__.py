@@ -21,10 +21,10 @@ from stochlin.models.parameters import (
     Model,
     Parameter,
     Range,
-    as_array,
     expect,
     parameter,
 )
+from stochlin.models.uncertain import as_array
 from stochlin.registry import Registry
 
 __all__ = ["Filter"]  # which grounds of other packages need

@@ -24,10 +24,9 @@ def symbolic() -> Mapping[str, sympy.Expr]:
 
     v, z, e, beta, n = sympy.symbols("v z e beta exponent", real=True)
     strength, stiffness = sympy.symbols("strength_decay stiffness_decay", real=True)
-    most, rate, start = sympy.symbols("pinching pinching_rate pinching_start", real=True)
-    width, spread, coupling = sympy.symbols(
-        "pinching_width pinching_spread pinching_coupling", real=True
-    )
+    ends = ("", "_rate", "_start", "_width", "_spread", "_coupling")
+    pinching = [sympy.Symbol(f"pinching{end}", real=True) for end in ends]
+    most, rate, start, width, spread, coupling = pinching
     nu, eta = 1 + strength * e, 1 + stiffness * e
     slip = nu * abs(z) ** n * (beta * abs(v) * sympy.sign(z) + (1 - beta) * v)
     zeta = most * (1 - sympy.exp(-rate * e))

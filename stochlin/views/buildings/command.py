@@ -42,15 +42,12 @@ USUAL_DAMPING = 0.05  # which changes nothing that is shown
 @click.option("--out", type=FILE, help="Save the modes as .nc, or as .csv.")
 def building(
     modes: Path | None,
-    direction: str | None,
     points: str | None,
-    tower: str | None,
-    mass_units: str | None,
-    length_units: str | None,
     pushover: Path | None,
     pushover_units: str | None,
     example: bool,
     out: Path | None,
+    **options: Any,
 ) -> None:
     """Show what files say of a building: periods, masses, shapes, strength, and what is assumed.
 
@@ -79,8 +76,7 @@ def building(
             raise ValueError("MODES is missing; 'stochlin building --example > tower.csv' writes one")
         check_target("--out", out, FORMATS, [modes, *([pushover] if pushover else [])])
         named = [name.strip() for name in points.split(",")] if points else ()
-        units = {"tower": tower, "mass_units": mass_units, "length_units": length_units}
-        table = read_modes(modes, direction=direction, points=named, **units)
+        table = read_modes(modes, points=named, **options)
         of_modes = ModalBuilding.from_table(table, damping=USUAL_DAMPING)
         ideal: Any = None
         if pushover is not None:

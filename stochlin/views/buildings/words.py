@@ -84,15 +84,12 @@ def _assumed(table: xr.Dataset, building: ModalBuilding) -> Iterator[str]:
         yield "Participation factors and modal masses are computed from shapes and floor masses."
     else:
         yield (
-            "Participation factors and modal masses are those of the file, since the shapes alone do "
-            "not give them: the building turns, or masses move that are not at the floors. Storey "
-            "shears above the first storey are not known."
+            "Participation factors and modal masses are those of the file: the building turns, or other "
+            "masses move, too. Storey shears above the first storey are not known."
         )
     if "left_out" in table.attrs:
-        yield (
-            f"Left out, since less than 0.1{SPACE}% of the mass moves along the gap: mode "
-            f"{table.attrs['left_out']}."
-        )
+        left_out = table.attrs["left_out"]
+        yield f"Left out, with less than 0.1{SPACE}% of the mass along the gap: mode {left_out}."
     if table.sizes["mode"] > MOST_COLUMNS:
         yield f"Shapes are shown of the first {MOST_COLUMNS} modes; --out saves all."
     if "turning" in table.attrs:
@@ -106,10 +103,7 @@ def _assumed(table: xr.Dataset, building: ModalBuilding) -> Iterator[str]:
 def _strength(table: xr.Dataset, building: ModalBuilding, ideal: xr.Dataset | None) -> Iterator[str]:
     """The strength of the first mode by a pushover curve, if there is one."""
     if ideal is None:
-        yield (
-            "Strength: none, so that the building stays elastic. --pushover gives it; so do, in a case "
-            "file, pushover, or hardening and yield_displacements of the first modes."
-        )
+        yield "Strength: none, so that the building stays elastic. --pushover gives it."
         return
     first, force = building.oscillator(), float(ideal["yield_force"])
     share = force / (GRAVITY * float(table["mass"].sum()))

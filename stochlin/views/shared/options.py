@@ -57,12 +57,8 @@ class Numbers(QuantityType):
         sweep = SWEEP.fullmatch(value)
         if not sweep:
             unit = "" if self.units == "1" else "s"
-            self.fail(
-                f"{brief(value)} is no sweep; allowed: start:stop:count with a count of 2 to 999999, "
-                f"such as 0.2{unit}:2{unit}:19, or geometric, such as 0.2{unit}:4{unit}:81:log",
-                param,
-                ctx,
-            )
+            allowed = f"start:stop:count[:log], such as 0.2{unit}:2{unit}:19, with 2 to 999999 values"
+            self.fail(f"{brief(value)} is no sweep; allowed: {allowed}", param, ctx)
         low, high = (in_si(sweep[end]) for end in ("start", "stop"))
         if sweep["log"] and not low * high > 0:
             self.fail(f"{value!r} is geometric and includes 0; allowed: both ends above 0", param, ctx)

@@ -208,8 +208,7 @@ def _named(table: Table, points: Sequence[str]) -> Table:
     names = pd.DataFrame({title: table.texts(title) for title in titles})
     known = pd.unique(names.to_numpy().ravel())
     if strange := [point for point in points if point not in known]:
-        what = f"has no joint {listed(strange)}, which points names"
-        raise table.error(f"{what}; it has {listed(known)}")
+        raise table.error(f"has no joint {listed(strange)}; allowed as points: {listed(known)}")
     return table._replace(rows=table.rows[names.isin([*points]).any(axis=1)])
 
 

@@ -15,6 +15,7 @@ from stochlin.applications.records.formats import (
     Series,
 )
 from stochlin.applications.sheets.sheets import number_in
+from stochlin.models.units import size_of
 from stochlin.registry import LAST
 
 _HEADER = re.compile(r"\bNPTS\b", re.IGNORECASE)
@@ -23,8 +24,6 @@ _IN_ANY_ORDER = re.compile(
     rf"(?=.*?\bNPTS\b[\s=:]*{_NUMBER})(?=.*?\bDT\b[\s=:]*{_NUMBER}[\s(]*([A-Z]*))", re.IGNORECASE
 )
 _NUMBERS_FIRST = re.compile(rf"^\s*{_NUMBER}[\s,]+{_NUMBER}[\s,]+NPTS\W+DT[\s(]*([A-Z]*)", re.IGNORECASE)
-_SECONDS = dict.fromkeys(("", "S", "SEC", "SECS", "SECOND", "SECONDS"), 1.0)
-_SECONDS |= dict.fromkeys(("MS", "MSEC", "MSECS", "MILLISECONDS"), 1e-3)
 # "UNITS OF G.", "UNITS OF (CM/SEC/SEC)", "UNITS: G'S"
 _UNITS = re.compile(r"\bUNITS?(?:\s+OF)?[\s:=(\[]+([A-Z]+\d?(?:(?:/|\^|\*\*)[A-Z\d]+)*)", re.IGNORECASE)
 _OF_PEER = re.compile(r"STRONG.MOTION", re.IGNORECASE)  # first line of a file whose second is a title
@@ -51,7 +50,7 @@ def _stated(text: str) -> tuple[int, float] | None:
     if not (match := _NUMBERS_FIRST.search(text) or _IN_ANY_ORDER.search(text)):
         return None
     samples, dt, unit = match.groups()
-    seconds = (number_in(dt) or 0.0) * _SECONDS.get(unit.upper(), 0.0)
+    seconds = (number_in(dt) or 0.0) * (size_of(unit or "s", "s") or 0.0)
     return (int(samples), seconds) if samples.isdigit() and 0 < seconds < float("inf") else None
 
 
