@@ -142,12 +142,14 @@ def test_without_codes_it_is_that_of_the_spectrum_if_nothing_is_missing(tmp_path
 
 @pytest.mark.invariant
 def test_a_period_beyond_the_spectrum_is_told_in_the_row(storeyed: CaseAnswer) -> None:
-    """Eurocode 8 needs no factor of its own spectrum, which stops at 0.5 s here."""
+    """Eurocode 8 needs no factor of its own spectrum; the periods are 0.4 and 0.6 s."""
     nothing = {"displacements": (), "behaviour_factor": None, "displacement_factor": None}
     bare = tuple(replace(b, form=replace(b.form, **nothing)) for b in storeyed.case.described)
     case = replace(storeyed.case, described=bare, codes=("eurocode_8",))
     for known, told in (
         (spectrum := sl.asce_7(9.8, 6.0, 8.0), ""),
+        (spectrum[41:], ""),
+        (spectrum[42:], "its period of 0.4"),
         (spectrum[:30], "its period of 0.6"),
     ):
         case = replace(case, site=replace(case.site, spectrum=known))
