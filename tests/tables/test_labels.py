@@ -38,7 +38,7 @@ def test_every_variable_and_coordinate_of_gaps_in_records_has_a_unit_and_a_long_
 
 GROUND = sl.WhiteNoise(0.01)
 RECORD = sl.simulated_motions(GROUND, 4.0, paths=2)[0]
-QUAKE = {"duration": 4.0, "envelope": sl.AminAng(1.0, 2.0, 0.5)}
+QUAKE = {"duration": 1.2, "envelope": sl.AminAng(0.4, 0.8, 0.5)}
 OTHER = sl.Bilinear(0.8, 0.05, 0.05, yield_displacement=0.05)
 NAMED = {
     "rho": {
