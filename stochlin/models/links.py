@@ -88,9 +88,7 @@ class Link(Model):
         super().__post_init__()
         if (self.yield_displacement is None) != (self.hardening is None):
             alone = "hardening" if self.yield_displacement is None else "yield_displacement"
-            raise ValueError(
-                f"Link: {alone} is given alone; allowed: both for a link that yields, or neither"
-            )
+            raise ValueError(f"Link: {alone} is given alone; allowed: both for a link that yields")
         for name in ("structures", "floors"):
             lowest = GROUND if name == "floors" and self.within_one else 1
             if (numbers := getattr(self, name)) is not None:

@@ -27,10 +27,7 @@ Parameter = (
 
 CASE = "case"
 LONE = ("float", "float | None", float, float | None)
-ALONE = (
-    "one building alone, beside the property line on its right, is taken by separation, existing_gap, "
-    "sensitivity, recorded_gap, pounding_risk and required_gap: as first, with None as second"
-)
+ALONE = "one building alone is first, with None as second, in separation, recorded_gap and pounding_risk"
 
 
 @dataclasses.dataclass(frozen=True)

@@ -33,10 +33,8 @@ def rates_by_state(law: Any) -> Rates:
         except (TypeError, ValueError) as error:
             raise TypeError(f"law = {brief(law)} is not allowed; {GIVE}") from error
     names = ["z", *(name for name in rates if name != "z")]
-    words = all(
-        isinstance(name, str) and name.isidentifier() and not keyword.iskeyword(name) for name in names
-    )
-    if not (words and "z" in rates and "v" not in names and len(names) <= MOST_STATES):
+    words = [n for n in names if isinstance(n, str) and n.isidentifier() and not keyword.iskeyword(n)]
+    if not (words == names and "z" in rates and "v" not in names and len(names) <= MOST_STATES):
         what = f"law = {brief(in_words(law))} has rates of {listed(rates)}"
         allowed = f"z and at most {MOST_STATES - 1} further states, names of letters and digits, not 'v'"
         raise ValueError(f"{what}; allowed: {allowed}")
@@ -49,12 +47,10 @@ class NotLinearizedError(ArithmeticError):
 
 def cannot_be_linearized(law: str, states: int) -> NotLinearizedError:
     """The error where a law would be linearized that has so many states; 0 if not given by rates."""
-    why = "a law with more than one state has no stationary closure here"
-    by = "transient_response, pounding_probability, " if states else ""
-    return NotLinearizedError(
-        f"{law} cannot be linearized: {why if states else 'its rates are not given in symbols'}; follow "
-        f"it in time, by {by}simulate with a duration, separation, respond, recorded_gap or pound"
-    )
+    why = "it has more than one state" if states else "its rates are not given in symbols"
+    by = "transient_response, or " if states else ""
+    what = f"{law} cannot be linearized: {why}; follow it in time"
+    return NotLinearizedError(f"{what}, by {by}simulate with a duration")
 
 
 def in_words(law: Any) -> str:

@@ -201,9 +201,8 @@ class Arrangement(NamedTuple):
     def fallen(self, drifts: Array, limits: Array) -> Array:
         """Whether each structure has fallen (..., s), by drifts of the `watched` (..., w) [m]."""
         beyond = np.isfinite(limits) & ~(np.abs(drifts) <= limits)
-        return np.stack(
-            [beyond[..., self.owners == n].any(axis=-1) for n in range(len(self.stacks))], axis=-1
-        )
+        own = (self.owners == n for n in range(len(self.stacks)))
+        return np.stack([beyond[..., watched].any(axis=-1) for watched in own], axis=-1)
 
     @property
     def watched_strength(self) -> Array:

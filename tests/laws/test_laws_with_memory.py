@@ -120,5 +120,5 @@ def test_a_law_says_which_states_keep_their_signs_and_is_held_to_it(law, growing
 
 def test_growing_states_are_states_besides_z():
     for growing in (("z",), "e", ("e", "d")):
-        with pytest.raises(ValueError, match=r"growing_states = .*allowed: .* some of \['e'\]"):
+        with pytest.raises(ValueError, match=r"growing_states = .*allowed: some of \['e'\]"):
             hysteretic({"z": V, "e": Z * V}, growing_states=growing)

@@ -179,7 +179,6 @@ def _doubt_order(table: xr.Dataset, name: str) -> None:
     own = effective_masses_of(shapes, table["mass"].values) if known is None else known.values
     leading = np.abs(shapes[np.argmax(own)])
     if leading[0] > leading[-1]:
-        what = (
-            f"{name}: the leading mode moves {leading[0]:g} at the lowest floor, {leading[-1]:g} at the"
-        )
-        warnings.warn(f"{what} roof; are the floors in order?", DoubtfulInput, stacklevel=4)
+        what = f"{name}: the leading mode moves {leading[0]:g} at the lowest floor"
+        cure = f"and {leading[-1]:g} at the roof; are the floors in order?"
+        warnings.warn(f"{what} {cure}", DoubtfulInput, stacklevel=4)

@@ -27,8 +27,7 @@ if TYPE_CHECKING:
 
 APPLIED, KIND = "_applied", "applied"  # end of the names of such rules, and their kind
 APPLY = (
-    "A code as you apply it: displacements under design forces times the factors of the code, combined "
-    "as the code asks."
+    "A code as you apply it: displacements under design forces times its factors, combined as it asks."
 )
 GIVEN, BY_SPECTRUM = "given", "by the first mode under the design spectrum"
 EC8 = "eurocode_8"  # name of its rule and of its spectrum
@@ -131,7 +130,5 @@ def _beyond(case: Case, building: Building) -> str:
     shortest, longest = period[period > 0][[0, -1]]
     if shortest <= building.period <= longest:
         return ""
-    return (
-        f"displacements: its period of {building.period:.3g} s is not in the design spectrum, which is "
-        f"known from {shortest:.3g} to {longest:.3g} s"
-    )
+    known = f"the design spectrum, {shortest:.3g} to {longest:.3g} s"
+    return f"displacements: its period of {building.period:.3g} s is not in {known}"

@@ -23,10 +23,8 @@ class UnknownFormatError(ValueError):
 
     def __init__(self, name: str) -> None:
         titles = ", ".join(of.title for of in FORMATS.values())
-        super().__init__(
-            f"{name} has no accelerations in a format that is known; allowed: {titles}, columns of "
-            "numbers (skip= leaves out lines above them); docs/from_records.md has what obspy reads"
-        )
+        known = f"{titles}, columns of numbers; docs/from_records.md has what obspy reads"
+        super().__init__(f"{name} has no accelerations in a format that is known; allowed: {known}")
 
 
 def read_channels(

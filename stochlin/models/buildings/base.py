@@ -40,10 +40,7 @@ class MultistoreyBuilding(WithoutCells, Model):
     are over these.
     """
 
-    instead = (
-        "for a building with storeys use linearize_system, simulate or pound, or give the "
-        "building's oscillator()"
-    )
+    instead = "use linearize_system, simulate or pound, or give the building's oscillator()"
     element: ClassVar[str]  # the dimension of the elements, which are storeys or modes
     strength_name: ClassVar[str]  # the parameter with the strength of the elements [m]
     dimensions: ClassVar[Mapping[str, str]]  # of the parameters that are lists

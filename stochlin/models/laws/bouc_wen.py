@@ -106,9 +106,7 @@ class BoucWen(Structure):
         saturates = self._saturates()
         if not saturates.ndim and not saturates:
             what = f"BoucWen: gamma = {self.gamma:g} is out of range"
-            raise ValueError(
-                f"{what}; allowed: -beta < value, where z is bounded; beta is {self.beta:g}"
-            )
+            raise ValueError(f"{what}; allowed: -beta < value, and beta is {self.beta:g}")
 
     def valid(self) -> xr.DataArray:
         """True for the cells in which every parameter is in its range."""

@@ -98,9 +98,7 @@ class Hysteretic(Structure):
         names = further if self.growing_states is None else self.growing_states
         known = isinstance(names, (list, tuple)) and all(isinstance(name, str) for name in names)
         if not known or not {*names} <= {*further}:
-            raise ValueError(
-                f"growing_states = {brief(names)}; allowed: a list of some of {brief(further)}"
-            )
+            raise ValueError(f"growing_states = {brief(names)}; allowed: some of {brief(further)}")
         return tuple(name for name in further if name in names)
 
     def further(self) -> list[str]:

@@ -21,6 +21,10 @@ from stochlin.views.figures.charts import USUAL, ChartSettings, register_chart
 OF_PAPER = "jeng_kasai_maison_1992_unverified"
 DAMPING = (0.01, 0.02, 0.05, 0.1, 0.2)  # of the curves of Fig. 3a
 RATIOS = (0.25, 4.0)  # first and last period ratio of an axis
+ESTIMATES = (
+    "Estimates, which do not depend on the ground. Compared with nonlinear simulation, separations by "
+    "them are off by tens of per cent in both directions."
+)
 VARIABLES = {"rho": ("1", "correlation coefficient ρ")}
 
 
@@ -125,13 +129,7 @@ def effective_rules_chart(
         title="Stationary correlation of bilinear structures by eq. (4) with effective properties",
         caption=f"White noise. Bilinear structures: ξ = {damping:g}, α = {hardening:g}, peak ductility "
         f"{ductility:g} of both; ratio of the elastic periods",
-        comment=" ".join(
-            [
-                "Estimates, which do not depend on the ground. Compared with nonlinear simulation, "
-                "separations by them are off by tens of per cent in both directions.",
-                *doubts,
-            ]
-        ),
+        comment=" ".join([ESTIMATES, *doubts]),
         references="; ".join([labels.PAPER, *(rule.reference for rule in chosen)]),
         history=f"stochlin {__version__}: rho_effective()",
     )

@@ -37,9 +37,7 @@ if TYPE_CHECKING:
 COMMANDS: Registry[click.Command] = Registry("command", "stochlin.views", "command")
 SCREEN_ROWS, WIDTH = 40, 100
 STEPS = 1000  # of a bar
-COMPILING = (
-    "compiling for this machine, once: half a minute ('stochlin warmup' does it for all commands)"
-)
+COMPILING = "compiling for this machine, once: up to half a minute ('stochlin warmup' does it for all)"
 FILE = click.Path(dir_okay=False, path_type=Path)
 # Consoles that know few signs are still about.
 PLAIN = {ord("\N{MINUS SIGN}"): "-", ord("\N{EN DASH}"): "-", ord("\N{NO-BREAK SPACE}"): " "}

@@ -34,9 +34,8 @@ SLABS = (
 )
 
 TURNS = (
-    "Caution: {building} turns in plan, and its displacements are not those of the edge that faces the "
-    "neighbour, so that a gap can be too small: export the displacements of joints on that edge, and "
-    'name one on each floor, as points = ["12"].'
+    "Caution: {building} turns in plan, and a gap can be too small: export the displacements of joints "
+    'on the edge that faces the neighbour, and name one on each floor, as points = ["12"].'
 )
 NAMES = {"first": "building 1", "second": "building 2", "envelope_model": "envelope"}
 ROLES = ("first", "second", "ground", "envelope", "envelope_model", "contact", "gap", "record")
@@ -211,9 +210,8 @@ def with_uncertainty(case: Case, what: str) -> str:
     if not case.uncertain:
         return ""
     return (
-        f"Some parameters are uncertain. Each of the {case.simulated.motions} simulated motions has its "
-        f"own sample of them, and {what} of motions and samples together. Formulas, and the strength of "
-        "the shaking, are given for the medians."
+        f"Some parameters are uncertain. Each of the {case.simulated.motions} motions has its own "
+        f"sample, and {what} of motions and samples together. Formulas and shaking are at the medians."
     )
 
 

@@ -324,9 +324,7 @@ def slabs_of_row(buildings: Sequence[Building]) -> tuple[SlabOnColumn, ...]:
         for side, floor in slabs_on_columns(*levels):
             level, other = float(levels[side][floor - 1]), 1 - side
             storey = int(np.searchsorted(levels[other], level)) + 1
-            words = (
-                f"floor {floor} of {pair[side].name}, at {level:g} m, meets the columns in storey "
-                f"{storey} of {pair[other].name}"
-            )
+            place = f"storey {storey} of {pair[other].name}"
+            words = f"floor {floor} of {pair[side].name}, at {level:g} m, meets the columns in {place}"
             slabs.append(SlabOnColumn(number + other, level, words))
     return tuple(slabs)
