@@ -108,6 +108,6 @@ async def test_what_a_question_raises_is_raised_with_where_it_was(worker):
 async def test_a_process_that_ends_by_itself_is_replaced(worker):
     _, task = await begun(worker, stubborn)
     os.kill(worker.process.pid, 9)
-    with pytest.raises(RuntimeError, match=r"has ended \(exit code -9\), perhaps for want of memory"):
+    with pytest.raises(RuntimeError, match=r"has ended \(exit code -9\); ask again"):
         await task
     assert await worker.answer(Job(), twice, 3) == 6

@@ -44,7 +44,7 @@ def tower(heights, **other):
         (
             {"structures": [tower([3.0, 3.0]), tower([3.0, 4.0])], "contact": sl.Stereomechanical(0.5)},
             ValueError,
-            "structures 1 and 2 a floor meets a column at 6 m; allowed: .*Kelvin",
+            "structures 1 and 2 a floor meets a column at 6 m; allowed: a contact with a force",
         ),
         ({"gaps": -0.01}, ValueError, r"-0.01 between structures 1 and 2.*0 <= gap"),
         ({"gaps": [0.01, 0.02]}, ValueError, "1 in all"),

@@ -264,7 +264,7 @@ REFUSED = {
     "design_pga = 0 ": gaps(design_pga=0.0),
     r"storeys_1 = 0\.5 is out of range": gaps(storeys_1=0.5),
     "storeys_2 is given, of a second building": gaps(peak_2=None, storeys_2=3),
-    "importance is given without a factor on displacements": gaps(importance_1=1.2),
+    "importance is given alone; give behaviour_1": gaps(importance_1=1.2),
     r"behaviour_2 = 0\.9 is out of range; allowed: 1 <= value": gaps(behaviour_1=2.0, behaviour_2=0.9),
     "peak_1 is missing, or given beside": gaps(peak_1=None, peak_2=None),
     "peak_1 is missing, or given beside modes_1": gaps(modes_1=TOWER, spectrum=SPECTRUM),
@@ -272,9 +272,9 @@ REFUSED = {
     "modes_1 and spectrum go together, and": of_modes(spectrum=None),
     r"spectrum ends at 0\.06 s, and a mode has": of_modes(spectrum=SPECTRUM.sel(period=slice(0, 0.06))),
     "modes_1: period is an array; allowed: numbers": of_modes(modes_1=sl.Bilinear([0.5, 0.6], 0.05)),
-    "height_1 = 12 m, but the storeys of that building add up to 6 m": of_modes(height_1=12.0),
+    "height_1 = 12 m, but the storeys add up to 6 m": of_modes(height_1=12.0),
     "storeys_1 = 3, but that building has 2 storeys; leave it out": separated(codes={"storeys_1": 3}),
-    "height_1 = 20 m, but the storeys of that building add up": separated(codes={"height_1": 20.0}),
+    "height_1 = 20 m, but the storeys add up": separated(codes={"height_1": 20.0}),
     r"floors_align = True, but at 3, 3\.5 m only one": separated(
         second=SHED, codes={"floors_align": True}
     ),

@@ -52,10 +52,7 @@ def correlations(case: Case, progress: Progress | None = None) -> Iterator[OnGro
     for buildings with storeys.
     """
     if any(building.has_storeys for building in pair_of(case)):
-        raise ValueError(
-            "the correlation over the ratio of the periods is that of two oscillators; a building of "
-            "this case is described by its storeys or modes"
-        )
+        raise ValueError("the correlation over the ratio of the periods is that of two oscillators")
     white = WhiteNoise(float(case.site.ground.psd(2 * np.pi / pair_of(case)[0].period)))
     grounds = {"the ground of the case": case.site.ground, "white noise": white}
     for number, (name, ground) in enumerate(grounds.items()):

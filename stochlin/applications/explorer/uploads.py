@@ -41,10 +41,8 @@ def uploaded(files: Mapping[str, bytes]) -> Upload:
     """
     cases = [name for name in files if name.endswith(".toml")]
     if len(cases) != 1:
-        raise ValueError(
-            f"{len(cases)} case files are chosen; allowed: one, its name ends in .toml, together with "
-            "the files that it names, such as records"
-        )
+        what = f"{len(cases)} case files are chosen"
+        raise ValueError(f"{what}; allowed: one .toml, together with the files that it names")
     folder = TemporaryDirectory()
     try:
         paths = {name: Path(folder.name).resolve() / PurePath(name).name for name in files}

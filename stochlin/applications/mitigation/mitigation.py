@@ -333,10 +333,8 @@ def _damped(structure: Any, added: float, number: int) -> Any:
     """The structure, of this number, with more damping."""
     total = structure.damping + added
     if (largest := float(np.max(total))) >= 1:
-        raise ValueError(
-            f"added_damping_{number} = {added:g} raises the damping to {largest:g}; allowed: less than "
-            "1 in total"
-        )
+        what = f"added_damping_{number} = {added:g} raises the damping to {largest:g}"
+        raise ValueError(f"{what}; allowed: less than 1 in total")
     return replace(structure, damping=total)
 
 

@@ -307,9 +307,8 @@ def response_table(
         for of_motion in of_motions
     ]
     if all(reasons):
-        raise ArithmeticError(
-            f"{reasons[0]}; so in all {len(reasons)} motions" if reasons[1:] else reasons[0]
-        )
+        more = f"; so in all {len(reasons)} motions" if reasons[1:] else ""
+        raise ArithmeticError(f"{reasons[0]}{more}")
     with np.errstate(invalid="ignore", over="ignore"):  # motions that failed
         rows = [summary(standing, *of_motion) for of_motion in of_motions]
     columns = {

@@ -88,9 +88,7 @@ class Standing(NamedTuple):
 def checked_buildings(structures: Sequence[AnyStructure]) -> list[AnyStructure]:
     """The structures as a list, after a check that each has what time steps need."""
     if not isinstance(structures, Sequence) or not structures:
-        raise ValueError(
-            f"structures = {brief(structures)}; allowed: a list of one or more, from left to right"
-        )
+        raise ValueError(f"structures = {brief(structures)}; allowed: a list, from left to right")
     for number, structure in enumerate(structures, start=1):
         role = f"structures, number {number}"
         check_structure(role, structure)
@@ -110,10 +108,8 @@ def checked_gaps(gaps: npt.ArrayLike, count: int) -> Array:
         raise ValueError(f"gaps = {brief(gaps)}; allowed: {allowed}")
     bad = np.flatnonzero(~(np.isfinite(values) & (values >= 0)))
     if bad.size:
-        raise ValueError(
-            f"gaps: {values[bad[0]]:g} between structures {bad[0] + 1} and {bad[0] + 2} is out of "
-            "range; allowed: 0 <= gap, finite, in metres"
-        )
+        what = f"gaps: {values[bad[0]]:g} between structures {bad[0] + 1} and {bad[0] + 2}"
+        raise ValueError(f"{what} is out of range; allowed: 0 <= gap, finite, in metres")
     return values.astype(float)
 
 
@@ -164,12 +160,9 @@ def build_row(
     places = meetings([stack.levels for stack in system.stacks])
     columns = [m for m in places if m.struck]
     if contact is not None and not isinstance(contact, Element) and columns:
-        raise ValueError(
-            f"contact = {contact.describe()}: velocities jump only where slabs meet, and of the "
-            f"structures {columns[0].building + 1} and {columns[0].building + 2} a floor meets a column "
-            f"at {columns[0].level:g} m; allowed: a contact with a force, for instance "
-            "Kelvin(stiffness, restitution=..)"
-        )
+        column, what = columns[0], f"contact = {contact.describe()}: velocities jump where slabs meet"
+        place = f"of structures {column.building + 1} and {column.building + 2} a floor meets a column"
+        raise ValueError(f"{what}, and {place} at {column.level:g} m; allowed: a contact with a force")
     left, right = (floors @ system.storeys.shapes for floors in _sides(places, system))
     mass = system.storeys.mass
     reduced = 1.0 / ((left + right) ** 2 @ (1.0 / mass))

@@ -262,10 +262,8 @@ def allowed_rate(risk: str | float) -> tuple[float, float | None]:
     match = _RISK.fullmatch(risk) if isinstance(risk, str) else None
     share, years = (float(match[1]) / 100, float(match[2])) if match else (0.0, 0.0)
     if not 0 < share < 1 or not years > 0:
-        raise ValueError(
-            f'risk = {brief(risk)}; allowed: a text as "2 % in 50 years" of more than 0 % and less than '
-            "100 %, or an annual frequency [1/yr]"
-        )
+        allowed = 'such as "2 % in 50 years", above 0 and below 100 %, or an annual frequency [1/yr]'
+        raise ValueError(f"risk = {brief(risk)}; allowed: {allowed}")
     return -np.log1p(-share) / years, years
 
 
@@ -274,11 +272,8 @@ def check_target(hazard: Hazard, risk: str | float) -> float:
     target, _ = allowed_rate(risk)
     rarest, commonest = (float(hazard.frequency(im)) for im in simulated_at(hazard)[[-1, 0]])
     if not rarest < target < commonest:
-        raise ValueError(
-            f"risk = {brief(risk)} is {target:.3g} a year; allowed: between {rarest:.3g} and "
-            f"{commonest:.3g} a year, the rarest and the most frequent shaking of the hazard; give "
-            "a hazard that reaches it"
-        )
+        allowed = f"between {rarest:.3g} and {commonest:.3g} a year, as far as the hazard reaches"
+        raise ValueError(f"risk = {brief(risk)} is {target:.3g} a year; allowed: {allowed}")
     return target
 
 

@@ -192,11 +192,9 @@ def _responses(
 def _table(listed: Sequence[Input], factors: Array, responses: Array, confidence: float) -> xr.Dataset:
     base, falls = responses[0], float(np.isposinf(responses[:2]).mean())
     if falls or np.isposinf(responses).any():
-        raise ArithmeticError(
-            f"a structure falls in {100 * falls:.3g} % of the motions, or with a changed input, so that "
-            "the changes of the gap are infinite; give it more hardening or strength, or weaker "
-            "motions: separation takes it as it is"
-        )
+        what = f"a structure falls in {100 * falls:.3g} % of the motions, or with a changed input"
+        cure = "give it more hardening or strength, or weaker motions: separation takes it as it is"
+        raise ArithmeticError(f"{what}; {cure}")
     changes, errors = changed_quantiles(base, responses[1:], confidence)
     columns = zip(
         *((f"{e.role}.{e.key}", e.value, e.units, np.int8(e.quantity.spread > 0)) for e in listed),

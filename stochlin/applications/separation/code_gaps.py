@@ -242,9 +242,7 @@ def code_gaps(
         facts |= {"peak_1": 0.0, "peak_2": None if modes_2 is None else 0.0}
     site = Site(**facts, elastic=elastic)
     if not site.of_design and not {"importance_1", "importance_2"}.isdisjoint(site.known):
-        raise ValueError(
-            "importance is given without a factor on displacements; give behaviour_1 or deflection_1"
-        )
+        raise ValueError("importance is given alone; give behaviour_1 or deflection_1 as well")
     inputs, correlation = inputs_in_words(site, numbers), None
     models: dict[str, Model | None] = {"pair": site}
     if modes_1 is not None and spectrum is not None:

@@ -99,15 +99,11 @@ def of_storeys(site: Site, structures: Sequence[AnyStructure]) -> Site:
         if isinstance(structure, MultistoreyBuilding):
             roof = float(structure.levels()[-1])
             if height is not None and abs(height - roof) > LEVEL:
-                raise ValueError(
-                    f"height_{n} = {height:g} m, but the storeys of that building add up to {roof:g} m; "
-                    "leave it out"
-                )
+                what = f"height_{n} = {height:g} m, but the storeys add up to {roof:g} m; leave it out"
+                raise ValueError(what)
             if storeys not in (None, structure.storeys):
-                raise ValueError(
-                    f"storeys_{n} = {storeys:g}, but that building has {structure.storeys} storeys; "
-                    "leave it out"
-                )
+                what = f"storeys_{n} = {storeys:g}, but that building has {structure.storeys} storeys"
+                raise ValueError(f"{what}; leave it out")
             height, storeys = roof, structure.storeys
         roofs.append(height)
         numbers[f"storeys_{n}"] = storeys
@@ -124,8 +120,7 @@ def _check_floors(structures: Sequence[AnyStructure]) -> None:
     if off:
         at = ", ".join(f"{levels[side][floor - 1]:g}" for side, floor in off)
         raise ValueError(
-            f"floors_align = True, but at {at} m only one of both has a floor; allowed: False, since a "
-            "slab then meets a column"
+            f"floors_align = True, but at {at} m only one of both has a floor; allowed: False"
         )
 
 
@@ -138,10 +133,9 @@ def modes_of(system: Arrangement) -> Modes:
     modes = Modes(np.concatenate(period), np.concatenate(damping), scipy.linalg.block_diag(*moves))
     worst = int(np.argmax(modes.damping))
     if modes.damping[worst] >= 1:
-        raise ValueError(
-            f"dampers or Rayleigh damping give the mode of {modes.period[worst]:.3g} s the damping "
-            f"ratio {modes.damping[worst]:.3g}; allowed where modes are combined: below 1"
-        )
+        period, damping = modes.period[worst], modes.damping[worst]
+        what = f"the mode of {period:.3g} s has the damping ratio {damping:.3g}"
+        raise ValueError(f"{what}; allowed where modes are combined: below 1")
     return modes
 
 
@@ -196,10 +190,8 @@ def spectral_displacements(modes: Modes, spectrum: xr.DataArray) -> Array:
     """
     period, values, damping = checked_spectrum(spectrum)
     if modes.period.max() > period[-1]:
-        raise ValueError(
-            f"spectrum ends at {period[-1]:g} s, and a mode has {modes.period.max():.3g} s; allowed: a "
-            "spectrum up to the longest period of the modes"
-        )
+        what = f"spectrum ends at {period[-1]:g} s, and a mode has {modes.period.max():.3g} s"
+        raise ValueError(f"{what}; allowed: a spectrum up to the longest period of the modes")
     if (np.abs(modes.damping / damping - 1) > SAME_DAMPING).any():
         ends = " to ".join(f"{end:.3g}" for end in np.unique([modes.damping.min(), modes.damping.max()]))
         warnings.warn(

@@ -119,10 +119,8 @@ def amplification(
         motion = {"duration": duration, "envelope": envelope, "paths": paths, "seed": seed}
         return _of_peaks(models, motion)
     if not (duration is None and envelope is None):
-        raise ValueError(
-            "duration and envelope belong to finite motions, and standard deviations are those of the "
-            "stationary response; leave them out, or ask for of='peak'"
-        )
+        what = "duration and envelope belong to finite motions"
+        raise ValueError(f"{what}; leave them out, or ask for of='peak'")
     expect(structure, Structure, "structure")
     assert isinstance(structure, Structure)
     inelastic = linearize(structure, ground, closure)

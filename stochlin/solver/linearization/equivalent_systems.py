@@ -185,10 +185,8 @@ def check_closure(structure: Structure, closure: str) -> None:
     if not isinstance(closure, str) or closure not in structure.closure_names():
         structure.closure(GAUSSIAN)  # raises if the law cannot be linearized at all
         names = structure.closure_names()
-        raise ValueError(
-            f"closure = {brief(closure)} is not available for {type(structure).__name__}; "
-            f"{hint(str(closure), names)}allowed: {', '.join(names)}"
-        )
+        what = f"closure = {brief(closure)} is not available for {type(structure).__name__}"
+        raise ValueError(f"{what}; {hint(str(closure), names)}allowed: {', '.join(names)}")
 
 
 def solve_elastic(structure: Structure, ground: Ground) -> xr.Dataset:

@@ -112,10 +112,8 @@ def peak_response(
         table = table.assign(peak_factor=table.peak_mean / solved.displacement_std)
     outside = np.isnan(table.peak_mean) & (solved.status < labels.NOT_CONVERGED)
     if outside.ndim == 0 and bool(outside):
-        raise ValueError(
-            f"duration = {float(time):g} holds {float(table.crossings):.3g} zero crossings; allowed for "
-            f"{chosen.name}: {domain}; give a longer duration, or simulate"
-        )
+        what = f"duration = {float(time):g} holds {float(table.crossings):.3g} zero crossings"
+        raise ValueError(f"{what}; allowed for {chosen.name}: {domain}; or simulate")
     status = solved.status.where(~outside, labels.INVALID_INPUT)
     table = table.assign(status=status.astype(np.int8))
     table = table.assign(solved[[*JUDGED, "displacement_std"]])

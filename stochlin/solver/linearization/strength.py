@@ -130,10 +130,7 @@ def strength_for_ductility(
     """
     check_closure(structure, closure)
     if structure.hardening is None:
-        raise ValueError(
-            f"{type(structure).__name__}: hardening is not given; a structure that yields needs its "
-            "hardening ratio"
-        )
+        raise ValueError(f"{type(structure).__name__}: hardening is not given; what yields needs it")
     factor = structure.peak_factor if peak_factor is None else peak_factor
     strong = replace(structure, yield_displacement=None, reduction_factor=1.0, peak_factor=factor)
     strong.check_settles(type(structure).__name__)
@@ -158,11 +155,9 @@ def _with_strength(
     reduction = _search(structure, ground, target, closure)
     if not reduction.ndim and np.isnan(reduction):
         elastic = replace(structure, reduction_factor=None)
-        raise ArithmeticError(
-            f"no strength of {elastic.describe()} on {ground.describe()} was found that has "
-            f"the ductility {float(target.arrays()['ductility']):g}; give another ductility, or less "
-            "extreme parameters"
-        )
+        what = f"no strength of {elastic.describe()} on {ground.describe()} was found"
+        ductility = float(target.arrays()["ductility"])
+        raise ArithmeticError(f"{what} that has the ductility {ductility:g}; give another one")
     yielding = replace(structure, reduction_factor=reduction)
     solved = judged((yielding,), ground, closure, TOLERANCE).dataset()
     valid = structure.valid() & structure.settles() & ground.valid() & target.valid()
@@ -215,10 +210,8 @@ def reduction_factor(structure: Structure, ground: Ground) -> xr.Dataset:
     0.1
     """
     if not structure.yields:
-        raise ValueError(
-            f"{structure.describe()} has no strength; allowed: one with a yield_displacement or a "
-            "reduction_factor"
-        )
+        what = f"{structure.describe()} has no strength"
+        raise ValueError(f"{what}; allowed: with a yield_displacement or a reduction_factor")
     elastic = solve_elastic(structure, ground)
     peak = structure.arrays()["peak_factor"] * elastic.displacement_std
     table = labels.label(
@@ -273,8 +266,6 @@ def strength_in_metres(structure: AnyStructure, ground: Ground) -> Any:
         return structure
     uy = solved_together((structure,), ground).labelled(0, ["yield_displacement"])["yield_displacement"]
     if not np.ndim(uy) and not 0 < float(uy) < np.inf:
-        raise ArithmeticError(
-            f"the elastic response of {structure.describe()} to {ground.describe()}, to which its "
-            "reduction_factor refers, cannot be computed in floating point; give less extreme parameters"
-        )
+        what = f"the elastic response of {structure.describe()} to {ground.describe()}"
+        raise ArithmeticError(f"{what} cannot be computed; give less extreme parameters")
     return replace(structure, reduction_factor=None, yield_displacement=uy)

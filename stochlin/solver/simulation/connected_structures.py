@@ -194,10 +194,8 @@ def modes_of(system: System) -> tuple[Array, Array, Array]:
     mass, stiffness = system.mass, system.stiffness
     squares, shapes = scipy.linalg.eigh(stiffness, np.diag(mass))
     if squares[0] <= 0:
-        raise ValueError(
-            "the stiffnesses of storeys and links differ so much that the longest period is lost by "
-            f"rounding errors; the largest one is {stiffness.max():.3g} N/m: reduce it"
-        )
+        what = "the longest period is lost by rounding errors beside the largest stiffness"
+        raise ValueError(f"{what}, {stiffness.max():.3g} N/m: reduce it")
     shares = (mass @ shapes) ** 2 / mass.sum()
     return 2 * np.pi / np.sqrt(squares), shares, shapes
 

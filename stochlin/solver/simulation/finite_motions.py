@@ -49,10 +49,7 @@ def check_motion(
         if envelope is not None:
             raise ValueError("envelope is given without a duration; allowed: both, or neither")
         if scatter:
-            raise ValueError(
-                f"scatter = {scatter:g} is given without a duration; it scales each motion by a random "
-                "factor, and a stationary response is that of one intensity: give a duration"
-            )
+            raise ValueError(f"scatter = {scatter:g} is given without a duration; give one")
         return
     check_duration(duration, structures)
 
@@ -77,9 +74,8 @@ def check_response(system: Arrangement, finite: Array) -> None:
     lost = ~np.logical_and.reduceat(finite, system.first[:-1], axis=1)
     if lost.any():
         worst = int(np.argmax(lost.sum(axis=0)))
-        raise ArithmeticError(
-            f"structures, number {worst + 1}: its response is no longer finite; {RUNS_AWAY}"
-        )
+        what = f"structures, number {worst + 1}: its response is no longer finite"
+        raise ArithmeticError(f"{what}; {RUNS_AWAY}")
 
 
 def simulate_finite(

@@ -179,10 +179,8 @@ def structures_in_motion(
     factors = _factors(models, whole_groups(paths), seed)
     if stationary and factors:
         role, names = next(iter(factors.items()))
-        raise ValueError(
-            f"{role}: {', '.join(names)} is uncertain, and duration is missing; a stationary response "
-            "is that of one structure on one ground: give a duration, or the median()"
-        )
+        what = f"{role}: {', '.join(names)} is uncertain, and duration is missing"
+        raise ValueError(f"{what}; give a duration, or the median()")
     *medians, usual = map(median_of, models.values())
     links = check_links("link", link, len(medians))
     system = arrangement_of([strength_in_metres(each, usual) for each in medians], links)

@@ -45,10 +45,8 @@ def check_duration(duration: Any, structures: Mapping[str, AnyStructure] | None 
     for role, structure in (structures or {}).items():
         period = first_period(structure)
         if period.ndim == 0 and float(period) > duration:
-            raise ValueError(
-                f"duration = {duration:g} s is shorter than the period of {role}, {float(period):g} s; "
-                "allowed: one period or more"
-            )
+            what = f"duration = {duration:g} s is shorter than the period of {role}, {float(period):g} s"
+            raise ValueError(f"{what}; allowed: one period or more")
     return float(duration)
 
 

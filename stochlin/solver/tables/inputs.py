@@ -43,15 +43,11 @@ def input_path(name: str, value: object) -> Path:
     folder = _folder.get()
     if folder is not None and not path.resolve().is_relative_to(folder.resolve()):
         as_written = str(value).removeprefix(f"{folder}{os.sep}")
-        raise ValueError(
-            f"{name} = {brief(as_written)} is outside of the folder of the case file; allowed here: "
-            "files in that folder; the commands on your own computer, such as 'stochlin gap', read any"
-        )
+        what = f"{name} = {brief(as_written)} is outside of the folder of the case file"
+        raise ValueError(f"{what}; allowed here: files in that folder; 'stochlin gap' reads any")
     if _ADDRESS.match(str(value)) and not path.exists():
-        raise ValueError(
-            f"{name} = {brief(str(value))} is an address on a network; allowed: a file on this "
-            "computer, so save what is there as a file"
-        )
+        what = f"{name} = {brief(str(value))} is an address on a network"
+        raise ValueError(f"{what}; allowed: a file on this computer")
     return path
 
 
@@ -72,10 +68,8 @@ def read_input(path: Path, most: int = MOST_BYTES) -> bytes:
 def _limited(read: Callable[[int], bytes], name: str, most: int, size: int = 0) -> bytes:
     content = read(most + 1)
     if len(content) > most:
-        raise ValueError(
-            f"{name} has {max(size, len(content))} bytes or more; allowed: {most} bytes "
-            f"({most >> 20} MiB); keep the columns and rows that are needed"
-        )
+        what = f"{name} has {max(size, len(content))} bytes or more"
+        raise ValueError(f"{what}; allowed: {most} bytes ({most >> 20} MiB)")
     lines = content.count(b"\n")
     if lines > MOST_LINES:
         raise ValueError(f"{name} has {lines} lines; allowed: {MOST_LINES}; leave out empty lines")
@@ -93,9 +87,8 @@ def read_text(path: Path) -> str:
             with gzip.GzipFile(fileobj=BytesIO(content)) as file:
                 content = _limited(file.read, f"{plain(path.name)}, unpacked,", MOST_BYTES)
         except (OSError, EOFError, zlib.error) as error:
-            raise ValueError(
-                f"{plain(path.name)} is compressed by gzip and damaged ({error}); fetch it again"
-            ) from error
+            what = f"{plain(path.name)} is compressed by gzip and damaged"
+            raise ValueError(f"{what} ({error}); fetch it again") from error
     if content.startswith((b"\xff\xfe", b"\xfe\xff")):
         raise ValueError(f"{plain(path.name)} is text in UTF-16; allowed: UTF-8, so save it as such")
     if b"\0" in content:

@@ -153,11 +153,9 @@ def arrays_of(models: Mapping[str, Model]) -> dict[str, xr.DataArray]:
         xr.align(*arrays.values(), join="exact", copy=False)
     except (xr.AlignmentError, ValueError) as error:
         *others, last = models
-        raise ValueError(
-            f"{', '.join(others)} and {last} share a dimension whose coordinates or lengths differ: "
-            f"{sentence(error)}; give them different dimension names for a table, or equal coordinates "
-            "for cells side by side"
-        ) from error
+        what = f"{', '.join(others)} and {last} share a dimension whose coordinates or lengths differ"
+        cure = "give them different dimension names for a table, or equal coordinates"
+        raise ValueError(f"{what}: {sentence(error)}; {cure}") from error
     return arrays
 
 

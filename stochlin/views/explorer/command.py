@@ -34,9 +34,8 @@ def explore(case: Path | None, port: int, show: bool) -> None:
         try:
             from stochlin.views.explorer.server import check_port, serve
         except ImportError as error:
-            raise ImportError(
-                f"the explorer needs NiceGUI: pip install 'stochlin[app]' ({error})"
-            ) from error
+            what = "the explorer needs NiceGUI: pip install 'stochlin[app]'"
+            raise ImportError(f"{what} ({error})") from error
         from stochlin.applications.cases.examples import short_example
         from stochlin.applications.explorer.uploads import of_file, uploaded
         from stochlin.kernels.basics.folders import process_folder

@@ -67,10 +67,8 @@ def check_port(port: int) -> None:
     try:
         socket.create_server((HOST, port)).close()
     except OSError as error:
-        raise OSError(
-            f"--port {port} cannot be used ({error.strerror or error}); another program may use it: "
-            "give another --port, or end that program"
-        ) from error
+        what = f"--port {port} cannot be used ({error.strerror or error})"
+        raise OSError(f"{what}; another program may use it: give another --port") from error
 
 
 def serve(start: Upload, port: int, show: bool) -> None:

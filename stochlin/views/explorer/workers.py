@@ -64,9 +64,9 @@ class Worker:
                 self._pipe.close()
                 if not isinstance(error, (EOFError, OSError)):
                     raise
+                what = f"the process that computes has ended (exit code {self.process.exitcode})"
                 raise RuntimeError(
-                    f"the process that computes has ended (exit code {self.process.exitcode}), perhaps "
-                    "for want of memory; ask again, with fewer storeys or a shorter motion"
+                    f"{what}; ask again, with fewer storeys or a shorter motion"
                 ) from error
         if failure is not None:
             raise failure

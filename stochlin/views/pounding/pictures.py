@@ -62,9 +62,8 @@ def draw_pound(dataset: xr.Dataset) -> Figure:
         If the dataset is another one.
     """
     if "building" not in dataset.coords or "peak" not in dataset:
-        raise ValueError(
-            f"dataset has the dimensions {tuple(dataset.dims)}; allowed: one that 'stochlin pound' saves"
-        )
+        what = f"dataset has the dimensions {tuple(dataset.dims)}"
+        raise ValueError(f"{what}; allowed: one that 'stochlin pound' saves")
     return _histories(dataset) if "time" in dataset.dims else _frequencies(dataset)
 
 

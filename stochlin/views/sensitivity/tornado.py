@@ -134,10 +134,8 @@ def draw_sensitivity(
     from matplotlib.figure import Figure
 
     if "gap_change" not in dataset or "input" not in dataset.dims:
-        raise ValueError(
-            f"dataset has the dimensions {tuple(dataset.dims)}; allowed: a dataset that sensitivity "
-            "returns"
-        )
+        what = f"dataset has the dimensions {tuple(dataset.dims)}"
+        raise ValueError(f"{what}; allowed: a dataset that sensitivity returns")
     shown = rows(dataset, names)[:MOST]
     text = caption_of(dataset, CAPTION) if caption else ""
     foot = LINE * len(text.splitlines())

@@ -82,9 +82,7 @@ def gap(
             click.echo(of.get(str(example), examples.example_record)(), nl=False)
             return
         if case is None:
-            raise ValueError(
-                "CASE is missing; 'stochlin gap --example > case.toml' writes a file to start from"
-            )
+            raise ValueError("CASE is missing; 'stochlin gap --example > case.toml' writes a file")
         from stochlin.applications.cases.reading.case import read_case
         from stochlin.applications.cases.separation import answer_case
         from stochlin.solver.tables.storage import CSV, FORMATS, whole_file

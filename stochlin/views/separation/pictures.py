@@ -108,10 +108,8 @@ def draw_heights(dataset: xr.Dataset, caption: bool = True) -> Figure:
         If the dataset is another one.
     """
     if dataset.sizes.get("height", 0) < 2 or set(dataset.gap.dims) != {"rule"}:
-        raise ValueError(
-            f"dataset has the dimensions {dict(dataset.sizes)}; allowed: the separation of one pair of "
-            "buildings with storeys, which could meet at several heights"
-        )
+        what = f"dataset has the dimensions {dict(dataset.sizes)}"
+        raise ValueError(f"{what}; allowed: the separation of one pair that meets at several heights")
     text = caption_of(dataset, CAPTION) if caption else ""
     figure, axes = _panel(LINE * len(text.splitlines()))
     _gaps(axes, dataset)

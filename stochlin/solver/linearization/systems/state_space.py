@@ -187,10 +187,8 @@ def statespace(
     for role, model in models.items():
         check_scalars(model, role, ONE_SYSTEM)
         if isinstance(model, Link) and model.is_power_law:
-            raise ValueError(
-                f"{role}: damping_exponent = {model.exponent:g}; allowed: 1, since this is a linear "
-                "system. Give the link the equivalent_damping_constant of linearize_system"
-            )
+            what = f"{role}: damping_exponent = {model.exponent:g}; allowed: 1"
+            raise ValueError(f"{what}, with the equivalent_damping_constant of linearize_system")
     system, problem = problem_of(models)
     elements = [*system.watched, *(system.springs[link] for link in system.yielding_links)]
     numbers = np.concatenate([system.of_watched, system.yielding_links])
@@ -201,10 +199,8 @@ def statespace(
     elastic = np.delete(coefficients, problem.yielding, axis=1) != [[-1.0], [0.0]]
     if elastic.any():
         first = np.delete(system.springs, problem.yielding)[elastic.any(axis=0)][0]
-        raise ValueError(
-            f"element {first} has no strength, so that it stays "
-            "elastic; allowed: c_eq = -1 and k_eq = 0, or a structure with a yield displacement"
-        )
+        what = f"element {first} has no strength, so that it stays elastic"
+        raise ValueError(f"{what}; allowed: c_eq = -1 and k_eq = 0, or a yield displacement")
     c, k = coefficients[:, None, problem.yielding]
     written = state_space(problem, c, k, problem.dashpots)
     names = state_names(system, problem)
