@@ -232,6 +232,16 @@ def test_drift_fades_with_hardening_and_strength():
     assert float(np.abs(excess.diff("R")).max()) < 0.03  # no step where yielding ends
 
 
+def test_drift_grows_from_rest_for_a_million_periods():
+    """Its variance is that of a first-order process, also where that is not stationary by then."""
+    hardening = xr.DataArray([1e-8, 1e-7, 1e-6, 1e-5], dims="hardening")
+    values = solved_together((building(hardening=hardening),), LAKEBED, "drift").values
+    twice = 2 * values["drift_rate"]
+    intensity = values["drift_std"] ** 2 * twice / -np.expm1(-twice * 1e6)
+    assert 0.1 < twice[2] * 1e6 < 10
+    np.testing.assert_allclose(intensity, intensity[0], rtol=1e-4)
+
+
 def test_fast_response_is_that_of_the_clipped_closure():
     kept, lost = (sl.linearize(building(), LAKEBED, closure) for closure in ("drift", "clipped"))
     for name in ("velocity_std", "z_std", "velocity_z_corr", "c_eq", "k_eq", "yield_displacement"):

@@ -81,7 +81,10 @@ def test_strengths_that_hold_need_not_begin_at_the_strongest():
 def test_ends_of_intervals_ask_for_the_gap_with_the_ends_of_what_is_required():
     """Of linear structures in closed form: gaps go with the root of the intensity."""
     pair = sl.Bilinear(0.5, 0.05), sl.Bilinear(1.0, 0.05)
-    table = sl.existing_gap(*pair, GROUND, 25.0, 0.1, **OPTIONS)
+    shares = []
+    table = sl.existing_gap(*pair, GROUND, 25.0, 0.1, **OPTIONS, progress=shares.append)
+    assert shares == sorted(shares)
+    assert shares[0] < shares[1] < 0.2 < shares[-1] <= 1
     now = sl.separation(*pair, GROUND, 25.0, **OPTIONS)
     for end, other in (("lower", "upper"), ("upper", "lower")):
         exact = float(GROUND.intensity) * (0.1 / float(now[f"gap_{other}"][0])) ** 2

@@ -63,6 +63,9 @@ def test_exceedance_is_monotone_and_covers():
     inside = (table.probability_lower <= exact) & (exact <= table.probability_upper)
     assert int(inside.sum()) >= 17  # one sample: the 21 intervals succeed or fail together
     assert float(sl.exceedance(xr.DataArray([1.0, 2.0], dims="path"), 2.5).probability_lower) == 0.0
+    for wrong in ([0.1], np.array([0.1]), xr.DataArray("wide")):
+        with pytest.raises(TypeError, match=r"^gap = "):
+            sl.exceedance(xr.DataArray([1.0], dims="path"), wrong)
 
 
 def test_envelopes_match_their_formulas():
