@@ -274,7 +274,6 @@ REFUSED = {
     "modes_1: period is an array; allowed: numbers": of_modes(modes_1=sl.Bilinear([0.5, 0.6], 0.05)),
     "height_1 = 12 m, but the storeys add up to 6 m": of_modes(height_1=12.0),
     "storeys_1 = 3, but that building has 2 storeys; leave it out": separated(codes={"storeys_1": 3}),
-    "height_1 = 20 m, but the storeys add up": separated(codes={"height_1": 20.0}),
     r"floors_align = True, but at 3, 3\.5 m only one": separated(
         second=SHED, codes={"floors_align": True}
     ),
