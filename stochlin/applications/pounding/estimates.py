@@ -133,8 +133,8 @@ def _impacts(
         for sign, frequency, radius, at in zip(signs, w, r, u, strict=True)
     ]
     approach = v[0] > v[1]
-    after = velocities_after_impact(*v, *mass, e)
-    table = {"energy_lost": (impact_loss(*mass, e) * (v[0] - v[1]) ** 2).where(approach)}
+    after = velocities_after_impact(v[0], v[1], mass[0], mass[1], e)
+    table = {"energy_lost": (impact_loss(mass[0], mass[1], e) * (v[0] - v[1]) ** 2).where(approach)}
     for i, n in enumerate((1, 2)):
         table[f"contact_displacement_{n}"] = u[i]
         table[f"velocity_before_{n}"] = v[i].where(approach)

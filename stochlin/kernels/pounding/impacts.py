@@ -11,8 +11,9 @@ from __future__ import annotations
 import numpy as np
 
 from stochlin.kernels.basics.compiled import called_often, called_once, compiled
+from stochlin.kernels.simulation.account import watch_displacements
 from stochlin.kernels.simulation.contacts import force as force_at
-from stochlin.kernels.simulation.contacts import mean_force, separation_margin, stored_in
+from stochlin.kernels.simulation.contacts import mean_force, separation_margin
 from stochlin.kernels.simulation.laws import VISCOUS
 from stochlin.kernels.simulation.moving import (
     APPROACH,
@@ -67,7 +68,7 @@ def _begin_impact(impact, time, speed, largest, lane):
 
 
 @compiled
-def end_impact(j, number, stored, impact, lane, table, used):
+def _end_impact(j, number, stored, impact, lane, table, used):
     """End the impact of contact ``j`` and write its line, if the table has one left.
 
     ``number`` is that of the motion in this lane, and ``used`` (1,) the number of all impacts so far.
@@ -98,38 +99,44 @@ def _watch_force(impact, now, span, lane):
     impact[LAST, lane], impact[RISE, lane], impact[SPAN, lane] = now, rise, span
 
 
-@called_once
-def watch_contact(steps, j, time, number, moving, lane, table, used):
-    """Update the impact of an element ``j`` by a time step that began at ``time`` [s].
+def watch_contacts(steps, parts, time, near, count, moving, table, used):
+    """Update the impacts in the lanes near contact by a time step that began at ``time`` [s].
 
-    ``number``, ``table`` and ``used`` are those of `end_impact`.
+    ``near`` numbers the motions; ``table`` and ``used`` are those of `_end_impact`.
     """
-    contacts, dt, coordinates, impact = steps.contacts, steps.dt, moving.coordinates, moving.contacts[j]
-    law, change = contacts.law[j], row_product(contacts.rows, j, coordinates, DQ, lane)
-    before, force, speed = impact[DEPTH, lane], impact[FORCE, lane], impact[SPEED, lane]
-    after = before + change
-    if before <= 0.0 and after <= 0.0:
-        return
-    if np.isnan(impact[BEGIN, lane]):
-        touch = time + (dt * -before / change if before < 0.0 else 0.0)
-        at_once = law.damping * speed if law.damping_exponent == 0.0 and not law.over_approach else 0.0
-        _begin_impact(impact, touch, speed, at_once, lane)
-    v0 = speed if speed > moving.motions[SLOW, lane] else 0.0
-    total, elastic = mean_force(law, v0, before, change, dt)
-    _lose(impact, (total - elastic) * change, lane)
-    impact[HANDED, lane] -= force * row_product(contacts.right, j, coordinates, DQ, lane)
-    rate = impact[RATE, lane]
-    now = force_at(law, after, 2.0 * change / dt - rate, v0)
-    _watch_force(impact, now, dt * min(1.0, after / change) if before < 0.0 else dt, lane)
-    fall = 2.0 * (rate - change / dt)  # of the rate in the step
-    turn = before + 0.5 * dt * rate * rate / fall if rate > 0.0 and rate < fall else after
-    impact[DEEPEST, lane] = max(impact[DEEPEST, lane], after, turn)
-    if total != 0.0:
-        margin = separation_margin(law, before, change / dt)
-        left = separation_margin(law, after, change / dt)
-        impact[END, lane] = time + dt * (margin / (margin - left) if left < 0.0 < margin else 1.0)
-    if after <= 0.0:
-        end_impact(j, number, 0.0, impact, lane, table, used)
+    contacts, dt, coordinates = steps.contacts, steps.dt, moving.coordinates
+    for lane in range(count):
+        for j in range(contacts.gap.size):
+            law, impact, slow = contacts.law[j], moving.contacts[j], moving.motions[SLOW, lane]
+            change = row_product(contacts.rows, j, coordinates, DQ, lane)
+            before, force, speed = impact[DEPTH, lane], impact[FORCE, lane], impact[SPEED, lane]
+            after = before + change
+            if before <= 0.0 and after <= 0.0:
+                continue
+            if np.isnan(impact[BEGIN, lane]):
+                touch = time + (dt * -before / change if before < 0.0 else 0.0)
+                at_once = (
+                    law.damping * speed if law.damping_exponent == 0.0 and not law.over_approach else 0.0
+                )
+                _begin_impact(impact, touch, speed, at_once, lane)
+            v0 = speed if speed > slow else 0.0
+            total, elastic = mean_force(law, v0, before, change, dt)
+            _lose(impact, (total - elastic) * change, lane)
+            impact[HANDED, lane] -= force * row_product(contacts.right, j, coordinates, DQ, lane)
+            rate = impact[RATE, lane]
+            now = force_at(law, after, 2.0 * change / dt - rate, v0)
+            _watch_force(impact, now, dt * min(1.0, after / change) if before < 0.0 else dt, lane)
+            fall = 2.0 * (rate - change / dt)  # of the rate in the step
+            turn = before + 0.5 * dt * rate * rate / fall if rate > 0.0 and rate < fall else after
+            impact[DEEPEST, lane] = max(impact[DEEPEST, lane], after, turn)
+            if total != 0.0:
+                margin = separation_margin(law, before, change / dt)
+                left = separation_margin(law, after, change / dt)
+                impact[END, lane] = time + dt * (
+                    margin / (margin - left) if left < 0.0 < margin else 1.0
+                )
+            if after <= 0.0:
+                _end_impact(j, near[lane], 0.0, impact, lane, table, used)
 
 
 @called_often
@@ -139,60 +146,50 @@ def _lose(impact, energy, lane):
     impact[LOST, lane] += energy
 
 
-@called_once
-def strike(steps, parts, time, number, moving, lane, table, used):
-    """Stereomechanical blows after a time step that began at ``time`` [s], until no sides approach."""
+def strike_all(steps, parts, time, near, count, moving, table, used):
+    """Stereomechanical blows after a time step that began at ``time`` [s], until no sides approach.
+
+    The arguments are those of `watch_contacts`; displacements are watched after the blows.
+    """
     contacts, mass, dt, coordinates = steps.contacts, parts.mass, steps.dt, moving.coordinates
     rows, right = contacts.rows, contacts.right
-    for k in range(mass.size):
-        change = coordinates[k, V, lane] - coordinates[k, DQ, lane] / dt
-        coordinates[k, GAIN, lane] = 2.0 * change / dt
-    for j in range(contacts.gap.size):
-        impact = moving.contacts[j]
-        if impact[HELD, lane] != 0.0:
-            impact[END, lane] = time + dt
-            force = impact[FORCE, lane]
-            impact[HANDED, lane] -= force * row_product(right, j, coordinates, DQ, lane)
-            _lose(impact, force * row_product(rows, j, coordinates, DQ, lane), lane)
-            if force == 0.0 and row_product(rows, j, coordinates, V, lane) < 0.0:
-                impact[HELD, lane] = 0.0
-                end_impact(j, number, 0.0, impact, lane, table, used)
-    calm = 0.0
-    for k in range(mass.size):
-        calm = max(calm, CALM * abs(coordinates[k, V, lane]))
-    for blow in range(MOST_BLOWS):
-        struck, fastest, pressed = -1, calm, 0.0
+    for lane in range(count):
+        calm = 0.0
+        for k in range(mass.size):
+            calm = max(calm, CALM * abs(coordinates[k, V, lane]))
+            change = coordinates[k, V, lane] - coordinates[k, DQ, lane] / dt
+            coordinates[k, GAIN, lane] = 2.0 * change / dt
         for j in range(contacts.gap.size):
             impact = moving.contacts[j]
-            rate = row_product(rows, j, coordinates, V, lane)
-            depth = row_product(rows, j, coordinates, Q, lane) - contacts.gap[j]
-            if depth < 0.0:
-                continue
-            gain = row_product(rows, j, coordinates, GAIN, lane)
-            pressed = max(pressed, gain + impact[FORCE, lane] * _mobility(contacts, mass, j))
-            # Sides that are held have no rate but for a neighbour's blow, and the rounding of the step.
-            if rate > fastest and (blow > 0 or impact[HELD, lane] == 0.0):
-                struck, fastest = j, rate
-        if struck < 0:
-            break
-        if blow > MOST_BLOWS // 2:
-            pressed = np.inf
-        rests = _blow(steps, parts, struck, fastest, pressed, time, moving, lane)
-        if not rests:
-            end_impact(struck, number, 0.0, moving.contacts[struck], lane, table, used)
-
-
-def watch_contacts(steps, parts, time, near, count, moving, table, used):
-    """Update the impacts in the lanes near contact by a step; ``near`` numbers the motions."""
-    for k in range(count):
-        for j in range(steps.contacts.gap.size):
-            watch_contact(steps, j, time, near[k], moving, k, table, used)
-
-
-def strike_all(steps, parts, time, near, count, moving, table, used):
-    """`watch_contacts` where impacts are stereomechanical."""
-    for k in range(count):
-        strike(steps, parts, time, near[k], moving, k, table, used)
+            if impact[HELD, lane] != 0.0:
+                impact[END, lane] = time + dt
+                force = impact[FORCE, lane]
+                impact[HANDED, lane] -= force * row_product(right, j, coordinates, DQ, lane)
+                _lose(impact, force * row_product(rows, j, coordinates, DQ, lane), lane)
+                if force == 0.0 and row_product(rows, j, coordinates, V, lane) < 0.0:
+                    impact[HELD, lane] = 0.0
+                    _end_impact(j, near[lane], 0.0, impact, lane, table, used)
+        for blow in range(MOST_BLOWS):
+            struck, fastest, pressed = -1, calm, 0.0
+            for j in range(contacts.gap.size):
+                impact = moving.contacts[j]
+                rate = row_product(rows, j, coordinates, V, lane)
+                depth = row_product(rows, j, coordinates, Q, lane) - contacts.gap[j]
+                if depth < 0.0:
+                    continue
+                gain = row_product(rows, j, coordinates, GAIN, lane)
+                pressed = max(pressed, gain + impact[FORCE, lane] * _mobility(contacts, mass, j))
+                # Sides that are held have no rate but for a neighbour's blow, and for rounding.
+                if rate > fastest and (blow > 0 or impact[HELD, lane] == 0.0):
+                    struck, fastest = j, rate
+            if struck < 0:
+                break
+            if blow > MOST_BLOWS // 2:
+                pressed = np.inf
+            rests = _blow(steps, parts, struck, fastest, pressed, time, moving, lane)
+            if not rests:
+                _end_impact(struck, near[lane], 0.0, moving.contacts[struck], lane, table, used)
+    watch_displacements(steps, parts, moving, count)
 
 
 @called_often
@@ -274,15 +271,3 @@ def _displace(steps, parts, moving, lane):
             for m in range(parts.mass.size):
                 drag += parts.damping[k, m] * coordinates[m, V, lane]
             coordinates[k, VISCOUS_LOSS, lane] += drag * moved
-
-
-@compiled
-def end_all(contacts, number, moving, lane, table, used):
-    """End the impacts that go on at the end of the motion."""
-    for j in range(contacts.gap.size):
-        if not np.isnan(moving.contacts[j, BEGIN, lane]):
-            stored = 0.0
-            if not contacts.jumps:
-                depth = row_product(contacts.rows, j, moving.coordinates, Q, lane) - contacts.gap[j]
-                stored = stored_in(contacts.law[j], depth)
-            end_impact(j, number, stored, moving.contacts[j], lane, table, used)

@@ -19,23 +19,23 @@ from stochlin.kernels.pounding.impacts import (
     CONTACT,
     LANE,
     LINES,
-    end_all,
     strike_all,
     watch_contacts,
 )
-from stochlin.kernels.simulation.account import Parts, balance, watch, watch_displacements
-from stochlin.kernels.simulation.contacts import Contacts
+from stochlin.kernels.simulation.account import Parts, balance, watch, watch_linked
+from stochlin.kernels.simulation.contacts import Contacts, stored_in
 from stochlin.kernels.simulation.moving import (
     BEGIN,
-    CHANGE,
+    DEEPEST,
     DQ,
     FAILED,
     FIRST,
     GOES,
     MEETS,
-    SECOND,
+    OF_DQ,
+    OF_Q,
+    OF_V,
     SLOW,
-    THIRD,
     Elements,
     F,
     Moving,
@@ -43,9 +43,9 @@ from stochlin.kernels.simulation.moving import (
     V,
     copy,
     fill,
-    times_row,
+    products,
 )
-from stochlin.kernels.simulation.time_step import steps_of, take_step
+from stochlin.kernels.simulation.time_step import step_of, steps_of
 
 
 class BuildingRow(NamedTuple):
@@ -101,33 +101,23 @@ def _near(contacts, dt, moving, lanes, near):
     the rate times ``dt`` at most.
     """
     count, gap, rows = 0, contacts.gap, contacts.rows
-    coordinates, motions = moving.coordinates, moving.motions
-    fill(motions, THIRD, -1.0, lanes)
+    motions, of_rows = moving.motions, moving.products
+    products(rows, moving.coordinates, Q, of_rows, OF_Q, lanes)
+    products(rows, moving.coordinates, DQ, of_rows, OF_DQ, lanes)
+    products(rows, moving.coordinates, V, of_rows, OF_V, lanes)
+    fill(motions, FIRST, -1.0, lanes)
     for j in range(gap.size):
-        times_row(rows, j, coordinates, Q, motions, FIRST, lanes)
-        times_row(rows, j, coordinates, DQ, motions, CHANGE, lanes)
-        times_row(rows, j, coordinates, V, motions, SECOND, lanes)
         for lane in range(lanes):
-            change = motions[CHANGE, lane]
-            bulge = 0.25 * abs(dt * motions[SECOND, lane] - change)
-            highest = motions[FIRST, lane] + max(-change, 0.0) + bulge - gap[j]
+            change = of_rows[j, OF_DQ, lane]
+            bulge = 0.25 * abs(dt * of_rows[j, OF_V, lane] - change)
+            highest = of_rows[j, OF_Q, lane] + max(-change, 0.0) + bulge - gap[j]
             reach = highest if np.isnan(moving.contacts[j, BEGIN, lane]) else 1.0
-            motions[THIRD, lane] = max(motions[THIRD, lane], reach)
+            motions[FIRST, lane] = max(motions[FIRST, lane], reach)
     for lane in range(lanes):
-        if motions[THIRD, lane] > 0.0 and motions[GOES, lane] * motions[MEETS, lane] > 0.0:
+        if motions[FIRST, lane] > 0.0 and motions[GOES, lane] * motions[MEETS, lane] > 0.0:
             near[count] = lane
             count += 1
     return count
-
-
-@called_once
-def _end_failed(rows, limit, time, coordinates, motions, lanes):
-    """End the motions in which an extension is beyond its limit, or not a number."""
-    for i in range(limit.size):
-        times_row(rows, i, coordinates, Q, motions, FIRST, lanes)
-        for lane in range(lanes):
-            if not abs(motions[FIRST, lane]) <= limit[i] and motions[FAILED, lane] == np.inf:
-                motions[FAILED, lane] = time
 
 
 @compiled
@@ -156,9 +146,9 @@ def _end(intervals, sample, motions, lanes, ended):
 def _run(
     step,
     look,
-    reach,
     meet,
     settle,
+    other,
     law,
     steps,
     short,
@@ -180,40 +170,43 @@ def _run(
     ``y`` are for the states before a step and for what moves near contact. The first motion is written
     at the samples to ``history``, if it has any.
     """
-    dt, lanes = steps.dt, ground.shape[1]
+    lanes = ground.shape[1]
     every, near, ended = np.arange(lanes), np.empty(lanes, np.int64), np.empty(lanes, np.int64)
     copy(x.state, every, history, every, min(1, history.shape[1]))
     for s in range(cuts * (len(ground) - 1)):
-        sample, cut, time = s // cuts, s % cuts, s * dt
+        sample, cut, time = s // cuts, s % cuts, s * steps.dt
         over = _end(intervals, sample, x.motions, lanes, ended)
         if over == lanes:
             break
         copy(x.state, every, old, every, lanes)
         _set_forcing(ground, sample, (cut + 0.5) / cuts, every, x.motions, lanes)
-        step(law, steps, x, lanes)
-        count = _near(short.contacts, dt, x, lanes, near)
+        step(other, law, steps, x, lanes)
+        count = _near(short.contacts, steps.dt, x, lanes, near)
         look(steps, parts, x, lanes)
-        reach(steps, parts, x, lanes)
         if count > 0:
             copy(old, near, y.state, every, count)
             for part in range(substeps):
-                now = time + part * short.dt
                 within = (cut + (part + 0.5) / substeps) / cuts
                 _set_forcing(ground, sample, within, near, y.motions, count)
-                step(law, short, y, count)
+                step(other, law, short, y, count)
                 look(short, parts, y, count)
-                meet(short, parts, now, near, count, y, table, used)
-                reach(short, parts, y, count)
+                meet(short, parts, time + part * short.dt, near, count, y, table, used)
             copy(y.state, every, x.state, near, count)
         copy(old, ended, x.state, ended, over)
         if cut == cuts - 1:
-            settle(steps, short.contacts, parts, x, lanes)
-            _end_failed(steps.extensions, parts.limit, time + dt, x.coordinates, x.motions, lanes)
+            settle(short, parts, time + steps.dt, x, lanes)
             if history.shape[1] > 0:
                 for row in range(len(history)):
                     history[row, sample + 1] = x.state[row, 0]
-    for lane in range(lanes):
-        end_all(short.contacts, lane, x, lane, table, used)
+
+
+def _last_impacts(contacts: Contacts, x: Moving) -> Array:
+    """The lines of the impacts that go on at the end of the motions."""
+    j, lane = np.nonzero(~np.isnan(x.contacts[:, BEGIN]))
+    depth = (contacts.weights[j] * x.coordinates[:, Q, lane].T).sum(axis=1) - contacts.gap[j]
+    laws = zip(contacts.law[j], depth, strict=True)
+    stored = [0.0 if contacts.jumps else stored_in(law, d) for law, d in laws]
+    return np.column_stack([x.contacts[j, : DEEPEST + 1, lane], lane, j, stored])
 
 
 def follow(row: BuildingRow, x: Moving, ground: GroundMotions, pace: StepCounts, history: Array) -> Any:
@@ -229,21 +222,21 @@ def follow(row: BuildingRow, x: Moving, ground: GroundMotions, pace: StepCounts,
     short = steps_of(row.elements, dt / pace.substeps, row.contacts)
     table, used = np.empty((LINES * lanes, COLUMNS)), np.zeros(1, np.int64)
     known = short, row.parts, 0.1, used, lanes, y, table, used
+    step, other = step_of(row.law, short, y, lanes)
     functions = (
-        by_pointer(take_step, row.law, short, y, lanes),
-        by_pointer(watch, short, row.parts, y, lanes),
-        by_pointer(watch_displacements, short, row.parts, y, lanes),
+        step,
+        by_pointer(watch_linked if row.parts.spring.size else watch, short, row.parts, y, lanes),
         by_pointer(strike_all if row.contacts.jumps else watch_contacts, *known),
-        by_pointer(balance, short, row.contacts, row.parts, y, lanes),
+        by_pointer(balance, short, row.parts, 0.1, y, lanes),
     )
     history[:] = np.nan
     numbers = ground.acceleration, ground.intervals, pace.cuts, pace.substeps
-    moves = *functions, row.law, steps, short, row.parts, x, y, old, *numbers
+    moves = *functions, other, row.law, steps, short, row.parts, x, y, old, *numbers
     _run(*moves, table, used, history)
     if used[0] > len(table):  # the motions again, with lines for all impacts
         table, x.state[:], used[:] = np.empty((used[0], COLUMNS)), begin, 0
         _run(*moves, table, used, history)
-    table = table[: used[0]]
+    table = np.concatenate([table[: used[0]], _last_impacts(row.contacts, x)])
     return table[np.lexsort((table[:, CONTACT], table[:, BEGIN]))]
 
 

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+import numpy as np
+
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.compiled import called_once, compiled
 from stochlin.kernels.simulation.contacts import stored_in
@@ -20,6 +22,7 @@ from stochlin.kernels.simulation.moving import (
     DRAINED,
     ENTERING,
     EXTENSION,
+    FAILED,
     FIRST,
     HIGHEST,
     IMBALANCE,
@@ -27,6 +30,10 @@ from stochlin.kernels.simulation.moving import (
     MEETS,
     MISSING,
     MOST,
+    OF_DQ,
+    OF_Q,
+    OF_V,
+    OF_Z,
     PULL,
     SECOND,
     SHEAR,
@@ -40,6 +47,7 @@ from stochlin.kernels.simulation.moving import (
     Z,
     fill,
     multiply,
+    products,
     times_row,
 )
 from stochlin.kernels.simulation.stepping import turned
@@ -61,56 +69,53 @@ class Parts(NamedTuple):
     constant: Array  # (l,) [N s/m]: its linear dashpot
 
 
+@called_once
 def watch_displacements(steps, parts, moving, lanes):
     """Largest and smallest displacements and extensions, also where they turn within the step."""
-    rows, dt, coordinates, motions = parts.watched, steps.dt, moving.coordinates, moving.motions
+    rows, dt, coordinates, of_rows = parts.watched, steps.dt, moving.coordinates, moving.products
+    products(rows, coordinates, Q, of_rows, OF_Q, lanes)
+    products(rows, coordinates, DQ, of_rows, OF_DQ, lanes)
+    products(rows, moving.known, 0, of_rows, OF_V, lanes)  # velocity at the beginning
     for i in range(rows.shape[0]):
-        extremes = moving.watched[i]
-        times_row(rows, i, coordinates, Q, motions, FIRST, lanes)
-        times_row(rows, i, coordinates, DQ, motions, SECOND, lanes)
-        times_row(rows, i, moving.known, 0, motions, THIRD, lanes)  # velocity at the beginning
+        extremes, row = moving.watched[i], of_rows[i]
         for lane in range(lanes):
-            end, way = motions[FIRST, lane], dt * motions[THIRD, lane]
-            motions[SECOND, lane], _ = turned(end - motions[SECOND, lane], end, way)
-        for lane in range(lanes):
-            most = max(motions[FIRST, lane], motions[SECOND, lane])
-            extremes[HIGHEST, lane] = max(extremes[HIGHEST, lane], most)
-        for lane in range(lanes):
-            least = min(motions[FIRST, lane], motions[SECOND, lane])
-            extremes[LOWEST, lane] = min(extremes[LOWEST, lane], least)
+            end = row[OF_Q, lane]
+            turn, _ = turned(end - row[OF_DQ, lane], end, dt * row[OF_V, lane])
+            extremes[HIGHEST, lane] = max(extremes[HIGHEST, lane], end, turn)
+            extremes[LOWEST, lane] = min(extremes[LOWEST, lane], end, turn)
 
 
 @called_once
 def _watch_floors(steps, parts, moving, lanes):
     """Largest absolute accelerations, from the change of the velocities in the step, and shears."""
     rows, of_q, of_z, dt = steps.shapes, parts.shear_of_q, parts.shear_of_z, steps.dt
-    coordinates, elements, motions = moving.coordinates, moving.elements, moving.motions
+    coordinates, motions, of_rows = moving.coordinates, moving.motions, moving.products
+    products(rows, coordinates, DQ, of_rows, OF_DQ, lanes)
+    products(rows, coordinates, V, of_rows, OF_V, lanes)
+    products(of_q, coordinates, Q, of_rows, OF_Q, lanes)
+    products(of_z, moving.elements, Z, of_rows, OF_Z, lanes)
     for i in range(rows.shape[0]):
         floor = moving.watched[i]
-        times_row(rows, i, coordinates, DQ, motions, FIRST, lanes)
-        times_row(rows, i, coordinates, V, motions, SECOND, lanes)
         for lane in range(lanes):
-            change = motions[SECOND, lane] - motions[FIRST, lane] / dt
+            change = of_rows[i, OF_V, lane] - of_rows[i, OF_DQ, lane] / dt
             mean = abs(2.0 * change / dt - motions[F, lane])
             floor[ACCELERATION, lane] = max(floor[ACCELERATION, lane], mean)
-        times_row(of_q, i, coordinates, Q, motions, FIRST, lanes)
-        times_row(of_z, i, elements, Z, motions, SECOND, lanes)
-        for lane in range(lanes):
-            largest = abs(motions[FIRST, lane] + motions[SECOND, lane])
+            largest = abs(of_rows[i, OF_Q, lane] + of_rows[i, OF_Z, lane])
             floor[SHEAR, lane] = max(floor[SHEAR, lane], largest)
 
 
 @called_once
-def _watch_masses(dt, parts, coordinates, motions, lanes):
+def _watch_masses(dt, parts, coordinates, drags, motions, lanes):
     """Energies put in by the ground, and dissipated by the dashpots of the structures."""
     for i in range(parts.mass.size):
+        fill(drags[i], 0, 0.0, lanes)
+    multiply(parts.damping, coordinates, DQ, drags, 0, lanes)
+    for i in range(parts.mass.size):
         mass = parts.mass[i]
-        fill(motions, FIRST, 0.0, lanes)
-        multiply(parts.damping, i, coordinates, DQ, motions, FIRST, lanes)
         for lane in range(lanes):
             moved = coordinates[i, DQ, lane]
             coordinates[i, ENTERING, lane] += mass * motions[F, lane] * moved
-            coordinates[i, VISCOUS_LOSS, lane] += motions[FIRST, lane] * moved / dt
+            coordinates[i, VISCOUS_LOSS, lane] += drags[i, 0, lane] * moved / dt
 
 
 @called_once
@@ -140,59 +145,76 @@ def _watch_links(steps, parts, moving, lanes):
 
 
 def watch(steps, parts, moving, lanes):
-    """Update forces, accelerations and energies by a time step that has been taken."""
+    """`watch_linked` of structures without links, which is compiled in less time."""
     _watch_floors(steps, parts, moving, lanes)
-    _watch_masses(steps.dt, parts, moving.coordinates, moving.motions, lanes)
+    _watch_masses(steps.dt, parts, moving.coordinates, moving.products, moving.motions, lanes)
+    if not steps.contacts.jumps:
+        watch_displacements(steps, parts, moving, lanes)
+
+
+_watch = called_once(watch)
+
+
+def watch_linked(steps, parts, moving, lanes):
+    """Update all but impacts by a time step; displacements only where there are no blows."""
+    _watch(steps, parts, moving, lanes)
     _watch_links(steps, parts, moving, lanes)
 
 
 @called_once
-def _take_stored(steps, contacts, moving, lanes):
+def _take_stored(steps, moving, lanes):
     """Subtract the energies stored in springs and contacts from the row ``FIRST``."""
-    coordinates, elements, motions = moving.coordinates, moving.elements, moving.motions
+    contacts, coordinates, elements = steps.contacts, moving.coordinates, moving.elements
+    motions, of_rows = moving.motions, moving.products
+    products(steps.extensions, coordinates, Q, of_rows, OF_Q, lanes)
     for i in range(steps.kind.size):
         if steps.kind[i] != VISCOUS:
             post, couple = steps.spring[i, POST], steps.spring[i, COUPLE]
-            times_row(steps.extensions, i, coordinates, Q, motions, SECOND, lanes)
             for lane in range(lanes):
-                extension, z = motions[SECOND, lane], elements[i, Z, lane]
+                extension, z = of_rows[i, OF_Q, lane], elements[i, Z, lane]
                 motions[FIRST, lane] -= 0.5 * (post * extension * extension + couple * z * z)
     if not contacts.jumps:
+        products(contacts.rows, coordinates, Q, of_rows, OF_DQ, lanes)
         for j in range(contacts.gap.size):
-            times_row(contacts.rows, j, coordinates, Q, motions, SECOND, lanes)
             for lane in range(lanes):
-                energy = stored_in(contacts.law[j], motions[SECOND, lane] - contacts.gap[j])
+                energy = stored_in(contacts.law[j], of_rows[j, OF_DQ, lane] - contacts.gap[j])
                 motions[FIRST, lane] -= motions[MEETS, lane] * energy
 
 
-def balance(steps, contacts, parts, moving, lanes):
-    """Update the energy that is missing in the balance of all structures, and its largest share."""
+def balance(steps, parts, time, moving, lanes):
+    """Update the energy that is missing in the balance of all structures, and its largest share.
+
+    End the motions in which an extension is beyond its limit, or not a number, at this ``time`` [s].
+    """
     motions, coordinates = moving.motions, moving.coordinates
     fill(motions, FIRST, 0.0, lanes)
-    for i in range(parts.mass.size):
-        for lane in range(lanes):
-            motions[FIRST, lane] += coordinates[i, ENTERING, lane]
+    _add(coordinates, ENTERING, 1.0, motions, lanes)
     for lane in range(lanes):
         motions[MOST, lane] = max(motions[MOST, lane], abs(motions[FIRST, lane]))
-    _subtract(coordinates, VISCOUS_LOSS, motions, lanes)
-    _subtract(moving.links, DRAINED, motions, lanes)
-    _subtract(moving.contacts, DISSIPATED, motions, lanes)
-    _subtract(moving.elements[: parts.elements], SPENT, motions, lanes)
+    _add(coordinates, VISCOUS_LOSS, -1.0, motions, lanes)
+    _add(moving.links, DRAINED, -1.0, motions, lanes)
+    _add(moving.contacts, DISSIPATED, -1.0, motions, lanes)
+    _add(moving.elements[: parts.elements], SPENT, -1.0, motions, lanes)
     for i in range(parts.mass.size):
         for lane in range(lanes):
             v = coordinates[i, V, lane]
             motions[FIRST, lane] -= 0.5 * parts.mass[i] * v * v
-    _take_stored(steps, contacts, moving, lanes)
+    _take_stored(steps, moving, lanes)
     for lane in range(lanes):
         most, missing = motions[MOST, lane], motions[FIRST, lane]
         motions[MISSING, lane] = missing
         ratio = abs(missing) / most if most > 0.0 else 0.0
         motions[IMBALANCE, lane] = max(motions[IMBALANCE, lane], ratio)
+    for i in range(parts.limit.size):
+        for lane in range(lanes):
+            reached = abs(moving.products[i, OF_Q, lane])  # by `_take_stored`
+            if not reached <= parts.limit[i] and motions[FAILED, lane] == np.inf:
+                motions[FAILED, lane] = time
 
 
 @compiled
-def _subtract(energies, column, motions, lanes):
-    """Subtract a column of energies from the row ``FIRST``."""
+def _add(energies, column, sign, motions, lanes):
+    """Add a column of energies with this sign to the row ``FIRST``."""
     for number in range(energies.shape[0]):
         for lane in range(lanes):
-            motions[FIRST, lane] -= energies[number, column, lane]
+            motions[FIRST, lane] += sign * energies[number, column, lane]

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.compiled import called_often, compiled
+from stochlin.kernels.basics.compiled import called_often, called_once, compiled
 from stochlin.kernels.simulation.moving import rows_of
 
 STILL = 1e-6  # change of a penetration, over its size, below which the mean is the value in the middle
@@ -115,13 +115,11 @@ def stored_in(law: Any, d: Any) -> Any:
     return law.stiffness * max(d, 0.0) ** (law.exponent + 1.0) / (law.exponent + 1.0)
 
 
-@called_often
 def reduced_mass(mass_1: Any, mass_2: Any) -> Any:
     """Reduced mass ``m1 m2/(m1 + m2)`` [kg]; an infinite mass is a rigid wall. Scalars or arrays."""
     return 1.0 / (1.0 / mass_1 + 1.0 / mass_2)
 
 
-@called_often
 def velocities_after_impact(
     velocity_1: Any, velocity_2: Any, mass_1: Any, mass_2: Any, restitution: Any
 ) -> tuple[Any, Any]:
@@ -130,7 +128,6 @@ def velocities_after_impact(
     return velocity_1 - jump / (1.0 + mass_1 / mass_2), velocity_2 + jump / (1.0 + mass_2 / mass_1)
 
 
-@called_often
 def impact_loss(mass_1: Any, mass_2: Any, restitution: Any) -> Any:
     """Energy lost in a stereomechanical impact, over ``(u1' - u2')^2`` [kg]. Scalars or arrays."""
     return 0.5 * (1.0 - restitution) * (1.0 + restitution) * reduced_mass(mass_1, mass_2)
@@ -170,7 +167,7 @@ def mean_force(law, v0, before, change, dt):
     return work / change, elastic
 
 
-@compiled
+@called_once
 def solve_force(law, v0, before, alone, g, dt):
     """Mean force of a contact [N] whose penetration changes by ``alone`` less ``g`` times this force.
 

@@ -18,7 +18,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array, zeros_on_a_line
-from stochlin.kernels.basics.compiled import by_pointer
 from stochlin.kernels.basics.parallel import Progress, in_order
 from stochlin.kernels.simulation.links import LinkPeaks, watch_links
 from stochlin.kernels.simulation.moving import Elements, Moving, Q, Z
@@ -35,11 +34,10 @@ from stochlin.kernels.simulation.stepping import (
 from stochlin.kernels.simulation.time_step import (
     Steps,
     sampled_block,
-    sampled_step,
     sampled_steps,
+    step_of,
     steps_of,
     system_block,
-    take_step,
 )
 
 STRENGTHS = 1  # number of the stream, within that of a group, of the factors on the motions
@@ -108,15 +106,15 @@ class SteppedStructures:
     def block(self, dt: float, group: int = 0) -> Block:
         """The function for blocks of time steps of this group of motions, as in `Oscillators`."""
         if self.samples:
-            steps, block_of, step = sampled_steps(self._of(group), dt), sampled_block, sampled_step
+            steps, block_of = sampled_steps(self._of(group), dt), sampled_block
         else:
             if dt not in self._steps:
                 self._steps[dt] = steps_of(self.elements, dt)
-            steps, block_of, step = self._steps[dt], system_block, take_step
-        moves = by_pointer(step, self.law, steps, self.at_rest(LANES, group), LANES)
+            steps, block_of = self._steps[dt], system_block
+        functions = step_of(self.law, steps, self.at_rest(LANES, group), LANES)
 
         def block(f: Array, moving: Any, every: int, out: Array, at: int = 0) -> None:
-            block_of(f, moves, self.law, steps, moving, every, out, at)
+            block_of(f, *functions, self.law, steps, moving, every, out, at)
 
         return block
 
@@ -334,11 +332,7 @@ def plastic_displacements(crowd: Crowd, stride: int) -> Array:
 
 
 def finite_extremes(
-    crowd: Crowd,
-    rows: Array,
-    envelope: Array,
-    progress: Progress | None,
-    links: Links,
+    crowd: Crowd, rows: Array, envelope: Array, progress: Progress | None, links: Links
 ) -> Extremes:
     """Extremes of linear functions (m, n) of the displacements, and of links, in motions from rest.
 

@@ -27,6 +27,7 @@ HIGHEST, LOWEST, ACCELERATION, SHEAR = range(4)
 PULL, DRAINED = range(2)
 F, SLOW, MEETS, GOES, FAILED, MISSING, MOST, IMBALANCE = range(8)
 CHANGE, MORE, WIDEST, MOVING, STILL, FIRST, SECOND, THIRD = range(8, 16)
+OF_Q, OF_DQ, OF_V, OF_Z = range(4)
 
 
 class Elements(NamedTuple):
@@ -86,30 +87,29 @@ class Moving(NamedTuple):
     # What is of one step only:
     remembered: Array  # memory at its end
     known: Array  # (n + e, 1, lanes): velocities and element forces at the beginning
+    products: Array  # (rows, 4, lanes): by `products`, of Q, DQ, V and Z
     states: Array  # (3, k, lanes): the pace of an extension, and states before and after, of one law
     own: Array  # (e, parameters, lanes): parameters of the laws
 
     @classmethod
-    def at_rest(
-        cls,
-        elements: Sequence[Elements],
-        lanes: int,
-        contacts: int = 0,
-        watched: int = 0,
-        links: int = 0,
-    ) -> Moving:
-        """Motions from rest; the ``elements`` are those of each lane, or one set of all lanes."""
+    def at_rest(cls, elements: Sequence[Elements], lanes: int, *counts: int) -> Moving:
+        """Motions from rest; the ``elements`` are those of each lane, or one set of all lanes.
+
+        The ``counts``, 0 by default, are those of contacts, of what is watched, and of links.
+        """
+        contacts, watched, links = counts or (0, 0, 0)
         like = elements[0]
         n, e, k = like.system.mass.size, like.kind.size, int(like.states.max(initial=1))
         things = (n, WAY + 1), (e, LEAST + 1), (contacts, RATE + 1), (watched, SHEAR + 1)
-        sizes = *things, (links, DRAINED + 1), (1, THIRD + 1), (e, k - 1)
-        ends = [*accumulate(many * columns for many, columns in sizes)]
+        sizes_of_state = *things, (links, DRAINED + 1), (1, THIRD + 1), (e, k - 1)
+        ends = [*accumulate(many * columns for many, columns in sizes_of_state)]
         state = zeros_on_a_line(ends[-1], lanes)
         parts = [
             state[end - many * columns : end].reshape(many, columns, lanes)
-            for end, (many, columns) in zip(ends, sizes, strict=True)
+            for end, (many, columns) in zip(ends, sizes_of_state, strict=True)
         ]
-        scratch = [zeros_on_a_line(*size, lanes) for size in ((e, k - 1), (n + e, 1), (3, k))]
+        sizes = (e, k - 1), (n + e, 1), (max(n, e, contacts, watched), OF_Z + 1), (3, k)
+        scratch = [zeros_on_a_line(*size, lanes) for size in sizes]
         own = zeros_on_a_line(*like.own.shape, lanes)
         own[:] = np.stack([each.own for each in elements], axis=-1)
         *things_known, [motions], memory = parts
@@ -159,6 +159,13 @@ def times_row(rows, i, values, of, out, to, lanes):
             out[to, lane] += more * values[row, of, lane]
 
 
+@compiled
+def products(rows, values, of, out, to, lanes):
+    """Write `times_row` of each row to a column of ``out`` (rows, columns, lanes)."""
+    for i in range(rows.shape[0]):
+        times_row(rows, i, values, of, out[i], to, lanes)
+
+
 @called_often
 def row_product(rows, i, values, of, lane):
     """`times_row` in one lane."""
@@ -168,23 +175,25 @@ def row_product(rows, i, values, of, lane):
     return total
 
 
-@called_often
-def multiply(matrix, i, values, of, out, to, lanes):
-    """Add row ``i`` of a matrix times the column ``of`` of the values to a row of ``out``, by fours."""
-    m = matrix.shape[1]
-    j = 0
-    while j + 4 <= m:
-        a, b, c, d = matrix[i, j], matrix[i, j + 1], matrix[i, j + 2], matrix[i, j + 3]
-        for lane in range(lanes):
-            first = of_lane(a, lane) * values[j, of, lane] + of_lane(b, lane) * values[j + 1, of, lane]
-            out[to, lane] += first + (
-                of_lane(c, lane) * values[j + 2, of, lane] + of_lane(d, lane) * values[j + 3, of, lane]
-            )
-        j += 4
-    for k in range(j, m):
-        a = matrix[i, k]
-        for lane in range(lanes):
-            out[to, lane] += of_lane(a, lane) * values[k, of, lane]
+@compiled
+def multiply(matrix, values, of, out, to, lanes):
+    """Add a matrix times the column ``of`` of the values to a column of ``out``, by fours."""
+    for i in range(matrix.shape[0]):
+        row = matrix[i]
+        for j in range(0, row.shape[0] - 3, 4):
+            a, b, c, d = row[j], row[j + 1], row[j + 2], row[j + 3]
+            for lane in range(lanes):
+                first = (
+                    of_lane(a, lane) * values[j, of, lane] + of_lane(b, lane) * values[j + 1, of, lane]
+                )
+                out[i, to, lane] += first + (
+                    of_lane(c, lane) * values[j + 2, of, lane]
+                    + of_lane(d, lane) * values[j + 3, of, lane]
+                )
+        for k in range(row.shape[0] // 4 * 4, row.shape[0]):
+            a = row[k]
+            for lane in range(lanes):
+                out[i, to, lane] += of_lane(a, lane) * values[k, of, lane]
 
 
 @called_often

@@ -29,7 +29,15 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.compiled import called_often, called_once, compiled, entry, of_lane, variant
+from stochlin.kernels.basics.compiled import (
+    by_pointer,
+    called_often,
+    called_once,
+    compiled,
+    entry,
+    of_lane,
+    variant,
+)
 from stochlin.kernels.simulation.contacts import Contacts, solve_force
 from stochlin.kernels.simulation.laws import BILINEAR, LINEAR, VISCOUS
 from stochlin.kernels.simulation.moving import (
@@ -43,6 +51,7 @@ from stochlin.kernels.simulation.moving import (
     LEAST,
     MORE,
     MOVING,
+    OF_DQ,
     RATE,
     SLIP,
     SLOW,
@@ -58,6 +67,7 @@ from stochlin.kernels.simulation.moving import (
     any_of,
     fill,
     multiply,
+    products,
     rows_of,
     times_row,
 )
@@ -148,7 +158,7 @@ def _add_slip(ease, i, slip, row, coordinates, lanes):
 
 @called_once
 def _bilinear(strength, relief, i, elements, motions, lanes):
-    """Write `_more_slip` of the bilinear law."""
+    """Write the change ``MORE`` of a slip of the bilinear law."""
     for lane in range(lanes):
         g, uy = of_lane(relief, lane), of_lane(strength, lane)
         y = elements[i, Z, lane] + (motions[CHANGE, lane] - g * elements[i, SLIP, lane])
@@ -157,15 +167,19 @@ def _bilinear(strength, relief, i, elements, motions, lanes):
 
 
 @called_once
-def _by_law(
-    law, kind, count, strength, relief, dt, i, elements, memory, after, own, states, motions, lanes
-):
-    """Write `_more_slip` of an element whose law has rates and a ``count`` of states.
+def _by_law(law, kind, count, spring, dt, i, elements, memory, after, own, states, motions, lanes):
+    """Write the change of a slip of an element whose law has rates and a ``count`` of states.
 
     The slip that belongs to the increment of the extension changes that increment, by ``g``. With the
     share of the increment that slips for a derivative, the next slip is that of Newton's method.
     """
-    pace, old, new = states[0, 0], states[1], states[2]
+    pace, old, new, strength, relief = (
+        states[0, 0],
+        states[1],
+        states[2],
+        spring[STRENGTH],
+        spring[RELIEF],
+    )
     for lane in range(lanes):
         pace[lane] = motions[CHANGE, lane] / (dt * of_lane(strength, lane))
     for lane in range(lanes):
@@ -187,12 +201,13 @@ def _by_law(
 
 @called_once
 def _dashpot(couple, relief, dt, i, elements, own, motions, lanes):
-    """Write `_more_slip` of a dashpot with an exponent; ``own`` are its constant and the exponent.
+    """Write the change of a slip of a dashpot with an exponent.
 
-    Its rate ``r`` solves ``(1 - g) dt r + g y r^a = alone``, with ``y = 2 c/couple``, the relief ``g``
-    by its own slip, and the increment ``alone`` of the extension without slip. It slips by
-    ``dt r - y r^a``. The unknown is the one of ``r`` and ``r^a`` of which the other is a power of at
-    least 1; Newton's method then approaches the root of a convex function from above.
+    ``own`` are its constant and the exponent. Its rate ``r`` solves
+    ``(1 - g) dt r + g y r^a = alone``, with ``y = 2 c/couple``, the relief ``g`` by its own slip, and
+    the increment ``alone`` of the extension without slip. It slips by ``dt r - y r^a``. The unknown is
+    the one of ``r`` and ``r^a`` of which the other is a power of at least 1; Newton's method then
+    approaches the root of a convex function from above.
     """
     for lane in range(lanes):
         g, c, a = of_lane(relief, lane), own[i, 0, lane], own[i, 1, lane]
@@ -229,39 +244,38 @@ def _dashpot(couple, relief, dt, i, elements, own, motions, lanes):
         elements[i, LEAST, lane] = CLOSE * max(HARDLY * motions[WIDEST, lane], size)
 
 
+def _no_slip(law, kind, count, spring, dt, i, elements, memory, after, own, states, motions, lanes):
+    """`_other_slip` where all elements are linear or bilinear, which takes no time to compile."""
+
+
+def _other_slip(law, kind, count, spring, dt, i, elements, memory, after, own, states, motions, lanes):
+    """Write the change of a slip of an element that is neither linear nor bilinear."""
+    if kind == VISCOUS:
+        _dashpot(spring[COUPLE], spring[RELIEF], dt, i, elements, own, motions, lanes)
+    else:
+        _by_law(law, kind, count, spring, dt, i, elements, memory, after, own, states, motions, lanes)
+
+
 @called_once
-def _pass_springs(law, steps, moving, lanes):
+def _pass_springs(other, law, steps, moving, lanes):
     """One pass over all elements that can slip."""
-    rows, spring, ease, dt = steps.extensions, steps.spring, steps.ease, steps.dt
-    coordinates, elements, motions = moving.coordinates, moving.elements, moving.motions
-    memory, remembered, own, states = moving.memory, moving.remembered, moving.own, moving.states
+    rows, ease, coordinates, elements = steps.extensions, steps.ease, moving.coordinates, moving.elements
+    motions, memory, after, states = moving.motions, moving.memory, moving.remembered, moving.states
     for i in range(steps.kind.size):
-        kind, strength, relief = steps.kind[i], spring[i, STRENGTH], spring[i, RELIEF]
+        kind, count, spring, own, dt = (
+            steps.kind[i],
+            steps.states[i],
+            steps.spring[i],
+            moving.own,
+            steps.dt,
+        )
         if kind == LINEAR:
             continue
         times_row(rows, i, coordinates, DQ, motions, CHANGE, lanes)
         if kind == BILINEAR:
-            _bilinear(strength, relief, i, elements, motions, lanes)
-        elif kind == VISCOUS:
-            _dashpot(spring[i, COUPLE], relief, dt, i, elements, own, motions, lanes)
+            _bilinear(spring[STRENGTH], spring[RELIEF], i, elements, motions, lanes)
         else:
-            count, old, new = steps.states[i], memory, remembered
-            _by_law(
-                law,
-                kind,
-                count,
-                strength,
-                relief,
-                dt,
-                i,
-                elements,
-                old,
-                new,
-                own,
-                states,
-                motions,
-                lanes,
-            )
+            other(law, kind, count, spring, dt, i, elements, memory, after, own, states, motions, lanes)
         for lane in range(lanes):
             motions[MORE, lane] *= motions[MOVING, lane]
         if not any_of(motions, MORE, lanes):
@@ -272,16 +286,6 @@ def _pass_springs(law, steps, moving, lanes):
         for lane in range(lanes):
             elements[i, SLIP, lane] += motions[MORE, lane]
         _add_slip(ease, i, motions, MORE, coordinates, lanes)
-
-
-@called_once
-def _find_widest(rows, coordinates, motions, lanes):
-    """Write the largest increment of all extensions, which dashpots with an exponent need."""
-    fill(motions, WIDEST, 0.0, lanes)
-    for i in range(rows.shape[0]):
-        times_row(rows, i, coordinates, DQ, motions, CHANGE, lanes)
-        for lane in range(lanes):
-            motions[WIDEST, lane] = max(motions[WIDEST, lane], abs(motions[CHANGE, lane]))
 
 
 @called_once
@@ -323,13 +327,11 @@ def _begin_contacts(gap, rows, apart, coordinates, contacts, lanes):
 
     Forces start from those of the last step.
     """
+    products(rows, coordinates, Q, contacts, DEPTH, lanes)
+    products(rows, coordinates, V, contacts, RATE, lanes)
     for j in range(gap.size):
-        times_row(rows, j, coordinates, Q, contacts[j], DEPTH, lanes)
-        times_row(rows, j, coordinates, V, contacts[j], RATE, lanes)
         for lane in range(lanes):
             contacts[j, DEPTH, lane] -= gap[j]
-    for j in range(gap.size):
-        for lane in range(lanes):
             force = contacts[j, FORCE, lane]
             if force != 0.0:
                 for k in range(apart.shape[0]):
@@ -342,7 +344,7 @@ def _begin(steps, moving, lanes):
 
     These are the slips of dashpots and of laws with rates.
     """
-    rows, spring, n = steps.extensions, steps.spring, steps.push.shape[0]
+    spring, n = steps.spring, steps.push.shape[0]
     coordinates, elements, known = moving.coordinates, moving.elements, moving.known
     for i in range(n):
         of_forcing = steps.push[i]
@@ -350,14 +352,13 @@ def _begin(steps, moving, lanes):
             known[i, 0, lane] = coordinates[i, V, lane]
         for lane in range(lanes):
             coordinates[i, DQ, lane] = of_lane(of_forcing, lane) * moving.motions[F, lane]
+    products(steps.extensions, coordinates, Q, elements, EXTENSION, lanes)
     for i in range(steps.kind.size):
         post, couple = spring[i, POST], spring[i, COUPLE]
-        times_row(rows, i, coordinates, Q, elements[i], EXTENSION, lanes)
         for lane in range(lanes):
             elastic = of_lane(post, lane) * elements[i, EXTENSION, lane]
             known[n + i, 0, lane] = elastic + of_lane(couple, lane) * elements[i, Z, lane]
-    for i in range(n):
-        multiply(steps.move, i, known, 0, coordinates[i], DQ, lanes)
+    multiply(steps.move, known, 0, coordinates, DQ, lanes)
     for i in range(steps.kind.size):
         if steps.kind[i] < VISCOUS:
             fill(elements[i], SLIP, 0.0, lanes)
@@ -368,8 +369,8 @@ def _begin(steps, moving, lanes):
 @called_once
 def _end(steps, moving, lanes):
     """Change the state by the increments and slips, and add the energies that the slips dissipate."""
-    rows, twice = steps.extensions, 2.0 / steps.dt
-    coordinates, elements, motions = moving.coordinates, moving.elements, moving.motions
+    twice, coordinates, elements = 2.0 / steps.dt, moving.coordinates, moving.elements
+    products(steps.extensions, coordinates, DQ, moving.products, OF_DQ, lanes)
     for i in range(coordinates.shape[0]):
         for lane in range(lanes):
             coordinates[i, Q, lane] += coordinates[i, DQ, lane]
@@ -379,35 +380,40 @@ def _end(steps, moving, lanes):
         kind, couple, element = steps.kind[i], steps.spring[i, COUPLE], elements[i]
         if kind == VISCOUS:  # the spring of a dashpot exists for one step only
             continue
-        times_row(rows, i, coordinates, DQ, motions, CHANGE, lanes)
         for lane in range(lanes):
-            slip = element[SLIP, lane]
-            middle = element[Z, lane] + 0.5 * (motions[CHANGE, lane] - slip)
+            slip, change = element[SLIP, lane], moving.products[i, OF_DQ, lane]
+            middle = element[Z, lane] + 0.5 * (change - slip)
             element[SPENT, lane] += of_lane(couple, lane) * middle * slip
-            element[Z, lane] += motions[CHANGE, lane] - slip
+            element[Z, lane] += change - slip
         for k in range(1, steps.states[i]):
             for lane in range(lanes):
                 moving.memory[i, k - 1, lane] = moving.remembered[i, k - 1, lane]
 
 
 @compiled
-def take_step(law, steps, moving, lanes):
+def take_step(other, law, steps, moving, lanes):
     """One time step of all lanes, under the mean forcing in the row ``F``; changes the state.
 
-    ``law`` is the result of `by_number`. The increments, slips and mean forces of contacts, and the
-    extensions and penetrations at the beginning of the step, can be read afterwards.
+    ``other`` is that of `step_of`, and ``law`` the result of `by_number`. The increments, slips and mean
+    forces of contacts, and the extensions and penetrations at the beginning of the step, can be read
+    afterwards.
     """
     coordinates, contacts, motions = moving.coordinates, moving.contacts, moving.motions
     _begin(steps, moving, lanes)
     if steps.parting.size > 0:
-        gap, rows, apart = steps.contacts.gap, steps.contacts.rows, steps.apart
-        _begin_contacts(gap, rows, apart, coordinates, contacts, lanes)
+        rows, apart = steps.contacts.rows, steps.apart
+        _begin_contacts(steps.contacts.gap, rows, apart, coordinates, contacts, lanes)
     if steps.passes == MOST_VISCOUS:
-        _find_widest(steps.extensions, coordinates, motions, lanes)
+        products(steps.extensions, coordinates, DQ, moving.products, OF_DQ, lanes)
+        fill(motions, WIDEST, 0.0, lanes)
+        for i in range(steps.kind.size):
+            for lane in range(lanes):
+                change = abs(moving.products[i, OF_DQ, lane])
+                motions[WIDEST, lane] = max(motions[WIDEST, lane], change)
     fill(motions, MOVING, 1.0, lanes)
     for _ in range(steps.passes):
         fill(motions, STILL, 0.0, lanes)
-        _pass_springs(law, steps, moving, lanes)
+        _pass_springs(other, law, steps, moving, lanes)
         if steps.parting.size > 0:
             _pass_contacts(steps, moving, lanes)
         if not any_of(motions, STILL, lanes):
@@ -417,13 +423,23 @@ def take_step(law, steps, moving, lanes):
     _end(steps, moving, lanes)
 
 
-sampled_step = variant(take_step, "sampled_step")
+sampled_step, sampled_slip = variant(take_step, "sampled_step"), variant(_other_slip, "sampled_slip")
 
 
-def _system_block(f, step, law, steps, moving, every, out, first):
+def step_of(law: Any, steps: Steps, moving: Any, lanes: int) -> tuple[Any, Any]:
+    """`take_step` and its ``other`` for such arguments, by their pointers."""
+    other, step = _other_slip if (steps.kind >= VISCOUS).any() else _no_slip, take_step
+    if steps.spring.ndim > 2:
+        other, step = sampled_slip, sampled_step
+    arrays = moving.elements, moving.memory, moving.remembered, moving.own, moving.states, moving.motions
+    pointer = by_pointer(other, law, 1, 1, steps.spring[0], 0.1, 1, *arrays, lanes)
+    return by_pointer(step, pointer, law, steps, moving, lanes), pointer
+
+
+def _system_block(f, step, other, law, steps, moving, every, out, first):
     """Steps of a system under the forcing ``f`` (steps, lanes), which change its state.
 
-    ``step`` is `take_step` by its pointer.
+    ``step`` and ``other`` are those of `step_of`.
 
     The displacements of the floors after every ``every``-th step [m] are written to the rows of ``out``
     (samples, rows, lanes) from ``first`` on.
@@ -435,7 +451,7 @@ def _system_block(f, step, law, steps, moving, every, out, first):
     for s in range(f.shape[0]):
         for lane in range(lanes):
             moving.motions[F, lane] = f[s, lane]
-        step(law, steps, moving, lanes)
+        step(other, law, steps, moving, lanes)
         if (s + 1) % every == 0:
             for i in range(rows.shape[0]):
                 times_row(rows, i, moving.coordinates, Q, out[sample], first + i, lanes)
