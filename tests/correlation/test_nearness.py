@@ -28,3 +28,20 @@ def test_the_weight_of_the_form_falls_from_one_to_nothing():
         mixed, share = by_nearness(rho, one, other, 0.0)
     np.testing.assert_allclose(share, [0.0, 0.45, 0.25, 0.05, 0.0], rtol=0, atol=1e-14)
     np.testing.assert_allclose(mixed[[0, -1]], 0.4, rtol=0, atol=1e-14)
+
+
+def test_the_form_is_that_of_the_mean_of_both_matrices():
+    """``q`` follows from the weight; the matrices are given by their lower triangles, row by row."""
+    rng = np.random.default_rng(4)
+    roots = rng.normal(size=(2, AXES, AXES))
+    matrices = roots @ roots.swapaxes(1, 2)
+    triangles = [matrix[np.tril_indices(AXES)] for matrix in matrices]
+    places = rng.normal(size=(2, AXES)) / 2
+    near = [
+        Nearness(place, triangle, np.array(1.0))
+        for place, triangle in zip(places, triangles, strict=True)
+    ]
+    _, share = by_nearness(np.array(0.4), *near, 0.0)
+    apart = places[0] - places[1]
+    q = apart @ matrices.mean(axis=0) @ apart
+    np.testing.assert_allclose(MIDDLE * np.sqrt(1 / share - 1), q, rtol=1e-12)
