@@ -169,7 +169,7 @@ def check_quantiles(name: str, value: object) -> None:
 
 SCATTER = Number(
     Range(0, MOST_SCATTER, include_lower=True, include_upper=True),
-    f"a number from 0 to {MOST_SCATTER:g}, the scatter of the logarithm of the strength",
+    f"a number from 0 to {MOST_SCATTER:g}, the standard deviation of ln(strength of a motion)",
     is_share=True,
 )
 DURATION = Number(POSITIVE, "a positive, finite number of seconds, the length of the motion")
