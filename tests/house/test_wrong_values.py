@@ -77,7 +77,7 @@ TAKEN: dict[str, set[str]] = {
 }
 ANYTHING = {
     *("source", "Uncertain.median"),  # words for readers; a parameter of a model, which checks it
-    *("amplification.closure", "correlate.rule"),  # which peaks and linearization do without
+    "amplification.closure",  # which peaks do without
     "exceedance.gap",
 }
 # These decide how long a call lasts: what is allowed of them is tested elsewhere.

@@ -148,7 +148,7 @@ def correlate(
     simulation: dict[str, Any] = {"paths": paths, "seed": seed, "steps_per_period": steps_per_period}
     simulation |= {"relaxation_times": relaxation_times, "progress": progress}
     tolerance = Tolerance(rtol, max_iterations)
-    query = Query(method, closure, tolerance, rule, bias, simulation)
+    query = Query(method, closure, tolerance, effective_rule(rule), bias, simulation)
     check_closure(first, closure)
     check_closure(second, closure)
     pairs = partial(_of_pairs, query)
@@ -170,7 +170,7 @@ class Query(NamedTuple):
     method: str
     closure: str
     tolerance: Tolerance
-    rule: str | EffectiveRule
+    rule: EffectiveRule
     bias: bool
     simulation: dict[str, Any]  # options of `simulate`
 
@@ -180,7 +180,7 @@ class Query(NamedTuple):
             return f"paths={self.simulation['paths']}, seed={self.simulation['seed']}"
         if self.method == "white_noise":
             return "eq. (4)"
-        rule = f", rule={effective_rule(self.rule).name!r}" if self.method == "effective" else ""
+        rule = f", rule={self.rule.name!r}" if self.method == "effective" else ""
         return f"closure={self.closure!r}{rule}"
 
 
@@ -209,12 +209,11 @@ def _by_white_noise(query: Query, pair: Pair, ground: Ground) -> Answer:
 
 
 def _by_effective_properties(query: Query, pair: Pair, ground: Ground) -> Answer:
-    rule = effective_rule(query.rule)
     solved = solved_together(pair, ground, query.closure, query.tolerance)
-    effective = effective_pair(solved, rule)
+    effective = effective_pair(solved, query.rule)
     comment = f"Peak ductilities are linearized. {labels.CAUTION_SIGMA}"
     variables = _shown([effective[name] for name in EQ_4], solved) | effective
-    return variables, {"comment": comment, "rule": rule.describe()}
+    return variables, {"comment": comment, "rule": query.rule.describe()}
 
 
 def _by_simulation(query: Query, pair: Pair, ground: Ground) -> Answer:
