@@ -191,3 +191,5 @@ def test_estimate_of_one_elastic_hit_is_what_the_history_does():
     both_left, apart = (hit.energy_lost.sel(direction_1=-1, direction_2=way) for way in (-1, 1))
     assert 0 < int(both_left.notnull().sum()) < 7
     assert apart.isnull().all()
+    radii = np.abs([hit.contact_displacement_1.values, hit.contact_displacement_2.values]).max(axis=1)
+    np.testing.assert_allclose(radii, [0.05, 0.04], rtol=1e-12)  # the ends of what both reach
