@@ -13,8 +13,6 @@ gc.disable()  # while tests are collected, of which it would take a third of the
 
 
 def pytest_collection_finish():
-    """What was collected stays to the end, and is looked through no more."""
-    gc.freeze()
     gc.enable()
 
 
