@@ -67,7 +67,7 @@ def stepped_response(
         if change <= CLOSE:
             break
     if not np.isfinite(change):
-        raise ArithmeticError(f"response in steps of {ground.dt / cuts:.2g} s is infinite; {RUNS_AWAY}")
+        raise ArithmeticError(f"the response is no longer finite; {RUNS_AWAY}")
     return SteppedResponse(values, cuts, change)
 
 
