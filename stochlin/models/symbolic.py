@@ -173,8 +173,8 @@ class SymbolicLaw:
                 raise ValueError(f"{self._named(values)} is not real and finite in {where}; {cure}")
             allowed = 1e-9 * (1 + np.abs(rates).max(axis=1, keepdims=True))
             if not (np.abs(self._rates(-v, signs * w, values) - signs * rates) <= allowed).all():
-                kept = f"growing_states = {brief(self.growing)} and their rates keep their signs"
-                allowed = f"with v and z all states and rates are reversed, while {kept}"
+                others = f"growing_states = {brief(self.growing)} and their rates keep their signs"
+                allowed = f"with v and z all states and rates are reversed, while {others}"
                 raise ValueError(f"{self._named(values)} differs with the direction; allowed: {allowed}")
             if (np.abs(start[0]) <= 1e-9 * np.abs(v)).all():
                 what = f"{self._named(values)} leaves z at 0, where motions start"

@@ -92,12 +92,15 @@ class Moving(NamedTuple):
     own: Array  # (e, parameters, lanes): parameters of the laws
 
     @classmethod
-    def at_rest(cls, elements: Sequence[Elements], lanes: int, *counts: int) -> Moving:
-        """Motions from rest; the ``elements`` are those of each lane, or one set of all lanes.
-
-        The ``counts``, 0 by default, are those of contacts, of what is watched, and of links.
-        """
-        contacts, watched, links = counts or (0, 0, 0)
+    def at_rest(
+        cls,
+        elements: Sequence[Elements],
+        lanes: int,
+        contacts: int = 0,
+        watched: int = 0,
+        links: int = 0,
+    ) -> Moving:
+        """Motions from rest; the ``elements`` are those of each lane, or one set of all lanes."""
         like = elements[0]
         n, e, k = like.system.mass.size, like.kind.size, int(like.states.max(initial=1))
         things = (n, WAY + 1), (e, LEAST + 1), (contacts, RATE + 1), (watched, SHEAR + 1)

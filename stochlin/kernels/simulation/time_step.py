@@ -173,13 +173,8 @@ def _by_law(law, kind, count, spring, dt, i, elements, memory, after, own, state
     The slip that belongs to the increment of the extension changes that increment, by ``g``. With the
     share of the increment that slips for a derivative, the next slip is that of Newton's method.
     """
-    pace, old, new, strength, relief = (
-        states[0, 0],
-        states[1],
-        states[2],
-        spring[STRENGTH],
-        spring[RELIEF],
-    )
+    pace, old, new = states[0, 0], states[1], states[2]
+    strength, relief = spring[STRENGTH], spring[RELIEF]
     for lane in range(lanes):
         pace[lane] = motions[CHANGE, lane] / (dt * of_lane(strength, lane))
     for lane in range(lanes):
@@ -259,16 +254,11 @@ def _other_slip(law, kind, count, spring, dt, i, elements, memory, after, own, s
 @called_once
 def _pass_springs(other, law, steps, moving, lanes):
     """One pass over all elements that can slip."""
-    rows, ease, coordinates, elements = steps.extensions, steps.ease, moving.coordinates, moving.elements
-    motions, memory, after, states = moving.motions, moving.memory, moving.remembered, moving.states
+    rows, ease, dt, own = steps.extensions, steps.ease, steps.dt, moving.own
+    coordinates, elements, motions = moving.coordinates, moving.elements, moving.motions
+    memory, after, states = moving.memory, moving.remembered, moving.states
     for i in range(steps.kind.size):
-        kind, count, spring, own, dt = (
-            steps.kind[i],
-            steps.states[i],
-            steps.spring[i],
-            moving.own,
-            steps.dt,
-        )
+        kind, count, spring = steps.kind[i], steps.states[i], steps.spring[i]
         if kind == LINEAR:
             continue
         times_row(rows, i, coordinates, DQ, motions, CHANGE, lanes)

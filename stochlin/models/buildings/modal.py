@@ -331,7 +331,7 @@ class ModalBuilding(MultistoreyBuilding):
     def _of_first_mode(self, period: float, yield_displacement: float, hardening: float) -> Self:
         if self.leading:
             what = f"{type(self).__name__}: mode {self.leading + 1} has more effective mass than mode 1"
-            raise ValueError(f"{what}; allowed with a pushover curve: most in mode 1")
+            raise ValueError(f"{what}; allowed with a pushover curve: the most in mode 1")
         periods = [period, *self._numbers("periods")[1:]]
         firsts = zip((hardening, yield_displacement), self._strengths, strict=True)
         hardenings, strengths = ([first, *others[1:]] for first, others in firsts)
@@ -352,7 +352,7 @@ class ModalBuilding(MultistoreyBuilding):
         if shared.max() > ORTHOGONAL:
             i, j = np.sort(np.unravel_index(np.argmax(shared), shared.shape)) + 1
             what = f"{name}shapes of modes {i} and {j} are not orthogonal: {shared.max():.2g} is shared"
-            raise ValueError(f"{what}; allowed: {ORTHOGONAL:g}, or participation and modal_masses")
+            raise ValueError(f"{what}; allowed: up to {ORTHOGONAL:g}, or participation and modal_masses")
 
     def _check_masses(self, name: str) -> None:
         shares = self.effective_masses() / self._numbers("masses").sum()

@@ -14,7 +14,7 @@ from stochlin.models.structures import LAWS, Structure
 FROM_1 = Range(lower=1.0, include_lower=True)
 NOT_BEFORE_YIELD = Range(lower=1.0, include_lower=True, reason="the cap is not before yielding, at 1")
 FALLS = Range(reason="above hardening/(1 - hardening), so that the force falls")
-UNLOADS = Range(upper=1.0, include_lower=True, reason="at 1 to the origin, above 1 it makes energy")
+UNLOADS = Range(upper=1.0, include_lower=True, reason="1 unloads to the origin, more makes energy")
 BELOW_CAP = Range(upper=1.0, include_lower=True, reason="z is 1 at the cap")
 # Parameters of which one means nothing without the other
 TOGETHER = [("cracking", "uncracked_stiffness"), ("cap_ductility", "softening")]

@@ -32,7 +32,7 @@ def read_toml(path: Path, other: str | None = None) -> tuple[str, dict[str, Any]
         text = content.decode("utf-8-sig")
         return text, toml_tables(text)
     except UnicodeDecodeError as error:
-        raise ValueError(f"{name} is no TOML file: it is not in UTF-8 ({error}); save it so") from error
+        raise ValueError(f"{name} is no TOML file in UTF-8 ({error}); save it in UTF-8") from error
     except ValueError as error:  # TOML errors, and numbers with thousands of digits
         if NESTED in str(error):
             raise ValueError(f"{name}, {error}") from error

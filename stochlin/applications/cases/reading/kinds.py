@@ -67,7 +67,7 @@ class Quantity:
                 low = f"{low} {unit[2].strip()}"
             return Uncertain.between(self.certain(low, warn), self.certain(high, warn))
         shown = self.spellings[0]
-        raise ValueError(f'has no valid spread; allowed: "10 {shown} +- 20 %", "8 to 12 {shown}"')
+        raise ValueError(f'has no valid spread; allowed: "10 {shown} +- 20 %" or "8 to 12 {shown}"')
 
     def certain(self, written: Any, warn: Warn) -> float:
         """A number in SI without a spread."""
