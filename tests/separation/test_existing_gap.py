@@ -101,8 +101,8 @@ def test_a_few_motions_decide_where_they_are_clear_and_all_of_them_find_the_edge
             factor, off = (few, error) if paths == 64 else (all_motions, 0.02)
             return tuple(factor * value * (1 + sign * off) for sign in (0, -1, 1))
 
-        search = Required(gaps, 1.0, 512, {3.0: gaps(3.0, 512)})
-        return search.end(GRID, search.first_enough(GRID, [0]), 1, NO_LIMIT)
+        search = Required(gaps, 1.0, 512, {(3.0, 512): gaps(3.0, 512)})
+        return search.end(GRID, [0], 1, NO_LIMIT)
 
     found = search(1.05, 0.1, 1.0)
     assert found.value == pytest.approx(1, rel=1e-3)
@@ -111,7 +111,7 @@ def test_a_few_motions_decide_where_they_are_clear_and_all_of_them_find_the_edge
     assert not {0.5, 1.5} & set(tried[512])
     assert tried[512].count(3.0) == 1
     ample = Required(lambda value, paths: (value,) * 3, 2.0, 64, {})
-    assert ample.end(GRID, 0, 1, NO_LIMIT) == NO_LIMIT  # all are sufficient up to the end
+    assert ample.end(GRID, [0], 1, NO_LIMIT) == NO_LIMIT  # all are sufficient up to the end
     assert ample.least(GRID) == (0.5, 0.5, 0.5)
     hopeless = Required(lambda value, paths: (value,) * 3, 0.1, 64, {})
     assert np.isnan(hopeless.least(GRID)).all()

@@ -20,7 +20,7 @@ from stochlin.applications.cases.rows import (
 from stochlin.applications.cases.shaking import MOST_RECORDS, over_records, shaking_of
 from stochlin.applications.risk.risk import SimulatedRisk, allowed_rate, simulated_risk
 from stochlin.applications.sensitivity.sensitivity import sensitivity
-from stochlin.applications.separation.existing_gap import existing_gap
+from stochlin.applications.separation.existing_gap import SIMULATIONS, GapSearch
 from stochlin.applications.separation.separation import separation
 from stochlin.applications.sites.motion_fit import checked_components, periods_of_fit
 from stochlin.applications.sites.simulated_spectra import Motions, compared_spectrum, simulated_spectrum
@@ -31,7 +31,6 @@ from stochlin.solver.tables.checks import standing
 
 SPECTRUM_PATHS = 512
 OF_RISK = 0.2  # share of the work for the risk, if there is a hazard
-SEARCHES = 0.95  # share of the remaining work for the existing gap, if there is one
 WITH_SENSITIVITIES = 0.5  # share of the work before the sensitivities
 # Motions for the sensitivities; an uncertain building with storeys is made anew for each, slowly.
 USUAL_PATHS, FEW_PATHS = 512, 128
@@ -83,19 +82,19 @@ def answer_case(case: Case, progress: Progress | None = None) -> CaseAnswer:
     gap, motion = gap_of(case), motion_of(case)
     end = WITH_SENSITIVITIES if case.uncertain else 1.0
     begin = end * OF_RISK if case.site.hazard else 0.0
-    middle = begin if gap is None else begin + (end - begin) * SEARCHES
-    risky = _simulated_risk(case, models, part_of(progress, 0.0, begin))
+    middle = end if gap is None else begin + (end - begin) / SIMULATIONS
     existing = matters = records = None
-    if gap is not None:
-        searching = part_of(progress, begin, middle)
-        existing = existing_gap(*models, gap=gap, **motion, progress=searching)
+    search = None if gap is None else GapSearch(standing(first, second), models[2], gap, motion)
+    risky = _simulated_risk(case, models, part_of(progress, 0.0, begin))
     simulated = separation(
         *models,
         **motion,
         codes=of_codes(case) | {"numbers": case.wanted.numbers.more},
         records=dict(case.site.records) or None,
-        progress=part_of(progress, middle, end),
+        progress=part_of(progress, begin, middle),
     )
+    if search is not None:
+        existing = search.limits(simulated.separation_samples, part_of(progress, middle, end))
     table = with_applied_codes(case, simulated)
     answer = float(table.gap[0])
     risk = None if risky is None else _risk_table(risky, case, answer)

@@ -309,8 +309,8 @@ class MitigatedPair:
         def gaps(value: float, paths: int) -> tuple[float, float, float]:
             return required_gaps(self.simulated(build(value), paths))
 
-        paths, known = self.built.sizes["path"], {0.0: required_gaps(self.built)}
-        value = Required(gaps, self.gap, paths, known, interval=False).least(values).value
+        paths, as_built = self.built.sizes["path"], required_gaps(self.built)
+        value = Required(gaps, self.gap, paths, {(0.0, paths): as_built}).least(values).value
         if np.isfinite(value):
             return self.row(name, LEAST, build(value))
         return self.row(name, LEAST, None, f"{searched} was searched, and none is enough")

@@ -2,15 +2,14 @@
 
 The required gap comes from a simulation and has a 95 % interval. Each value of a parameter is simulated
 only once. Whether a gap is sufficient is often clear from a few motions; an edge is found with all of
-them. The interval of a found value follows from the same simulations: it contains the values at which
-the existing gap is within the interval of the required gap.
+them. Its interval is that of the required gap there, over the rate at which the required gap changes
+between the trial values on both sides.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import replace
-from functools import partial
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,7 +17,7 @@ import scipy.optimize
 import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.parallel import Progress
+from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.models.arguments import (
     Duration,
     Metres,
@@ -38,6 +37,7 @@ from stochlin.solver.simulation.finite_motions import (
     enough_motions,
     keeping_apart,
     pair_separation,
+    quantile_intervals,
     required_gaps,
 )
 from stochlin.solver.simulation.simulation import check_repeated, simulate
@@ -49,12 +49,13 @@ AS_BUILT = 6  # index of the factor 1 among these
 AMPLITUDES = np.geomspace(1 / 16, 16, 17)  # factors of the ground acceleration
 DAMPINGS = np.linspace(0, 0.4, 9)  # damping ratios added to both structures
 MOST_DAMPING = 0.999  # largest total damping ratio of a structure
-SIMULATIONS = 20  # usual number of simulations of the three searches together
+SIMULATIONS = 12  # usual number of simulations of the three searches together
 
+TINY = np.finfo(float).tiny  # in place of a rate of 0, by which the interval is all that is searched
 FAR = 1e6  # [m], in place of a required gap that is infinite, since a structure falls
 CLOSE = 1e-2  # relative difference of a simulated gap, or of two values, from which limits follow
 FEW, LEAST_FEW = 8, 64  # a few motions are one in eight, and at least this many
-CLEAR = 2.0  # half 95 % intervals between a gap from a few motions and the limit, so that these decide
+CLEAR = 1.5  # half 95 % intervals between a gap from a few motions and the limit, so that these decide
 
 
 Ends = tuple[float, float, float]  # required gap, and the ends of its interval [m]
@@ -71,107 +72,72 @@ class Edge(NamedTuple):
 NONE, NO_LIMIT = Edge(np.nan), Edge(np.inf)
 
 
+@dataclass
 class Required:
-    """The required gap by simulation as a function of a value; ``most`` is the existing gap.
+    """The required gap by simulation as a function of a value.
 
-    ``gaps`` gives it for a value and a number of motions, and ``known`` those of all ``paths`` by value.
-    Whether a gap is sufficient is decided by a few motions, where these are clear. ``interval`` says
-    whether the intervals of edges are wanted, which take two more simulations each.
+    Whether a gap is sufficient is decided by a few motions, where these are clear.
     """
 
-    def __init__(
-        self,
-        gaps: Callable[[float, int], Ends],
-        most: float,
-        paths: int,
-        known: Mapping[float, Ends],
-        interval: bool = True,
-    ) -> None:
-        self.most, self._gaps, self._interval = most, gaps, interval
-        self._paths, self._few = paths, max(paths // FEW, LEAST_FEW)
-        self._known = {(value, paths): _finite(ends) for value, ends in known.items()}
+    gaps: Callable[[float, int], Ends]  # for a value and a number of motions
+    most: float  # the existing gap [m]
+    paths: int  # the number of all motions
+    known: dict[tuple[float, int], Ends]  # simulated so far
 
     def __call__(self, value: float) -> float:
         """Required gap at a value [m]."""
-        return self._at(value, self._paths)[0]
+        return float(self._at(value, self.paths)[0])
 
-    def _at(self, value: float, paths: int) -> Ends:
+    def _at(self, value: float, paths: int) -> Array:
         key = float(value), paths
-        if key not in self._known:
-            self._known[key] = _finite(self._gaps(*key))
-        return self._known[key]
+        if key not in self.known:
+            self.known[key] = self.gaps(*key)
+        return np.minimum(self.known[key], FAR)
 
     def enough(self, value: float) -> bool:
         """Whether the existing gap is sufficient at a value."""
-        if self._few < self._paths and (float(value), self._paths) not in self._known:
-            gap, least, most = self._at(value, self._few)
+        few = max(self.paths // FEW, LEAST_FEW)
+        if few < self.paths and (float(value), self.paths) not in self.known:
+            gap, least, most = self._at(value, few)
             if gap + CLEAR * (most - gap) < self.most or gap - CLEAR * (gap - least) > self.most:
-                return gap < self.most
+                return bool(gap < self.most)
         return self(value) <= self.most
 
-    def first_enough(self, grid: Sequence[float] | Array, order: Iterable[int]) -> int | None:
-        """Index of the first sufficient value of a grid in this order; None if there is none."""
-        return next((n for n in order if self.enough(grid[n])), None)
+    def end(self, grid: Sequence[float] | Array, order: Iterable[int], way: int, open_end: Edge) -> Edge:
+        """End, on one side, of the sufficient values around the first of them in this order of a grid.
 
-    def end(self, grid: Sequence[float] | Array, inside: int | None, way: int, open_end: Edge) -> Edge:
-        """End of the sufficient values on one side of ``grid[inside]``, which is sufficient itself.
-
-        It is `NONE` without such a value, and ``open_end`` if all on that side are sufficient.
+        It is `NONE` if there is no such value, and ``open_end`` if all on that side are sufficient.
         """
-        if inside is None:
+        n = next((n for n in order if self.enough(grid[n])), None)
+        if n is None:
             return NONE
-        n = inside
         while 0 <= n < len(grid) and self.enough(grid[n]):
             n += way
-        return self._edge(grid[n - way], grid[n]) if 0 <= n < len(grid) else open_end
+        if not 0 <= n < len(grid):
+            return open_end
+        edge = self._edge(*sorted((float(grid[n - way]), float(grid[n]))))
+        return Edge(*np.clip(edge, grid[0], grid[-1]).tolist())
 
     def least(self, grid: Sequence[float] | Array) -> Edge:
         """First sufficient value; `NONE` if there is none."""
-        return self.end(grid, self.first_enough(grid, range(len(grid))), -1, Edge(*[float(grid[0])] * 3))
+        return self.end(grid, range(len(grid)), -1, Edge(*[float(grid[0])] * 3))
 
-    def _edge(self, first: float, second: float) -> Edge:
-        """The edge between a sufficient value and one that is not."""
-        low, high = sorted((float(first), float(second)))
-        if self(first) > self.most or self(second) <= self.most:  # all contradict the few, just so
-            root = first if self(first) > self.most else second
-        else:
+    def _edge(self, low: float, high: float) -> Edge:
+        """The edge between two values of which one is sufficient, by a few motions at least."""
+        root = min(low, high, key=lambda value: abs(self._excess(value)))
+        if self._excess(low) * self._excess(high) < 0:  # else it is close, or all contradict the few
             root = scipy.optimize.brentq(self._excess, low, high, rtol=CLOSE, xtol=1e-6)
-        required, *ends = self._at(root, self._paths)
-        for end in ends if self._interval else ():  # near these values, the ends equal the limit
-            moved = root - (end - required) * (high - low) / (self(high) - self(low))
-            if end != required and moved > 0:
-                self(moved)
-        return self._interpolated(float(root), low, high)
+        rate = (self(high) - self(low)) / (high - low) or TINY
+        gap, *ends = self._at(root, self.paths)
+        tried = [value for value, paths in self.known if paths == self.paths]
+        between = sorted((self(value), value) for value in tried if low <= value <= high)
+        value = float(np.interp(self.most, *np.transpose(between)))
+        return Edge(value, *sorted(value + (gap - end) / rate for end in ends))
 
     def _excess(self, value: float) -> float:
         """Required gap less the existing one [m]; 0 if it is close."""
         excess = self(value) - self.most
         return 0.0 if abs(excess) <= CLOSE * self.most else excess
-
-    def _interpolated(self, root: float, low: float, high: float) -> Edge:
-        """The value next to ``root`` at which the required gap equals the limit, with its interval."""
-        known = {x: ends for (x, paths), ends in self._known.items() if paths == self._paths}
-        at = np.array(sorted(known))
-        over = np.array([known[x] for x in at]).T - self.most
-        passed, *of_ends = (_crossings(at, each) for each in over)
-        passed = passed[(passed >= low) & (passed <= high)]
-        value = float(min(passed, key=lambda x: abs(x - root), default=root))
-        ends = np.concatenate(of_ends)
-        below, above = ends[ends <= value], ends[ends >= value]
-        return Edge(value, float(below.max(initial=at[0])), float(above.min(initial=at[-1])))
-
-
-def _finite(ends: Ends) -> Ends:
-    required, least, most = np.minimum(ends, FAR)
-    return float(required), float(least), float(most)
-
-
-def _crossings(at: Array, values: Array) -> Array:
-    """Positions at which values change sign, by linear interpolation."""
-    low, high = values[:-1], values[1:]
-    n = np.flatnonzero((low <= 0) != (high <= 0))
-    positions: Array = at[n] + (at[n + 1] - at[n]) * low[n] / (low[n] - high[n])
-    return positions
 
 
 @checked
@@ -229,9 +195,10 @@ def existing_gap(
 
     Notes
     -----
-    Trial values are simulated with one motion in eight, at least 64, where these decide by twice the
-    half length of their 95 % interval. Limits are interpolated between values that are simulated with
-    all motions, of which one requires the existing gap within 1 %.
+    Trial values are simulated with one motion in eight, at least 64, where these decide by one and a
+    half times the half length of their 95 % interval. Limits are interpolated between values that are
+    simulated with all motions, of which one requires the existing gap within 1 %. Their intervals are
+    that of the required gap there, over its rate of change between the trial values on both sides.
 
     A least reduction factor above 0 means that the gap is not sufficient for stronger structures, for
     instance if they are in resonance while elastic.
@@ -251,71 +218,103 @@ def existing_gap(
     (True, True)
     """
     structures = standing(first, second)
-    both = {role: median_of(structure) for role, structure in structures.items()}
-    check_duration(duration, both)
-    begin, most = check_repeated(list(both.values()), median_of(ground), duration, paths, SIMULATIONS)
-    if progress is not None:
-        progress(0.0)
-    done = 0.0
-    motion: Any = {"duration": duration, "envelope": envelope, "scatter": scatter, "seed": seed}
+    motion: dict[str, Any] = {"confidence": confidence, "scatter": scatter, "seed": seed}
+    motion |= {"duration": duration, "envelope": envelope, "paths": paths}
+    search = GapSearch(structures, ground, gap, motion)
+    numbers = search.checked_numbers()
+    built = enough_motions(lambda n: search.simulated(structures.values(), ground, n), *numbers)
+    return search.limits(pair_separation(built), progress)
 
-    def simulated(pair: Sequence[AnyStructure], ground: Ground, count: int) -> xr.Dataset:
-        nonlocal done
-        motions = simulate(list(pair), ground, paths=count, quantiles=[confidence], **motion)
-        done += count / max(count, begin)
-        if progress is not None:
-            progress(min(done / SIMULATIONS, 1.0))
-        return motions
 
-    built = enough_motions(partial(simulated, [*structures.values()], ground), begin, most)
-    begin = built.sizes["path"]
-    usual = median_of(ground)
-    pair = [applied(lambda s: strength_in_metres(s, usual), each) for each in structures.values()]
+@dataclass(frozen=True)
+class GapSearch:
+    """The search for the limits within which the existing ``gap`` [m] is sufficient.
 
-    def changed(change: Callable[[Any, float], Any], value: float) -> list[AnyStructure]:
-        return [applied(lambda s: change(s, value), structure) for structure in pair]
+    Raises as `existing_gap`, when it is made.
+    """
 
-    def amplified(amplitude: float) -> Ground:
-        return applied(lambda g: replace(g, intensity=g.intensity * amplitude**2), ground)
+    structures: Mapping[str, AnyStructure]  # by role
+    ground: Ground
+    gap: float
+    motion: Mapping[str, Any]  # the other arguments of `existing_gap`
 
-    def required(change: Callable[[float], tuple[Any, Ground]], as_built: float) -> Required:
-        known = {as_built: required_gaps(built)}
-        return Required(lambda x, n: required_gaps(simulated(*change(x), n)), gap, begin, known)
+    def __post_init__(self) -> None:
+        self.checked_numbers()
 
-    by_strength = required(lambda factor: (changed(weaker, factor), ground), 1.0)
-    # The present strength, or the next that is sufficient, sought among stronger structures first.
-    inside = by_strength.first_enough(STRENGTHS, (*range(AS_BUILT, -1, -1), *range(AS_BUILT + 1, 13)))
-    least_factor = by_strength.end(STRENGTHS, inside, -1, Edge(0.0))
-    largest_factor = by_strength.end(STRENGTHS, inside, 1, NO_LIMIT)
-    by_shaking = required(lambda factor: (pair, amplified(factor)), 1.0)
-    amplitude = by_shaking.end(AMPLITUDES, by_shaking.first_enough(AMPLITUDES, [0]), 1, NO_LIMIT)
-    added = required(lambda more: (changed(damped, more), ground), 0.0).least(DAMPINGS)
-    modes = map(first_mode, both.values())
-    factors = [solved_reduction_factor(mode, solved_together((mode,), usual)) for mode in modes]
-    limits: dict[str, Sequence[float]] = {}
-    for end, edge in (("largest", largest_factor), ("least", least_factor)):
-        for n, factor in enumerate(factors, start=1):
-            limits[f"{end}_reduction_factor{{}}_{n}"] = [factor * times for times in edge]
-    limits["largest_intensity{}"] = [float(usual.arrays()["intensity"]) * a**2 for a in amplitude]
-    limits["least_added_damping{}"] = added
-    table = xr.Dataset(keeping_apart(pair_separation(built), float(gap)))
-    table["required_gap"] = required_gaps(built)[0]
-    for name, interval in limits.items():
-        for end, value in zip(labels.VALUE_AND_ENDS, interval, strict=True):
-            table[name.format(end)] = value
-    searched = (
-        f"reduction factors times {STRENGTHS[0]:g} to {STRENGTHS[-1]:g}, motion times "
-        f"{AMPLITUDES[0]:g} to {AMPLITUDES[-1]:g}, added damping to {DAMPINGS[-1]:g}"
-    )
-    table = labels.label(table)
-    return labels.with_run_information(
-        table.assign_attrs(
-            gap_m=float(gap), confidence=confidence, searched=searched, **labels.of_scatter(scatter)
-        ),
-        f"What an existing {'gap' if second is not None else 'set-back'} allows, {usual.name} ground",
-        f"existing_gap(gap={gap:g}, duration={duration:g}, confidence={confidence:g}, seed={seed})",
-        {**structures, "ground": ground},
-    )
+    def checked_numbers(self) -> tuple[int, int]:
+        """Fewest and most motions."""
+        both = {role: median_of(structure) for role, structure in self.structures.items()}
+        duration, paths = self.motion["duration"], self.motion["paths"]
+        check_duration(duration, both)
+        return check_repeated([*both.values()], median_of(self.ground), duration, paths, SIMULATIONS)
+
+    def simulated(self, pair: Iterable[AnyStructure], ground: Ground, paths: int) -> xr.Dataset:
+        """Simulated motions of structures that may be changed."""
+        motion = {**self.motion, "paths": paths}
+        return simulate([*pair], ground, quantiles=[motion.pop("confidence")], **motion)
+
+    def limits(self, samples: xr.DataArray, progress: Progress | None) -> xr.Dataset:
+        """The result of `existing_gap`; the ``samples`` [m] over ``path`` are required as built."""
+        intervals = quantile_intervals(samples.values, np.array([self.motion["confidence"]]))
+        as_built: Any = tuple(float(end[0]) for end in intervals)
+        usual, done, advance = median_of(self.ground), 0.0, part_of(progress, 0.0, 1.0)
+        structures = self.structures.values()
+        pair = [applied(lambda s: strength_in_metres(s, usual), each) for each in structures]
+        advance(0.0)
+
+        def required(change: Callable[[float], tuple[Any, Ground]], present: float) -> Required:
+            def gaps(value: float, paths: int) -> Ends:
+                nonlocal done
+                motions = self.simulated(*change(value), paths)
+                done += paths / samples.size
+                advance(min(done / SIMULATIONS, 1.0))
+                return required_gaps(motions)
+
+            return Required(gaps, self.gap, samples.size, {(present, samples.size): as_built})
+
+        def changed(change: Callable[[Any, float], Any], value: float) -> list[AnyStructure]:
+            return [applied(lambda s: change(s, value), structure) for structure in pair]
+
+        def amplified(amplitude: float) -> Ground:
+            return applied(lambda g: replace(g, intensity=g.intensity * amplitude**2), self.ground)
+
+        by_strength = required(lambda factor: (changed(weaker, factor), self.ground), 1.0)
+        # The present strength, or the next that is sufficient, sought among stronger structures first.
+        order = (*range(AS_BUILT, -1, -1), *range(AS_BUILT + 1, STRENGTHS.size))
+        least_factor = by_strength.end(STRENGTHS, order, -1, Edge(0.0))
+        largest_factor = by_strength.end(STRENGTHS, order, 1, NO_LIMIT)
+        by_shaking = required(lambda factor: (pair, amplified(factor)), 1.0)
+        amplitude = by_shaking.end(AMPLITUDES, [0], 1, NO_LIMIT)
+        added = required(lambda more: (changed(damped, more), self.ground), 0.0).least(DAMPINGS)
+        columns: dict[str, Any] = {**keeping_apart(samples, self.gap), "required_gap": as_built[0]}
+        modes = [first_mode(median_of(structure)) for structure in structures]
+        factors = [solved_reduction_factor(mode, solved_together((mode,), usual)) for mode in modes]
+        limits: dict[str, Any] = {}
+        for end, edge in (("largest", largest_factor), ("least", least_factor)):
+            for n, factor in enumerate(factors, start=1):
+                limits[f"{end}_reduction_factor{{}}_{n}"] = float(factor) * np.array(edge)
+        limits["largest_intensity{}"] = float(usual.arrays()["intensity"]) * np.square(amplitude)
+        limits["least_added_damping{}"] = added
+        for name, edge in limits.items():
+            columns |= {name.format(end): edge[k] for k, end in enumerate(labels.VALUE_AND_ENDS)}
+        return self._labelled(xr.Dataset(columns))
+
+    def _labelled(self, table: xr.Dataset) -> xr.Dataset:
+        """The table with labels, and what was searched."""
+        gap, motion, confidence = self.gap, self.motion, self.motion["confidence"]
+        searched = (
+            f"reduction factors times {STRENGTHS[0]:g} to {STRENGTHS[-1]:g}, motion times "
+            f"{AMPLITUDES[0]:g} to {AMPLITUDES[-1]:g}, added damping to {DAMPINGS[-1]:g}"
+        )
+        what = "gap" if len(self.structures) > 1 else "set-back"
+        known = {"searched": searched, **labels.of_scatter(motion["scatter"])}
+        return labels.with_run_information(
+            labels.label(table).assign_attrs(gap_m=gap, confidence=confidence, **known),
+            f"What an existing {what} allows, {median_of(self.ground).name} ground",
+            f"existing_gap(gap={gap:g}, duration={motion['duration']:g}, confidence={confidence:g}, "
+            f"seed={motion['seed']})",
+            {**self.structures, "ground": self.ground},
+        )
 
 
 def damped(structure: Any, added: Any) -> Any:
