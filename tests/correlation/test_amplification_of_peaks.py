@@ -78,6 +78,7 @@ def test_building_of_one_storey_is_the_oscillator():
         ({"of": "max"}, "of = 'max' is not known; allowed: std, peak"),
         ({}, "duration = None is no number"),
         ({"duration": 0.3}, "shorter than the period of structure"),
+        ({"closure": "drift"}, "has no use with of=.peak."),
         ({"of": "std", "duration": 20.0}, "duration and envelope belong to finite motions"),
         ({"of": "std", "envelope": SHAPE}, "duration and envelope belong to finite motions"),
     ],

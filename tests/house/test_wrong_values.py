@@ -77,7 +77,6 @@ TAKEN: dict[str, set[str]] = {
 }
 ANYTHING = {
     *("source", "Uncertain.median"),  # words for readers; a parameter of a model, which checks it
-    "amplification.closure",  # which peaks do without
     "exceedance.gap",
 }
 # These decide how long a call lasts: what is allowed of them is tested elsewhere.

@@ -114,7 +114,7 @@ READINGS = {
         {"time_column": "t", "column": "a [gal]"},
         0.01,
     ),
-    "two titles": (f"El Centro\nof 1940 (gal)\n{lines(WAVE)}", {"dt": 0.02}, 0.01),
+    "two titles": (f"El Centro\nof 1940\nacc (gal)\n{lines(WAVE)}", {"dt": 0.02}, 0.01),
     "more lines above": (f"a: b\nc\nd\n{lines(WAVE)}", {**PLAIN, "skip": 3}, G),
     "count and step": (f"El Centro 1940 NS\n40 0.02\n{lines(WAVE)}", {"units": "g"}, G),
     "step and count": (f"0.02, 40\n{lines(WAVE, width=8, separator=',')}", {"units": "g"}, G),

@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
+from stochlin.messages import brief
 from stochlin.models.arguments import Duration, OneOf, Paths, Seed, checked
 from stochlin.models.buildings.base import MultistoreyBuilding
 from stochlin.models.envelopes import Envelope
@@ -116,6 +117,8 @@ def amplification(
     """
     models: dict[str, Any] = {"structure": structure, "ground": ground}
     if of == PEAK:
+        if brief(closure) != brief(GAUSSIAN):
+            raise ValueError(f"closure = {brief(closure)} has no use with of='peak'; leave it out")
         motion = {"duration": duration, "envelope": envelope, "paths": paths, "seed": seed}
         return _of_peaks(models, motion)
     if not (duration is None and envelope is None):
@@ -139,9 +142,7 @@ def amplification(
 
 def _of_peaks(models: dict[str, Any], motion: dict[str, Any]) -> xr.Dataset:
     """The dataset that `amplification` returns for peaks."""
-    duration = motion["duration"] = check_duration(
-        motion["duration"], {"structure": models["structure"]}
-    )
+    duration = check_duration(motion["duration"], {"structure": models["structure"]})
     long_enough = first_period(models["structure"]) <= duration
     table = labels.label(over_cells(partial(_of_cell, motion), models, long_enough))
     labels.raise_if_lone_failure(table, "amplification", *models.values())
