@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import operator
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache, cached_property
 from itertools import combinations
@@ -48,8 +49,8 @@ _PARTS = (  # of expressions
     *(sympy.functions.elementary.piecewise.ExprCondPair, Relational),
     *(sympy.And, sympy.Or, sympy.Not, sympy.logic.boolalg.BooleanAtom),
 )
-_POWER = sympy.Function("power")
-_VECTOR_FUNCTIONS = {"power": power, "exp": exponential, "log": logarithm}
+_POWER, _WRITE = sympy.Function("power"), sympy.Function("write")
+_VECTOR_FUNCTIONS = {"power": power, "exp": exponential, "log": logarithm, "write": operator.setitem}
 # Of v, z and further states. These may be sums that only grow, such as energies, and are not negative.
 _PROBES = np.concatenate(
     [
@@ -128,19 +129,19 @@ class SymbolicLaw:
     @cached_property
     def step(self) -> Any:
         """The law in time steps, a `kernels.simulation.laws.RateLaw`."""
-        from stochlin.kernels.simulation.laws import RateLaw, advance_of
+        from stochlin.kernels.simulation.laws import rate_law
 
         w, own = sympy.IndexedBase("w"), sympy.IndexedBase("own")
-        lane = sympy.Symbol("lane", integer=True)
+        lane, to = sympy.Symbol("lane", integer=True), sympy.Symbol("rates")
         values = {n: own[i, lane] for i, n in enumerate(self.parameters)}
-        values |= {name: w[i] for i, (name, _) in enumerate(self.rates)}
+        values |= {name: w[i, lane] for i, (name, _) in enumerate(self.rates)}
         numbers = {sympy.Symbol(name, real=True): value for name, value in values.items()}
-        rates = sympy.Tuple(*(_for_lanes(rate).subs(numbers) for _, rate in self.rates))
-        of_rates = sympy.lambdify((_V, w, own, lane), rates, [_VECTOR_FUNCTIONS, "math"], cse=True)
+        rates = [_for_lanes(rate).subs(numbers) for _, rate in self.rates]
+        writes = sympy.Tuple(*(_WRITE(to, (i, lane), rate) for i, rate in enumerate(rates)))
+        of_rates = sympy.lambdify((lane, _V, w, own, to), writes, [_VECTOR_FUNCTIONS, "math"], cse=True)
         # sympy counts functions in the names of their files: numba would never find compiled code again.
         of_rates.__code__ = of_rates.__code__.replace(co_filename=__name__)
-        name = sympy.srepr(rates)
-        return RateLaw(advance_of(of_rates, len(rates), name), len(rates), name)
+        return rate_law(of_rates, len(rates), sympy.srepr(writes))
 
     def _function(self, *expressions: sympy.Expr) -> Callable[[Array, Any, Any], Array]:
         """The expressions (k, ...) as a function of ``v``, the states and the parameters as rows."""

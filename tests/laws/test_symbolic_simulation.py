@@ -6,6 +6,8 @@ import sympy
 
 import stochlin as sl
 from stochlin.kernels.simulation.laws import BOUC_WEN as KNOWN
+from stochlin.kernels.simulation.laws import OTHER as OF_LAW
+from stochlin.kernels.simulation.laws import advance, by_number
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.models.laws import bilinear
 
@@ -20,10 +22,9 @@ def test_step_of_a_law_is_that_of_the_compiled_one():
     rng = np.random.default_rng(1)
     rates, before = rng.normal(0, 8, LANES), rng.uniform(-1, 1, (1, LANES))
     own = np.repeat([[0.7], [-0.2], [2.0]], LANES, axis=1)
-    written = sl.Hysteretic(1.0, 0.05, law=BOUC_WEN).step().advance
     after = np.empty((2, 1, LANES))
-    for new, step in zip(after, (written, KNOWN.advance), strict=True):
-        step(LANES, rates, before, own, 1 / 32, new)
+    for new, law in zip(after, (sl.Hysteretic(1.0, 0.05, law=BOUC_WEN).step(), KNOWN), strict=True):
+        advance(by_number((law,)), OF_LAW, LANES, rates, before, own, 1 / 32, new)
     np.testing.assert_allclose(*after, rtol=0, atol=1e-14)
 
 
@@ -85,8 +86,9 @@ def test_a_step_in_which_a_stage_overflows_is_divided():
     """Powers of 21 of a stage beyond z = 1 are not finite; the solution ends at its limit."""
     rates, before = np.array([40.0, -300.0, 1e3, -2e3]), np.array([[0.0, 0.5, -0.6, 0.64]])
     own, after = np.zeros((0, 4)), np.empty((1, 4))
+    law = by_number((sl.Hysteretic(**GIVEN, law=STEEP).step(),))
     with np.errstate(all="ignore"):
-        sl.Hysteretic(**GIVEN, law=STEEP).step().advance(4, rates, before, own, 0.02, after)
+        advance(law, OF_LAW, 4, rates, before, own, 0.02, after)
     np.testing.assert_allclose(after[0], np.sign(rates) * 1e-4 ** (1 / 21), atol=5e-4)
 
 

@@ -24,8 +24,67 @@ KINDS = LINEAR, BILINEAR, VISCOUS, OTHER = range(4)
 ROUGH = 0.001  # difference of both rules in a state, over 1 + its size, that asks for substeps
 SIXTH = 1.0 / 6.0
 MOST_SUBSTEPS = 1024  # of a step
-FEW = 8  # substeps of all lanes
 LOST = 1e3  # extension of a lane that has run away in a step, over the yield extension
+
+
+@dataclass(frozen=True)
+class RateLaw:
+    """A law with states, in time steps.
+
+    ``step(lanes, v, w, own, dt, new, apart)`` writes the states after ``dt`` [s] to ``new``, which may
+    be ``w``, and 1 to ``apart`` (lanes,) where the step is too long. ``v`` (lanes,) is the rate of the
+    extension over the yield extension [1/s], ``w`` (states, lanes) are the states before the step, and
+    ``own`` (k, lanes) the parameters of the law.
+    """
+
+    step: Any
+    states: int  # their number
+    name: str  # of which there is one for each law
+
+
+@called_often
+def advance(law, kind, lanes, v, w, own, dt, new):
+    """Write the states after ``dt`` to ``new``; ``law`` is the result of `by_number`.
+
+    Lanes in which a step is too long are integrated again in substeps, as many as each needs.
+    """
+    apart, rough = np.zeros(lanes), 0
+    law(kind, lanes, v, w, own, dt, new, apart)
+    for lane in range(lanes):
+        rough += apart[lane] > 0.0
+    if rough:
+        _again(law, kind, lanes, v, w, own, dt, new, apart)
+
+
+@compiled
+def _again(law, kind, lanes, v, w, own, dt, new, apart):
+    """Integrate the lanes that are ``apart`` side by side, in twice as many substeps each time."""
+    for lane in range(lanes):  # a lane that is lost stays as it is
+        for k in range(w.shape[0]):
+            apart[lane] = apart[lane] if np.isfinite(w[k, lane]) else 0.0
+        apart[lane] = apart[lane] if abs(v[lane]) * dt < LOST else 0.0
+    rows, tried, parameters = np.empty((2, lanes)), np.empty(w.shape), np.empty(own.shape)
+    pace, differ = rows[0], rows[1]
+    few, substeps = 1, 1
+    while few and substeps < MOST_SUBSTEPS:
+        few, substeps = 0, 2 * substeps
+        for lane in range(lanes):
+            if apart[lane] > 0.0:
+                pace[few], differ[few] = v[lane], 0.0
+                for k in range(w.shape[0]):
+                    tried[k, few] = w[k, lane]
+                for k in range(own.shape[0]):
+                    parameters[k, few] = own[k, lane]
+                few += 1
+        for _ in range(substeps if few else 0):
+            law(kind, few, pace, tried, parameters, dt / substeps, tried, differ)
+        few = 0
+        for lane in range(lanes):
+            if apart[lane] > 0.0:
+                apart[lane] = differ[few]
+                for k in range(w.shape[0]):
+                    new[k, lane] = tried[k, few]
+                few += 1
 
 
 def named(name: str, function: Any) -> Any:
@@ -39,187 +98,76 @@ def named(name: str, function: Any) -> Any:
     return function
 
 
-@dataclass(frozen=True)
-class RateLaw:
-    """A law with states, in time steps."""
+def rate_law(write: Any, states: int, name: str) -> RateLaw:
+    """The law of which ``write(lane, v, w, own, rates)`` writes the rates of the states in a lane.
 
-    advance: Any  # the result of `advance_of`, or one of `paths`
-    states: int  # their number
-    name: str  # of which there is one for each law
-
-
-def advance_of(rates: Any, states: int, name: str) -> Any:
-    """The function ``advance(lanes, v, w, own, dt, new)`` that integrates a law over ``dt`` [s].
-
-    Each law has a ``name`` of its own. ``rates(v, w, own, lane)`` gives the rates of the ``states`` of a
-    law, a tuple as ``w`` is, with the parameters ``own`` (k, lanes). For ``advance``, ``v`` (lanes,) is
-    the rate of the extension over the yield extension [1/s], ``w`` (states, lanes) are the states before
-    the step, and the states after it are written to ``new``.
-    Each stage has a loop of its own: where rates have powers, processors wait for each stage of a lane,
-    and work on several lanes of a short loop meanwhile.
+    Each law has a ``name`` of its own. Each stage has loops of its own: where rates have powers,
+    processors wait for each stage of a lane, and work on several lanes of a short loop meanwhile.
     """
-    of_law = partial(named, name)
-    rates_of = called_often(of_law(rates))
-    read, write, moved, mean, apart = _with_states(states)
+    write = called_often(named(name, write))
 
     @called_often
-    @of_law
-    def step(v, w, own, lane, dt):
-        """The states after ``dt``, and whether both rules differ too much."""
-        first = rates_of(v, w, own, lane)
-        second = rates_of(v, moved(w, 0.5 * dt, first), own, lane)
-        third = rates_of(v, moved(w, 0.5 * dt, second), own, lane)
-        fourth = rates_of(v, moved(w, dt, third), own, lane)
-        after = moved(w, dt, mean(first, second, third, fourth))
-        return after, apart(after, moved(w, dt, second))
-
-    @compiled
-    @of_law
-    def advance(lanes, v, w, own, dt, new):
-        rough, stages = 0, np.empty((3 * states, lanes))
-        for lane in range(lanes):
-            write(stages, 0, lane, rates_of(v[lane], read(w, 0, lane), own, lane))
-        for lane in range(lanes):
-            middle = moved(read(w, 0, lane), 0.5 * dt, read(stages, 0, lane))
-            write(stages, states, lane, rates_of(v[lane], middle, own, lane))
-        for lane in range(lanes):
-            middle = moved(read(w, 0, lane), 0.5 * dt, read(stages, states, lane))
-            write(stages, 2 * states, lane, rates_of(v[lane], middle, own, lane))
-        for lane in range(lanes):
-            before, first = read(w, 0, lane), read(stages, 0, lane)
-            second, third = read(stages, states, lane), read(stages, 2 * states, lane)
-            fourth = rates_of(v[lane], moved(before, dt, third), own, lane)
-            after = moved(before, dt, mean(first, second, third, fourth))
-            write(new, 0, lane, after)
-            rough += not apart(after, moved(before, dt, second)) <= 0.0
-        if rough:
-            again(lanes, v, w, own, dt, new)
-
-    @compiled
-    @of_law
-    def again(lanes, v, w, own, dt, new):
-        """Integrate the lanes in which both rules differ, in as many substeps as each needs.
-
-        In few substeps all lanes are integrated, which takes less time than to choose; the others are
-        left as they are.
-        """
-        tried, apart, good = np.empty((states, lanes)), np.empty(lanes), np.empty(lanes)
-        for lane in range(lanes):  # a lane that is lost stays as it is
-            good[lane] = 0.0 if abs(v[lane]) * dt < LOST else 1.0
-            for k in range(states):
-                good[lane] = good[lane] if np.isfinite(w[k, lane]) else 1.0
-        substeps, rough = 1, 1
-        while rough and substeps <= MOST_SUBSTEPS:
+    @partial(named, name)
+    def step(lanes, v, w, own, dt, new, apart):
+        inner, rates = np.empty((states, lanes)), np.empty((4, states, lanes))
+        for k in range(states):
             for lane in range(lanes):
-                apart[lane] = 0.0
-            for k in range(states):
-                for lane in range(lanes):
-                    tried[k, lane] = w[k, lane]
-            for _ in range(substeps):
-                for lane in range(lanes):
-                    if substeps > FEW and good[lane] > 0.0:
-                        continue
-                    after, differ = step(v[lane], read(tried, 0, lane), own, lane, dt / substeps)
-                    write(tried, 0, lane, after)
-                    apart[lane] = apart[lane] if differ <= 0.0 else 1.0
-            for k in range(states):
-                for lane in range(lanes):
-                    new[k, lane] = new[k, lane] if good[lane] > 0.0 else tried[k, lane]
-            rough = 0
+                inner[k, lane] = w[k, lane]
+        for stage in range(4):
             for lane in range(lanes):
-                good[lane] = 1.0 if good[lane] > 0.0 or not apart[lane] > 0.0 else 0.0
-                rough += good[lane] == 0.0
-            substeps *= 2
+                write(lane, v[lane], inner, own, rates[stage])
+            ahead = dt if stage == 2 else 0.5 * dt
+            for k in range(states):
+                for lane in range(lanes):
+                    inner[k, lane] = w[k, lane] + ahead * rates[stage, k, lane]
+        for k in range(states):
+            for lane in range(lanes):
+                before, second = w[k, lane], rates[1, k, lane]
+                mean = (rates[0, k, lane] + rates[3, k, lane]) + 2.0 * (second + rates[2, k, lane])
+                after = before + dt * (mean * SIXTH)
+                near = abs(after - (before + dt * second)) - ROUGH * (1.0 + abs(after)) <= 0.0
+                apart[lane] = apart[lane] if near else 1.0
+                new[k, lane] = after
 
-    return advance
-
-
-@cache
-def _with_states(states: int) -> tuple[Any, ...]:
-    """Functions of the tuples of so many states, or of their rates; the last state comes last."""
-    if states == 0:
-        nothing = called_often(named("no states", lambda *_: ()))
-        alike = called_often(named("alike", lambda after, other: 0.0))
-        return nothing, nothing, nothing, nothing, alike
-    k = states - 1
-    read, write, moved, mean, apart = _with_states(k)
-
-    def write_all(x, row, lane, w):
-        write(x, row, lane, w)
-        x[row + k, lane] = w[k]
-
-    return tuple(
-        called_often(named(f"{number} of {states}", function))
-        for number, function in enumerate(
-            (
-                lambda x, row, lane: (*read(x, row, lane), x[row + k, lane]),
-                write_all,
-                lambda w, step, rates: (*moved(w, step, rates), w[k] + step * rates[k]),
-                lambda a, b, c, d: (*mean(a, b, c, d), ((a[k] + d[k]) + 2.0 * (b[k] + c[k])) * SIXTH),
-                lambda after, other: (
-                    apart(after, other)
-                    if abs(after[k] - other[k]) - ROUGH * (1.0 + abs(after[k])) <= 0.0
-                    else 1.0
-                ),
-            )
-        )
-    )
+    return RateLaw(step, states, name)
 
 
-def _bouc_wen_linear(v, w, own, lane):
-    """Rate of the Bouc-Wen law with ``n = 1``."""
-    shape = own[0, lane] * np.copysign(1.0, v * w[0]) + own[1, lane]
-    return (v * (1.0 - abs(w[0]) * shape),)
+@called_often
+def _bouc_wen_rate(v, z, own, lane, less):
+    """``z' = v - |z|^n (beta |v| sign z + gamma v)``; own: beta, gamma, n; ``less`` is ``|z|^(n-1)``."""
+    shape = own[0, lane] * np.copysign(1.0, v * z) + own[1, lane]
+    return v * (1.0 - abs(z) * (less * shape))
 
 
-def _bouc_wen(v, w, own, lane):
-    """Rate of the Bouc-Wen law, ``z' = v - |z|^n (beta |v| sign z + gamma v)``; own: beta, gamma, n."""
-    shape = own[0, lane] * np.copysign(1.0, v * w[0]) + own[1, lane]
-    size = abs(w[0])
-    # |z| |z|^(n-1) needs no choice between numbers, which would slow down the loop: it is |z| if n = 1.
-    less = exponential((own[2, lane] - 1.0) * logarithm(size))
-    return (v * (1.0 - size * (less * shape)),)
+def _linear(lane, v, w, own, rates):
+    rates[0, lane] = _bouc_wen_rate(v, w[0, lane], own, lane, 1.0)
 
 
-_without_powers = advance_of(_bouc_wen_linear, 1, "Bouc-Wen, n = 1")
-_with_powers = advance_of(_bouc_wen, 1, "Bouc-Wen")
+def _of_any_power(lane, v, w, own, rates):
+    less = exponential((own[2, lane] - 1.0) * logarithm(abs(w[0, lane])))
+    rates[0, lane] = _bouc_wen_rate(v, w[0, lane], own, lane, less)
 
 
-@compiled
-def _bouc_wen_of_any_power(lanes, v, w, own, dt, new):
-    """`advance_of` the Bouc-Wen law, which needs no power if ``n = 1`` in all lanes."""
-    others = 0
-    for lane in range(lanes):
-        others += own[2, lane] != 1.0
-    if others:
-        _with_powers(lanes, v, w, own, dt, new)
-    else:
-        _without_powers(lanes, v, w, own, dt, new)
-
-
-BOUC_WEN = RateLaw(_bouc_wen_of_any_power, 1, "Bouc-Wen")
+LINEAR_BOUC_WEN = rate_law(_linear, 1, "Bouc-Wen, n = 1")
+BOUC_WEN = rate_law(_of_any_power, 1, "Bouc-Wen")
 
 
 @cache
 def by_number(laws: tuple[RateLaw, ...]) -> Any:
-    """One function ``law(kind, lanes, v, w, own, dt, new)`` for the laws of the kinds from OTHER on.
+    """One function ``law(kind, lanes, v, w, own, dt, new, apart)`` for laws with rates or branches.
 
     The ``laws`` have the kinds OTHER, OTHER + 1 and so on. The function is a C function, so that a new
     law compiles no time step.
     """
     chosen, names = _no_law, repr([(law.name, law.states) for law in laws])
     for number, law in enumerate(laws):
-        chosen = _either(number, law.advance, chosen, f"{number} of {names}")
-
-    def of_kind(kind, lanes, v, w, own, dt, new):
-        chosen(kind, lanes, v, w, own, dt, new)
-
+        chosen = _either(number, law.step, chosen, f"{number} of {names}")
     lane, rows = np.empty(1), np.empty((1, 1))
-    return by_pointer(named(names, of_kind), 1, 1, lane, rows, rows, 0.1, rows)
+    return by_pointer(chosen, 1, 1, lane, rows, rows, 0.1, rows, lane)
 
 
 @compiled
-def _no_law(kind, lanes, v, w, own, dt, new):
+def _no_law(kind, lanes, v, w, own, dt, new, apart):
     """An unknown kind: the state z after the step is NaN."""
     for lane in range(lanes):
         new[0, lane] = np.nan
@@ -231,10 +179,10 @@ def _either(number: int, law: Any, others: Any, name: str) -> Any:
 
     @compiled
     @partial(named, name)
-    def chosen(kind, lanes, v, w, own, dt, new):
+    def chosen(kind, lanes, v, w, own, dt, new, apart):
         if kind == kind_of_law:
-            law(lanes, v, w, own, dt, new)
+            law(lanes, v, w, own, dt, new, apart)
         else:
-            others(kind, lanes, v, w, own, dt, new)
+            others(kind, lanes, v, w, own, dt, new, apart)
 
     return chosen

@@ -1,7 +1,7 @@
 """Hysteresis laws of straight branches, followed exactly along the extension of a step; loops of laws.
 
-Each law is ``advance(lanes, v, w, own, dt, new)`` as made by `laws.advance_of`. Its second state is
-the extension ``mu`` over the yield extension, which moves in one direction within a step.
+Each function is a `laws.RateLaw.step` that is never too long. The second state is the extension ``mu``
+over the yield extension, which moves in one direction within a step.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import numpy as np
 
 from stochlin.kernels.basics.compiled import called_often, compiled, entry
 from stochlin.kernels.basics.powers import exponential, logarithm
-from stochlin.kernels.simulation.laws import OTHER, RateLaw
+from stochlin.kernels.simulation.laws import OTHER, RateLaw, advance
 
 
 @called_often
@@ -36,7 +36,7 @@ def _unloading(peak, own, lane):
 
 
 @compiled
-def _modified_clough(lanes, v, w, own, dt, new):
+def _modified_clough(lanes, v, w, own, dt, new, apart):
     """Peak-oriented branches.
 
     own: the exponent of the unloading stiffness; z and mu of cracking, and the slope from there to
@@ -69,7 +69,7 @@ def _modified_clough(lanes, v, w, own, dt, new):
 
 
 @compiled
-def _flag(lanes, v, w, own, dt, new):
+def _flag(lanes, v, w, own, dt, new, apart):
     """Flag-shaped branches; own: the width of the flag. States: z; mu."""
     for lane in range(lanes):
         move, low = v[lane] * dt, 1.0 - own[0, lane]
@@ -80,7 +80,7 @@ def _flag(lanes, v, w, own, dt, new):
 
 
 @compiled
-def _bilinear(lanes, v, w, own, dt, new):
+def _bilinear(lanes, v, w, own, dt, new, apart):
     """The bilinear law, which time steps have in closed form; its state is z."""
     for lane in range(lanes):
         new[0, lane] = min(max(w[0, lane] + v[lane] * dt, -1.0), 1.0)
@@ -101,7 +101,7 @@ def follow(law, states, extension, own, z):
     z[0] = 0.0
     for point in range(1, extension.size):
         pace[0] = extension[point] - extension[point - 1]
-        law(OTHER, 1, pace, w, own, 1.0, after)
+        advance(law, OTHER, 1, pace, w, own, 1.0, after)
         for k in range(states):
             w[k, 0] = after[k, 0]
         z[point] = w[0, 0]

@@ -39,7 +39,7 @@ from stochlin.kernels.basics.compiled import (
     variant,
 )
 from stochlin.kernels.simulation.contacts import Contacts, solve_force
-from stochlin.kernels.simulation.laws import BILINEAR, LINEAR, VISCOUS
+from stochlin.kernels.simulation.laws import BILINEAR, LINEAR, VISCOUS, advance
 from stochlin.kernels.simulation.moving import (
     CHANGE,
     CLOSE,
@@ -173,7 +173,7 @@ def _by_law(law, kind, count, spring, dt, i, elements, memory, after, own, state
     The slip that belongs to the increment of the extension changes that increment, by ``g``. With the
     share of the increment that slips for a derivative, the next slip is that of Newton's method.
     """
-    pace, old, new = states[0, 0], states[1], states[2]
+    pace, old, new = states[0, 0], states[1][:count], states[2][:count]
     strength, relief = spring[STRENGTH], spring[RELIEF]
     for lane in range(lanes):
         pace[lane] = motions[CHANGE, lane] / (dt * of_lane(strength, lane))
@@ -182,7 +182,7 @@ def _by_law(law, kind, count, spring, dt, i, elements, memory, after, own, state
     for k in range(1, count):
         for lane in range(lanes):
             old[k, lane] = memory[i, k - 1, lane]
-    law(kind, lanes, pace, old, own[i], dt, new)
+    advance(law, kind, lanes, pace, old, own[i], dt, new)
     for lane in range(lanes):
         moved, g = motions[CHANGE, lane], of_lane(relief, lane)
         slip = moved - of_lane(strength, lane) * (new[0, lane] - old[0, lane])

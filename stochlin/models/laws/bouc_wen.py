@@ -135,7 +135,7 @@ class BoucWen(Structure):
         return values["gamma"] <= values["beta"]
 
     def step(self) -> Any:
-        """The law in time steps, a ``kernels.simulation.laws.RateLaw``."""
-        from stochlin.kernels.simulation.laws import BOUC_WEN
+        """The law in time steps, a ``RateLaw`` of `kernels.simulation.laws`, if n = 1 without powers."""
+        from stochlin.kernels.simulation.laws import BOUC_WEN, LINEAR_BOUC_WEN
 
-        return BOUC_WEN
+        return LINEAR_BOUC_WEN if (self.arrays()["exponent"] == 1).all() else BOUC_WEN
