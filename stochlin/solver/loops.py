@@ -9,7 +9,7 @@ import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.simulation.laws import BILINEAR, by_number
-from stochlin.kernels.simulation.paths import BILINEAR_PATH, follow
+from stochlin.kernels.simulation.paths import FLAG, follow
 from stochlin.messages import brief
 from stochlin.models.arguments import Whole, as_numbers, checked
 from stochlin.models.structures import Structure
@@ -97,8 +97,8 @@ def _turns(displacement: Any) -> Array:
 def _states(structure: Structure, extension: Array) -> Array:
     """``z`` at these extensions over the yield displacement."""
     step = structure.step()
-    law = BILINEAR_PATH if step == BILINEAR else step
-    own = np.array([float(array) for array in structure.law_parameters()]).reshape(-1, 1)
+    law, parameters = (FLAG, [2.0]) if step == BILINEAR else (step, structure.law_parameters())
+    own = np.array([float(each) for each in parameters]).reshape(-1, 1)
     z = np.empty(extension.size)
     follow(by_number((law,)), law.states, extension, own, z)
     return z

@@ -70,7 +70,7 @@ def _modified_clough(lanes, v, w, own, dt, new, apart):
 
 @compiled
 def _flag(lanes, v, w, own, dt, new, apart):
-    """Flag-shaped branches; own: the width of the flag. States: z; mu."""
+    """Flag-shaped branches; own: the width of the flag, 2 for the bilinear law. States: z; mu."""
     for lane in range(lanes):
         move, low = v[lane] * dt, 1.0 - own[0, lane]
         mu, z = w[1, lane] + move, w[0, lane] + move
@@ -79,16 +79,8 @@ def _flag(lanes, v, w, own, dt, new, apart):
         new[0, lane] = min(max(z, lowest), highest)
 
 
-@compiled
-def _bilinear(lanes, v, w, own, dt, new, apart):
-    """The bilinear law, which time steps have in closed form; its state is z."""
-    for lane in range(lanes):
-        new[0, lane] = min(max(w[0, lane] + v[lane] * dt, -1.0), 1.0)
-
-
 MODIFIED_CLOUGH = RateLaw(_modified_clough, 5, "modified Clough")
 FLAG = RateLaw(_flag, 2, "flag")
-BILINEAR_PATH = RateLaw(_bilinear, 1, "bilinear")
 
 
 @entry
