@@ -215,6 +215,19 @@ def test_limits_are_elastic(case):
     np.testing.assert_allclose(same, exact, rtol=0, atol=1e-10 * peak)
 
 
+@given(st.integers(0, 2**16), st.floats(0.7, 3.0), st.sampled_from([0.01, 0.999]))
+def test_no_change_of_branch_is_missed(seed, steps, strength):
+    """Peaks just above yield, and short halts while it yields: other steps would miss others."""
+    record = abs(synthetic(60, seed=seed)) * np.resize([1, -1], 60)  # velocities turn within steps
+    elastic = sl.respond(sl.Bilinear(0.02 * 10**steps, 0.05), record, refine=40)
+    uy = strength * float(abs(elastic.displacement).max())
+    building = sl.Bilinear(0.02 * 10**steps, 0.05, 0.05, yield_displacement=uy)
+    once, often = (sl.respond(building, record, refine=n) for n in (1, 7))
+    assert_near(once.displacement, often.displacement[::7], 1e-9)
+    energies = [table[["input_energy_per_mass", SPENT[2]]].to_dataarray() for table in (once, often)]
+    assert_near(energies[0], energies[1][:, ::7], 1e-9)
+
+
 def test_a_structure_that_falls_beyond_all_numbers_ends():
     """Its stiffness after yielding is negative, so that it moves away with exp(w t) for 300 s."""
     table = sl.response_spectrum(
@@ -242,6 +255,8 @@ def test_gap_against_fine_histories(periods, strength):
     apart = one.displacement - two.displacement
     assert float(table.separation) == pytest.approx(float(apart.max()), rel=ACCURACY)
     assert float(table.peak_1) == pytest.approx(float(abs(one.displacement).max()), rel=ACCURACY)
+    alone = float(sl.recorded_gap(first, None, record).separation)
+    assert alone == pytest.approx(float(one.displacement.max()), rel=ACCURACY)
     assert float(table.pseudo_energy_radius_2) == pytest.approx(float(two.radius.max()), rel=ACCURACY)
     moments = [
         float((a * b).sum())

@@ -11,7 +11,7 @@ import xarray as xr
 from stochlin.applications.records.records import checked_record
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import cores
-from stochlin.kernels.records.oscillator import HIGHEST, LONGEST, LOWEST
+from stochlin.kernels.records.oscillator import DISPLACEMENT, LONGEST
 from stochlin.kernels.records.runs import PAIR, SampledMotion
 from stochlin.models.arguments import OfClass, check_label, is_label
 from stochlin.models.laws.bilinear import Bilinear
@@ -138,7 +138,7 @@ class RecordCells(NamedTuple):
     def peak(self, number: int, peaks: Array) -> Array:
         """Peak displacements of a structure (records, valid cells) [m], infinite where it falls."""
         _, _, hardening, uy = self.sides[number].T
-        peak = np.maximum(peaks[..., HIGHEST], peaks[..., LOWEST])
+        peak = peaks[..., DISPLACEMENT]
         return np.where(peak <= falls_at(hardening, 1 - hardening, uy), peak, np.inf)
 
     def table(self, columns: Mapping[str, Array], peaks: Sequence[Array]) -> xr.Dataset:

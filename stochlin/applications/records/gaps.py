@@ -138,15 +138,11 @@ def _exactly(
     """Exact results for bilinear structures in all cells, without labels."""
     cells = RecordCells.of(motions, *structures)
     peaks = peaks_on_records(motions.grounds, *cells.sides, progress=progress)
-    ends = [recorded.PEAKS * number for number in range(1, len(structures) + 1)]
-    *each, together = np.split(peaks, ends, axis=-1)
-    if len(structures) == 1:
-        separation, rho = each[0][..., recorded.HIGHEST], None
-    else:
-        separation, rho = np.moveaxis(together, -1, 0)
-    highest = [cells.peak(number, of) for number, of in enumerate(each)]
-    columns = gap_columns(separation, highest, rho)
-    for number, (peak, of) in enumerate(zip(highest, each, strict=True), start=1):
-        radius = np.where(np.isfinite(peak), of[..., recorded.RADIUS], np.inf)
+    sides = np.moveaxis(peaks, 2, 0)
+    highest = [cells.peak(number, side) for number, side in enumerate(sides)]
+    rho = sides[0, ..., recorded.RHO] if len(sides) == 2 else None
+    columns = gap_columns(sides[0, ..., recorded.HIGHEST], highest, rho)
+    for number, (peak, side) in enumerate(zip(highest, sides, strict=True), start=1):
+        radius = np.where(np.isfinite(peak), side[..., recorded.RADIUS], np.inf)
         columns[f"pseudo_energy_radius_{number}"] = radius
     return cells.table(columns, highest)

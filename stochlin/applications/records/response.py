@@ -16,9 +16,10 @@ from stochlin.applications.records.cells import (
     checked_motions,
 )
 from stochlin.applications.records.stepped import stepped_history
+from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.records import oscillator as recorded
-from stochlin.kernels.records.runs import history, peaks_on_records
+from stochlin.kernels.records.runs import peaks_on_records, response
 from stochlin.models.arguments import Whole, checked
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import Parameter
@@ -158,8 +159,9 @@ def response_spectrum(
     motions = checked_motions(record)
     cells = RecordCells.of(motions, structure)
     [parameters] = cells.sides
-    peaks = peaks_on_records(motions.grounds, parameters, progress=progress)
+    peaks = peaks_on_records(motions.grounds, parameters, progress=progress)[:, :, 0]
     w, displacement = parameters[:, 0], cells.peak(0, peaks)
+    states = peaks[..., recorded.PEAKS :]
     columns = {
         "displacement_max": displacement,
         "velocity_max": peaks[..., recorded.VELOCITY],
@@ -167,12 +169,11 @@ def response_spectrum(
         "pseudo_velocity": w * displacement,
         "pseudo_acceleration": w**2 * displacement,
         "pseudo_energy_radius": peaks[..., recorded.RADIUS],
-        **{name: peaks[..., recorded.INPUT + n] for n, name in enumerate(ENERGIES[:3])},
+        **dict(zip(ENERGIES[:3], _energies(parameters, states), strict=False)),
     }
     if structure.yields:
         # At rest alpha u + (1 - alpha) y = 0, while u - y stays as it is.
-        slip = peaks[..., recorded.LAST] - peaks[..., recorded.LAST_Y]
-        columns["permanent_set"] = (1 - parameters[:, 2]) * slip
+        columns["permanent_set"] = (1 - parameters[:, 2]) * (states[..., 0] - states[..., 2])
     stands = np.isfinite(displacement)
     columns = {name: np.where(stands, values, np.nan) for name, values in columns.items()}
     table = cells.table({**columns, "displacement_max": displacement}, [displacement])
@@ -267,21 +268,28 @@ def _until_fall(table: xr.Dataset, structure: AnyStructure) -> xr.Dataset:
     return table.assign(histories).assign_attrs(collapse_s=falls)
 
 
+@np.errstate(all="ignore")  # of structures that fall beyond all numbers
+def _energies(parameters: Array, states: Array) -> tuple[Array, ...]:
+    """The `ENERGIES` of structures with parameters (..., 4) in states (..., STATE); they balance."""
+    (w, _, hardening, _), (u, v, y, put_in, hysteretic) = parameters.T, np.moveaxis(states, -1, 0)
+    kinetic = 0.5 * v**2
+    elastic = 0.5 * w**2 * (hardening * u**2 + (1 - hardening) * y**2)
+    return put_in, put_in - hysteretic - kinetic - elastic, hysteretic, kinetic, elastic
+
+
 def _exact_history(structure: Bilinear, motions: RecordedMotions, refine: int) -> xr.Dataset:
     """The response history of a bilinear oscillator for `respond`; without times."""
     [[parameters]] = RecordCells.of(motions, structure).sides
-    displacement, velocity, strain, *spent = history(motions.grounds[0], parameters, refine)
-    w, _, hardening, uy = parameters
-    stored = 0.5 * w**2 * (hardening * displacement**2 + (1 - hardening) * strain**2)
-    energies = (*spent, 0.5 * velocity**2, stored)
+    _, states = response(motions.grounds[0], parameters, refine)
+    displacement, velocity, strain = states.T[:3]
     columns = {
         "displacement": displacement,
         "velocity": velocity,
-        "radius": np.hypot(displacement, velocity / w),
-        **dict(zip(ENERGIES, energies, strict=True)),
+        "radius": np.hypot(displacement, velocity / parameters[0]),
+        **dict(zip(ENERGIES, _energies(parameters, states), strict=True)),
     }
     if structure.yields:
-        columns["z"] = strain / uy
+        columns["z"] = strain / parameters[3]
     return xr.Dataset({name: ("time", values) for name, values in columns.items()})
 
 
