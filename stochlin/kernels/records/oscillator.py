@@ -145,22 +145,15 @@ def _update(o, side, length, u, v, a, ground, u1, v1, a1, ground1, peaks):
     away, away1 = u * elastic + a, u1 * elastic + a1
     if away * away1 < 0:
         s = away / (away - away1)
-        u, v = cubic(s, length, u, v, u1, v1), cubic(s, length, v, a, v1, a1)
+        u, v = _cubic(s, length, u, v, u1, v1), _cubic(s, length, v, a, v1, a1)
         peaks[RADIUS] = max(peaks[RADIUS], u * u + v * v / elastic)
 
 
 @compiled
-def _coefficients(length, value, rate, value1, rate1):
-    """Those of the cubic polynomial through the values and rates at both ends, over the share."""
+def _cubic(s, length, value, rate, value1, rate1):
+    """Value at the share ``s`` of a cubic polynomial with these values and rates at both ends."""
     begin, end, rise = rate * length, rate1 * length, value1 - value
-    return begin, 3 * rise - 2 * begin - end, begin + end - 2 * rise
-
-
-@compiled
-def cubic(s, length, value, rate, value1, rate1):
-    """Value of that polynomial at the share ``s`` of the length."""
-    begin, square, cube = _coefficients(length, value, rate, value1, rate1)
-    return value + s * (begin + s * (square + s * cube))
+    return value + s * (begin + s * (3 * rise - 2 * begin - end + s * (begin + end - 2 * rise)))
 
 
 @compiled
@@ -168,9 +161,9 @@ def turning(length, value, rate, value1, rate1):
     """Value at which that polynomial turns within the length, or that at the end if it does not."""
     if not rate * rate1 < 0:
         return value1
-    begin, square, cube = _coefficients(length, value, rate, value1, rate1)
-    s = begin / (np.copysign(np.sqrt(square * square - 3 * cube * begin), begin) - square)
-    return value + s * (begin + s * (square + s * cube))
+    middle = 3 * (value1 - value) / length - rate - rate1
+    s = rate / (np.copysign(np.sqrt(middle * middle - rate * rate1), rate) + rate - middle)
+    return _cubic(s, length, value, rate, value1, rate1)
 
 
 @entry
