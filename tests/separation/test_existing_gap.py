@@ -115,5 +115,7 @@ def test_a_few_motions_decide_where_they_are_clear_and_all_of_them_find_the_edge
     assert ample.least(GRID) == (0.5, 0.5, 0.5)
     hopeless = Required(lambda value, paths: (value,) * 3, 0.1, 64, {})
     assert np.isnan(hopeless.least(GRID)).all()
+    falls = Required(lambda value, paths: (value if value < 1 else np.inf,) * 3, 1.2, 64, {})
+    assert falls.end(GRID, [0], 1, NO_LIMIT)[1:] == (0.9, 1.1)  # a structure falls from 1 on
     # All motions contradict the few at the value before the edge: it is there, within the error.
     assert search(1.0, 0.001, 1.2).value == 0.9

@@ -7,7 +7,6 @@ from functools import partial, reduce
 from operator import and_
 from typing import Annotated, Any
 
-import numpy as np
 import xarray as xr
 
 from stochlin.applications.probability.formulas import by_formula
@@ -41,7 +40,7 @@ from stochlin.solver.simulation.finite_motions import (
     enough_motions,
     keeping_apart,
     pair_separation,
-    quantile_intervals,
+    quantile_interval,
 )
 from stochlin.solver.simulation.simulation import MOTIONS, check_repeated, simulate
 from stochlin.solver.tables import labels
@@ -273,7 +272,7 @@ def simulated_columns(
         f"{name}_simulated{end}": share.where(distance.valid())
         for end, share in zip(labels.VALUE_AND_ENDS, shares.values(), strict=True)
     }
-    intervals = quantile_intervals(samples.values, np.array([confidence]))
-    for end, (gaps,) in zip(labels.VALUE_AND_ENDS, intervals, strict=True):
+    interval = quantile_interval(samples.values, confidence)
+    for end, gaps in zip(labels.VALUE_AND_ENDS, interval, strict=True):
         columns[f"required_gap_simulated{end}"] = xr.DataArray(gaps, dims=samples.dims[1:])
     return columns

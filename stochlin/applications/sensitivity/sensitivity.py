@@ -21,7 +21,7 @@ from stochlin.models.uncertain import Uncertain, UncertainModel, median_of
 from stochlin.solver.linearization.strength import strength_in_metres
 from stochlin.solver.simulation.finite_motions import (
     pair_separation,
-    quantile_intervals,
+    quantile_interval,
     simulate_finite,
 )
 from stochlin.solver.simulation.simulation import STEPS_PER_PERIOD, check_repeated, checked_structures
@@ -205,8 +205,8 @@ def _table(listed: Sequence[Input], factors: Array, responses: Array, confidence
         for (name, text), column in zip(OF_INPUTS.items(), columns, strict=True)
     }
     coords[END] = END, [*ENDS], {"long_name": "end of the range of the input"}
-    gaps = (float(end[0]) for end in quantile_intervals(base, np.array([confidence])))
-    table = xr.Dataset(dict(zip(("gap", "gap_lower", "gap_upper"), gaps, strict=True)), coords)
+    gaps = zip(("gap", "gap_lower", "gap_upper"), quantile_interval(base, confidence), strict=True)
+    table = xr.Dataset(dict(gaps), coords)
     table["gap_of_medians"] = table.gap + changes[0]
     table["gap_of_medians_standard_error"] = errors[0]
     table["input_factor_at"] = (INPUT, END), factors

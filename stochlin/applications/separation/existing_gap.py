@@ -37,7 +37,7 @@ from stochlin.solver.simulation.finite_motions import (
     enough_motions,
     keeping_apart,
     pair_separation,
-    quantile_intervals,
+    quantile_interval,
     required_gaps,
 )
 from stochlin.solver.simulation.simulation import check_repeated, simulate
@@ -129,10 +129,12 @@ class Required:
             root = scipy.optimize.brentq(self._excess, low, high, rtol=CLOSE, xtol=1e-6)
         rate = (self(high) - self(low)) / (high - low) or TINY
         gap, *ends = self._at(root, self.paths)
-        tried = [value for value, paths in self.known if paths == self.paths]
-        between = sorted((self(value), value) for value in tried if low <= value <= high)
+        between = sorted((self(x), x) for x, n in self.known if n == self.paths and low <= x <= high)
         value = float(np.interp(self.most, *np.transpose(between)))
-        return Edge(value, *sorted(value + (gap - end) / rate for end in ends))
+        ends = [value + (gap - end) / rate for end in ends]
+        if max(self(low), self(high)) >= FAR:  # a structure falls there, so that the rate has no use
+            ends += [low, high]
+        return Edge(value, min(ends), max(ends))
 
     def _excess(self, value: float) -> float:
         """Required gap less the existing one [m]; 0 if it is close."""
@@ -255,8 +257,7 @@ class GapSearch:
 
     def limits(self, samples: xr.DataArray, progress: Progress | None) -> xr.Dataset:
         """The result of `existing_gap`; the ``samples`` [m] over ``path`` are required as built."""
-        intervals = quantile_intervals(samples.values, np.array([self.motion["confidence"]]))
-        as_built: Any = tuple(float(end[0]) for end in intervals)
+        as_built = quantile_interval(samples.values, self.motion["confidence"])
         usual, done, advance = median_of(self.ground), 0.0, part_of(progress, 0.0, 1.0)
         structures = self.structures.values()
         pair = [applied(lambda s: strength_in_metres(s, usual), each) for each in structures]

@@ -39,7 +39,7 @@ from stochlin.solver.simulation.finite_motions import (
     keeping_apart,
     mean_with_error,
     pair_separation,
-    quantile_intervals,
+    quantile_interval,
     required_gaps,
     separation_at,
 )
@@ -329,8 +329,7 @@ def _judged(rules: list[Rule], pair: PairInMotion) -> xr.Dataset:
 def _by_height(rules: list[Rule], pair: PairInMotion) -> xr.Dataset:
     """Gaps by simulation and by the rules at each height, and peaks of both structures there."""
     samples = separation_at(pair.motions, pair.heights)
-    levels = np.array([pair.confidence])
-    simulated, *interval = (ends[0] for ends in quantile_intervals(samples.values, levels))
+    simulated, *interval = quantile_interval(samples.values, pair.confidence)
     peaks = xr.DataArray(pair.peaks, dims=("structure", "height"))
     table = gaps_by_height([simulated, *(rule.gaps for rule in rules[1:])], pair.heights)
     unknown = np.full((len(rules) - 1, simulated.size), np.nan)

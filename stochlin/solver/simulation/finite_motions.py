@@ -300,9 +300,7 @@ def pair_peaks(motions: xr.Dataset) -> Array:
 
 def required_gaps(motions: xr.Dataset) -> tuple[float, float, float]:
     """First quantile of `pair_separation` [m], with the lower and upper end of its 95 % interval."""
-    intervals = quantile_intervals(pair_separation(motions).values, motions["quantile"].values[:1])
-    required, lower, upper = (float(column[0]) for column in intervals)
-    return required, lower, upper
+    return quantile_interval(pair_separation(motions).values, motions["quantile"].values[0])
 
 
 def enough_motions(simulated: Callable[[int], xr.Dataset], paths: int, most: int) -> xr.Dataset:
@@ -378,6 +376,12 @@ def quantile_intervals(samples: Array, levels: Array) -> tuple[Array, Array, Arr
     lower = np.where((low >= 0).reshape(each), ordered[np.maximum(low, 0)], 0.0)
     upper = np.where((high < n).reshape(each), ordered[np.minimum(high, n - 1)], np.inf)
     return estimate, lower, upper
+
+
+def quantile_interval(samples: Array, level: float) -> tuple[Any, Any, Any]:
+    """One quantile along the first axis, and its 95 % interval."""
+    estimate, lower, upper = quantile_intervals(samples, np.array([level]))
+    return estimate[0], lower[0], upper[0]
 
 
 def quantile_columns(name: str, over: Sequence[Any], samples: Array, levels: Array) -> Columns:
