@@ -135,7 +135,7 @@ class BoucWen(Structure):
         return values["gamma"] <= values["beta"]
 
     def step(self) -> Any:
-        """The law in time steps, a ``RateLaw`` of `kernels.simulation.laws`, if n = 1 without powers."""
+        """The law in time steps, a ``RateLaw`` of `kernels.simulation.laws`; without powers if n = 1."""
         from stochlin.kernels.simulation.laws import BOUC_WEN, LINEAR_BOUC_WEN
 
         return LINEAR_BOUC_WEN if (self.arrays()["exponent"] == 1).all() else BOUC_WEN
