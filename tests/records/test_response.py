@@ -245,7 +245,9 @@ def pair(period_1=0.6, period_2=0.25, strength=True):
     return sl.Bilinear(period_1, 0.05, **uy), sl.Bilinear(period_2, 0.03, **uy)
 
 
-@pytest.mark.parametrize("periods", [(0.6, 0.25), (0.1, 0.13), (0.5, 0.52), (3.0, 0.02), (0.02, 0.021)])
+@pytest.mark.parametrize(
+    "periods", [(0.6, 0.25), (0.25, 0.6), (0.1, 0.13), (0.5, 0.52), (3.0, 0.02), (0.02, 0.021)]
+)
 @pytest.mark.parametrize("strength", [False, True])
 def test_gap_against_fine_histories(periods, strength):
     first, second = pair(*periods, strength)
