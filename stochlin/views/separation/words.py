@@ -265,7 +265,7 @@ def allowances(answer: CaseAnswer) -> list[Block]:
     damping = with_interval(limits, "least_added_damping")
     where = "" if case.alone else " of both"
     rows.append(_limit(f"added damping ratio{where}", "at least", *damping))
-    note = f"Each change alone; 'any' and 'none' are of the values tried: {limits.attrs['searched']}."
+    note = f"Each change alone; 'any' and 'none' refer to the values tried: {limits.attrs['searched']}."
     heads = ("change", "sufficient", "95 % interval")
     return [Table.of(heads, rows, heads[1:]), Text(note, "note")]
 
