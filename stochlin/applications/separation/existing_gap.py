@@ -9,7 +9,7 @@ between the trial values on both sides.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -51,7 +51,7 @@ DAMPINGS = np.linspace(0, 0.4, 9)  # damping ratios added to both structures
 MOST_DAMPING = 0.999  # largest total damping ratio of a structure
 SIMULATIONS = 12  # usual number of simulations of the three searches together
 
-TINY = np.finfo(float).tiny  # in place of a rate of 0, by which the interval is all that is searched
+TINY = np.finfo(float).tiny  # in place of a rate of 0: the interval is then the range of the search
 FAR = 1e6  # [m], in place of a required gap that is infinite, since a structure falls
 CLOSE = 1e-2  # relative difference of a simulated gap, or of two values, from which limits follow
 FEW, LEAST_FEW = 8, 64  # a few motions are one in eight, and at least this many
@@ -223,12 +223,13 @@ def existing_gap(
     motion: dict[str, Any] = {"confidence": confidence, "scatter": scatter, "seed": seed}
     motion |= {"duration": duration, "envelope": envelope, "paths": paths}
     search = GapSearch(structures, ground, gap, motion)
-    numbers = search.checked_numbers()
-    built = enough_motions(lambda n: search.simulated(structures.values(), ground, n), *numbers)
-    return search.limits(pair_separation(built), progress)
+    if progress is not None:
+        progress(0.0)
+    built = enough_motions(lambda n: search.simulated(structures.values(), ground, n), *search.numbers)
+    return search.limits(pair_separation(built), part_of(progress, 1 / SIMULATIONS, 1.0))
 
 
-@dataclass(frozen=True)
+@dataclass
 class GapSearch:
     """The search for the limits within which the existing ``gap`` [m] is sufficient.
 
@@ -239,16 +240,13 @@ class GapSearch:
     ground: Ground
     gap: float
     motion: Mapping[str, Any]  # the other arguments of `existing_gap`
+    numbers: tuple[int, int] = field(init=False)  # fewest and most motions
 
     def __post_init__(self) -> None:
-        self.checked_numbers()
-
-    def checked_numbers(self) -> tuple[int, int]:
-        """Fewest and most motions."""
         both = {role: median_of(structure) for role, structure in self.structures.items()}
-        duration, paths = self.motion["duration"], self.motion["paths"]
+        duration, paths, usual = self.motion["duration"], self.motion["paths"], median_of(self.ground)
         check_duration(duration, both)
-        return check_repeated([*both.values()], median_of(self.ground), duration, paths, SIMULATIONS)
+        self.numbers = check_repeated([*both.values()], usual, duration, paths, SIMULATIONS)
 
     def simulated(self, pair: Iterable[AnyStructure], ground: Ground, paths: int) -> xr.Dataset:
         """Simulated motions of structures that may be changed."""
@@ -256,7 +254,7 @@ class GapSearch:
         return simulate([*pair], ground, quantiles=[motion.pop("confidence")], **motion)
 
     def limits(self, samples: xr.DataArray, progress: Progress | None) -> xr.Dataset:
-        """The result of `existing_gap`; the ``samples`` [m] over ``path`` are required as built."""
+        """The result of `existing_gap`, from the gap [m] that each motion (``path``) needs as built."""
         as_built = quantile_interval(samples.values, self.motion["confidence"])
         usual, done, advance = median_of(self.ground), 0.0, part_of(progress, 0.0, 1.0)
         structures = self.structures.values()
