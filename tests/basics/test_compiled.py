@@ -156,16 +156,76 @@ def test_a_full_disk_harms_nothing(doubled):
 
 def test_folders_of_earlier_versions_are_removed_and_what_others_have_put_there_stays(toy):
     begun, place = toy
-    names = "kernels-thesis", "kernels-notes.txt", "kernels-0123456789abcdef"
+    names = "kernels-thesis", "kernels-0123456789abcdef", "kernels-of-version-1"
     for folder in (place, place.parent):
         folder.mkdir(exist_ok=True)
         for name in names:
             (folder / name).mkdir()
-            os.utime(folder / name, (1e9, 1e9))
+    os.close(folders.mark(place / names[2]))
+    for name in names:
+        os.utime(place / name, (1e9, 1e9))
     assert begun()(1.5) == 3.0
     assert {path.name for path in place.parent.iterdir()} == {*names, "stochlin"}
     assert {*names[:2]} < {path.name for path in place.iterdir()}
     assert not (place / names[2]).exists()
+
+
+def test_a_folder_that_others_can_write_is_not_used(toy, tmp_path, monkeypatch):
+    """Nor one with a file that they can, or below a folder in which they can rename it."""
+    begun, place = toy
+    program = tmp_path / "program"
+    monkeypatch.setattr(compiled, "PROGRAM", program)
+    assert begun()(1.5) == 3.0
+    assert not program.exists()
+    (folder,) = place.glob("kernels-*")
+    planted = folder / "planted.nbi"
+    planted.touch()
+    for path in (place.parent, place, folder, planted):
+        mode = path.stat().st_mode
+        path.chmod(mode | 0o002)
+        with pytest.warns(UserWarning, match="since others could put code there") as messages:
+            assert begun()(1.5) == 3.0
+        assert len(messages) == 1
+        assert list(program.glob("kernels-*"))
+        path.chmod(mode)
+    planted.unlink()
+    place.parent.chmod(0o1777)  # others can rename there what is theirs
+    twice = begun()
+    assert twice(1.5) == 3.0
+    assert hits(twice) == 1
+
+
+@pytest.mark.parametrize("entry", ["a mark", "no mark", "another mark", "a link"])
+def test_only_what_is_marked_inside_is_removed(tmp_path, entry):
+    """Not a name alone, nor the mark of a folder of another name."""
+    folder = tmp_path / "stochlin-examples"
+    marked = folder if entry == "a mark" else tmp_path / "stochlin-others"
+    for path in {folder, marked}:
+        path.mkdir()
+        (path / "results.csv").write_text("three days of results")
+    if entry != "no mark":
+        os.close(folders.mark(marked))
+    if entry == "another mark":
+        (marked / folders.MARK).rename(folder / folders.MARK)
+    if entry == "a link":
+        folder.rename(tmp_path / "elsewhere")
+        folder.symlink_to(marked)
+        marked.rename(tmp_path / "moved")
+        folder.unlink()
+        folder.symlink_to(tmp_path / "moved")
+    folders.remove_left(tmp_path, "stochlin-")
+    assert folder.exists() is (entry != "a mark")
+
+
+def test_a_folder_in_use_stays_and_one_of_an_ended_process_goes(tmp_path):
+    folder = tmp_path / "stochlin-1"
+    folder.mkdir()
+    handle = folders.mark(folder)
+    folders.remove_left(tmp_path, "stochlin-")
+    assert folder.exists()
+    os.close(handle)
+    folders.remove_left(tmp_path, "stochlin-")
+    assert not folder.exists()
 
 
 ENDS = """

@@ -11,6 +11,7 @@ import xarray as xr
 from cases import recorded_example
 from commands import answered, invoke, refused
 
+from stochlin.kernels.basics.folders import mark
 from stochlin.solver.tables.storage import save_table, whole_file
 
 pytestmark = pytest.mark.cli
@@ -85,9 +86,15 @@ def test_what_is_not_written_to_its_end_leaves_nothing(tmp_path: Path) -> None:
         interrupted()
     assert list(tmp_path.iterdir()) == [target]
     assert target.read_text() == "before"
-    (tmp_path / ".writing-table-0123abcd.nc").touch()  # by a process that was killed
+    left, named = tmp_path / ".writing-table-killed", tmp_path / ".writing-table-of-another"
+    for folder in (left, named):
+        folder.mkdir()
+    os.close(mark(left))  # by a process that was killed
     with whole_file(target) as first, whole_file(target) as second:
-        assert {*tmp_path.iterdir()} == {target, first, second}
+        assert {*tmp_path.iterdir()} == {target, named, first.parent, second.parent}
+        for temporary in (first, second):
+            temporary.write_text("whole")
+    assert {*tmp_path.iterdir()} == {target, named}
 
 
 @pytest.mark.parametrize(

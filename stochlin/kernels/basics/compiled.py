@@ -35,7 +35,7 @@ import numba as nb
 import numpy as np
 from numba.extending import overload, register_jitable
 
-from stochlin.kernels.basics.folders import remove_left
+from stochlin.kernels.basics.folders import is_private, mark, remove_unused
 from stochlin.messages import WHEN_COMPILING
 
 KERNELS = Path(__file__).parents[1]
@@ -48,10 +48,16 @@ NOT_COMPILED = (
 )
 NOT_KEPT = (
     "compiled code cannot be kept: the folder that NUMBA_CACHE_DIR names, or without it both stochlin's "
-    "own folder and the user's cache folder, cannot be written, or the disk is full. Every process then "
-    "compiles anew what it uses, which takes seconds to a minute; set the environment variable "
-    "NUMBA_CACHE_DIR to a folder that can be written"
+    "own folder and the user's cache folder, cannot be written, or not by this user alone, or the disk "
+    "is full. Every process then compiles anew what it uses, which takes seconds to a minute; set the "
+    "environment variable NUMBA_CACHE_DIR to a folder that can be written"
 )
+NOT_PRIVATE = (
+    "the folder that NUMBA_CACHE_DIR names is not used, since others could put code there that this "
+    "user would run: compiled code is kept in stochlin's own folder; name a folder that this user alone "
+    "can write, and so all folders above it"
+)
+PREFIX = "kernels-"  # of folders of compiled code
 OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
 # Functions that only compiled code calls need no code to be called from elsewhere, a third of the time.
 INNER: Any = {"error_model": "numpy", "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
@@ -80,20 +86,38 @@ def digest_of(sources: Path) -> str:
 
 @cache
 def code_folder() -> Path | None:
-    """The folder of compiled code, the first of its places that can be written; None if none can."""
-    user = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
-    of_user = Path(CONFIG.CACHE_DIR or user, "stochlin")
-    name = f"kernels-{digest_of(KERNELS)}"
-    yesterday, names = time.time() - 86400.0, r"kernels-[0-9a-f]{16}"  # [s]
-    for place in [of_user] if CONFIG.CACHE_DIR else [PROGRAM, of_user]:
-        folder = place / name
-        with suppress(OSError):
-            folder.mkdir(parents=True, exist_ok=True)
-            remove_left(place, names, lambda path: path.lstat().st_mtime < yesterday)
-            tempfile.TemporaryFile(dir=folder).close()
-            os.utime(folder)
+    """The folder of compiled code, the first of its places that can be used; None if none can.
+
+    Compiled code is run as it is read: where others could write, it would be theirs.
+    """
+    if CONFIG.CACHE_DIR:
+        folder = _folder_in(Path(CONFIG.CACHE_DIR, "stochlin"))
+        if folder is None or is_private(folder):
             return folder
-    return None
+        warn_once(NOT_PRIVATE)
+    folder = _folder_in(PROGRAM)  # who can write there can also change the program
+    if folder is not None:
+        return folder
+    user = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
+    folder = _folder_in(Path(user, "stochlin"))
+    return folder if folder is not None and is_private(folder) else None
+
+
+def _folder_in(place: Path) -> Path | None:
+    """The folder of this version's compiled code in a place; None if it cannot be written."""
+    folder = place / f"{PREFIX}{digest_of(KERNELS)}"
+    yesterday = time.time() - 86400.0  # [s]
+    try:
+        place.mkdir(mode=0o755, parents=True, exist_ok=True)
+        folder.mkdir(mode=0o755, exist_ok=True)
+        with suppress(FileExistsError):  # marked already
+            os.close(mark(folder))
+        remove_unused(place, PREFIX, yesterday)
+        tempfile.TemporaryFile(dir=folder).close()
+        os.utime(folder)
+    except OSError:
+        return None
+    return folder
 
 
 @contextmanager

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 import stat
 import tempfile
 from collections.abc import Iterator
@@ -13,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
-from stochlin.kernels.basics.folders import is_left, lock, remove_left
+from stochlin.kernels.basics.folders import temporary_folder
 from stochlin.messages import REASONS, brief
 
 if TYPE_CHECKING:
@@ -50,18 +49,15 @@ def written_file(path: str | os.PathLike[str]) -> Path:
 
 @contextmanager
 def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """A temporary path beside the file; renamed to it after the block, or removed after an error.
+    """A temporary path; renamed to the file after the block, or removed after an error.
 
-    What a process that was killed has left there of the same file is removed.
+    It lies in a folder beside the file. Those that killed processes left there of the same file are
+    removed.
     """
     target = written_file(path)
-    prefix = f".writing-{target.stem[:40]}-"
-    remove_left(target.parent, rf"{re.escape(prefix)}\w{{8}}{re.escape(target.suffix)}", is_left)
-    temporary = target.parent / f"{prefix}{os.urandom(4).hex()}{target.suffix}"
     try:
-        with open(temporary, "x") as held:
-            if not lock(held.fileno()):  # on Windows, which renames no open file
-                held.close()
+        with temporary_folder(target.parent, f".writing-{target.stem[:40]}-") as folder:
+            temporary = folder / target.name
             yield temporary
             if target.exists():
                 temporary.chmod(stat.S_IMODE(target.stat().st_mode))
@@ -72,8 +68,6 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
         )
         failed.errno = error.errno
         raise failed from error
-    finally:
-        temporary.unlink(missing_ok=True)
 
 
 def save_table(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
