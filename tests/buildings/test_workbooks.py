@@ -6,7 +6,7 @@ import zipfile
 from pathlib import Path
 
 import pytest
-from commands import invoke
+from commands import invoke, process
 
 import stochlin as sl
 from stochlin.applications.sheets.sheets import sheets_of
@@ -78,12 +78,72 @@ REFUSED = {
         "<row><c t='s'><v>7</v></c></row>"
     ),
     "Cannot detect file format": {BOOK: ""},
-    "sheet2.xml has up to 164089404 cells; allowed: 8388608": with_rows(
-        9999 * '<row><c r="XFD9"/></row>'
+    "it has 2090095 cells; allowed: 1048576": with_rows(
+        "<row>"
+        + 55000 * ("<c><v>1</v></c>" + "</row><row>" + 18 * "<c/>" + "<c><v>1</v></c></row><row>")
+    ),
+    "has control characters in its texts": with_rows(
+        "<row><c t='str'><v>1\x1f2</v></c><c><v>3</v></c></row>"
     ),
     "its tables have 17": {"xl/styles.xml": 17_000_000 * " "},
     "it has more than 2000 parts": {f"xl/{n}": "" for n in range(2001)},
 }
+
+
+def named(count: int) -> str:
+    """The book with so many more names of its second sheet."""
+    more = "".join(f'<sheet name="{n}" sheetId="{n + 3}" r:id="b"/>' for n in range(count))
+    return PARTS[BOOK].replace("</sheets>", f"{more}</sheets>")
+
+
+def with_far(start: str, row: int = 2**20) -> dict[str, str]:
+    """A sheet with a cell in its last column and a row."""
+    return with_rows(f'{start}<c t="n" r="XFD{row}"><v>1</v></c></row>')
+
+
+SHARED = "".join(f'<row r="{n}"><c r="A{n}" t="s"><v>0</v></c></row>' for n in range(1, 100_001))
+LAUGHS = "".join(f'<!ENTITY a{n} "{10 * f"&a{n - 1};"}">' for n in range(1, 10))
+LAUGHED = with_rows("<row><c t='str'><v>&a9;</v></c></row>")[OTHER]
+ATTRIBUTES = " ".join(f"a{n}=''" for n in range(MANY))
+NAMES = 300_000 * "<definedName name='a'>A1</definedName>"
+MERGED = '<mergeCells><mergeCell ref="A1:XFD1048576"/></mergeCells></worksheet>'
+# What needs much more time or memory than its bytes.
+BOMBS: dict[str, dict[str, str]] = {
+    "a long text in many cells": {
+        TEXTS: f"<sst {MAIN}><si><t>{MANY * 'x'}</t></si></sst>",
+        **with_rows(SHARED),
+    },
+    "a cell far away": with_far("<row>"),
+    "a cell far away without white space": with_rows(
+        '<row s="1"r="1048576"><c t="n"r="XFD1048576"><v>1</v></c></row>'
+    ),
+    "a cell far away in a row with a number": with_far('<row r="1048576">'),
+    "many sheets with a cell far away": {BOOK: named(200), **with_far("<row>", 500)},
+    "the same sheet many times": {BOOK: named(100_000)},
+    "a dimension": {OTHER: TABLE.replace("<sheetData>", '<dimension ref="A1:XFD1048576"/><sheetData>')},
+    "a merged range": {OTHER: TABLE.replace("</worksheet>", MERGED)},
+    "entities of entities": {OTHER: f"<!DOCTYPE x [<!ENTITY a0 'aaaaaaaaaa'>{LAUGHS}]>{LAUGHED}"},
+    "elements in elements": with_rows(MANY * "<a>" + MANY * "</a>"),
+    "texts without end": {TEXTS: f"<sst {MAIN}>{2 * MANY * '<si/>'}</sst>"},
+    "a formula without end": with_rows(f"<row><c{5 * MANY * ' '}<c{5 * MANY * ' '}><f></row>"),
+    "attributes without end": with_rows(f"<row><c {ATTRIBUTES}/></row>"),
+    "names without end": {
+        BOOK: PARTS[BOOK].replace("</workbook>", f"<definedNames>{NAMES}</definedNames></workbook>")
+    },
+}
+READ_ALL = """
+import pathlib, resource, sys
+from stochlin.applications.sheets.sheets import sheets_of
+me, children = resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN
+for path in sorted(pathlib.Path().glob("*.xlsx")):
+    before = resource.getrusage(me).ru_maxrss
+    try:
+        what = f"{len(sheets_of(path))} sheets"
+    except ValueError as error:
+        what = f"refused: {error}"
+    kilobytes = resource.getrusage(me).ru_maxrss - before, resource.getrusage(children).ru_maxrss
+    print(*kilobytes, path.name, what.replace("\\n", " "), sep="|")
+"""
 
 
 @pytest.fixture(autouse=True)
@@ -101,6 +161,32 @@ def test_what_a_workbook_shows_is_read(tmp_path: Path, case: str) -> None:
 def test_other_workbooks_are_refused_in_a_sentence(tmp_path: Path, message: str) -> None:
     with pytest.raises(ValueError, match=rf"^push\.xlsx.*{re.escape(message)}"):
         sl.read_pushover(written(tmp_path, **REFUSED[message]))
+
+
+def test_no_workbook_takes_more_than_300_megabytes(tmp_path: Path) -> None:
+    """Neither of this process, nor of the one that reads it, which the system ends after two seconds."""
+    resource = pytest.importorskip("resource", reason="Windows has no limits of a process")
+    assert resource.RLIMIT_AS
+    for name, parts in BOMBS.items():
+        written(tmp_path, **parts).rename(tmp_path / f"{name}.xlsx")
+    done = process(tmp_path, {}, "-c", READ_ALL)
+    assert done.returncode == 0, done.stderr
+    rows = [line.split("|") for line in done.stdout.splitlines()]
+    assert len(rows) == len(BOMBS)
+    most = {name: max(int(here), int(apart)) for here, apart, name, _ in rows}
+    assert {name: size for name, size in most.items() if size > 300_000} == {}
+    assert sum("refused" in what for *_, what in rows) >= 7
+
+
+@pytest.mark.parametrize("method", [zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA])
+def test_parts_are_compressed_as_in_a_workbook(tmp_path: Path, method: int) -> None:
+    """Other methods take memory that the size of a part does not show."""
+    path = tmp_path / "push.xlsx"
+    with zipfile.ZipFile(path, "w", method) as archive:
+        for name, text in PARTS.items():
+            archive.writestr(name, text)
+    with pytest.raises(ValueError, match="is not compressed as in a workbook"):
+        sl.read_pushover(path)
 
 
 def test_what_is_no_workbook_of_today_is_refused(tmp_path: Path) -> None:

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from stochlin.applications.sheets.workbooks import MOST_CELLS, rows_of
+from stochlin.applications.sheets.workbooks import rows_of
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief, listed, plain
 from stochlin.models.arguments import is_whole
@@ -24,6 +24,7 @@ from stochlin.models.units import parsed, size_of, stated_size
 from stochlin.solver.tables.inputs import read_input, read_text
 
 _WORKBOOKS = b"PK\x03\x04", b"\xd0\xcf\x11\xe0"  # signatures of .xlsx, and of .xls or with a password
+MOST_CELLS = 2**23  # of a text, with the empty ones between others
 _SAMPLE = 50  # lines in which the separator is looked for, and where the numbers begin
 _DECIMAL_COMMA = re.compile(r"(^|[;\s])[-+]?\d*,\d+([;\s]|$)")
 _BETWEEN_TITLES = r"\t+|\s{2,}", r"\s+(?![(\[])", r"\s+"  # white space, which may be within titles
