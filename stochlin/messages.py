@@ -74,7 +74,10 @@ def plain(text: object, longest: int = LONGEST) -> str:
 
 def sentence(error: BaseException, longest: int = 160) -> str:
     """What another error says, on one line."""
-    text = str(error) or type(error).__name__
+    try:
+        text = str(error) or type(error).__name__
+    except RecursionError:  # of values that are nested too deeply to be written
+        text = type(error).__name__
     if isinstance(error, OSError) and error.strerror:  # told by the system, with a number
         name = "" if error.filename is None else f"{error.filename}: "
         text = f"{name}{REASONS.get(error.errno or 0, error.strerror)}"

@@ -83,6 +83,25 @@ def test_a_case_stays_in_its_folder(tmp_path):
                 opened(named)
 
 
+def test_a_file_that_changes_is_read_again(tmp_path):
+    """Also when the text of site and motion stays; the strength grows with the square of the motion."""
+
+    def strength(text):
+        case, _ = read_upload(str(tmp_path), "case.toml", text)
+        return case.site.ground.intensity
+
+    record = tmp_path / "a.csv"
+    samples = sl.read_record(record_in(tmp_path))
+    of_record = f'path = "a.csv"\ndt = "{float(samples.time[1])} s"\n'
+    text = with_site(f'ground = "fitted"\n[[site.records]]\n{of_record}')
+    fitted = []
+    for factor, other in ((1, text), (10, text), (10, text.replace("5 cm", "6 cm")), (1, text)):
+        record.write_text("acc [m/s2]\n" + "\n".join(f"{factor * each:.9f}" for each in samples.values))
+        fitted.append(strength(other))
+    assert fitted[1] == pytest.approx(100 * fitted[0], rel=1e-3)
+    assert fitted[2:] == [fitted[1], fitted[0]]
+
+
 def test_what_is_fitted_to_a_site_is_fitted_once(tmp_path):
     """And a warning on the site is given with each text, with that on the file."""
     text = with_site('spectrum = "eurocode_8"\nag = "4 g"\nsoil = "C"\nfilters = 1\n')

@@ -14,7 +14,7 @@ from stochlin import kernels
 from stochlin.kernels.basics.compiled import Entry
 from stochlin.messages import WHEN_COMPILING
 from stochlin.views.shared.screen import compiling_message
-from stochlin.views.warmup.tasks import TASKS, perform
+from stochlin.views.warmup.tasks import TASKS
 
 
 def compiled() -> dict[str, int]:
@@ -29,8 +29,8 @@ def compiled() -> dict[str, int]:
 
 def new_kinds(folder: Path) -> list[str]:
     """What commands call with arguments of other kinds than the tasks; in a new process."""
-    for name in TASKS:
-        perform(name)
+    for task in TASKS.values():
+        task()
     before = compiled()
     assert max(before.values()) == 1  # see `variant`
     record = folder / "wave.txt"

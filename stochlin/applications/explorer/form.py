@@ -21,11 +21,13 @@ from stochlin.applications.cases.reading.kinds import (
     Word,
 )
 from stochlin.applications.cases.reading.site import FITTED
-from stochlin.applications.cases.reading.tables import NO_TABLE, key_lines
+from stochlin.applications.cases.reading.tables import NO_TABLE, Place, key_lines
+from stochlin.messages import plain
 from stochlin.solver.tables.toml import toml_tables
 
 SHOWN = "site", "motion", "separation"  # besides the buildings, tables on which the gap depends
 TIMES = 4.0  # a slider goes from the value over this to the value times this
+LONGEST_LINE, LONGEST_NAME = 1000, 60  # characters of a line with an entry, and of a name
 STEP = 0.025  # of a slider: a power of that number
 WRITTEN = re.compile(r'[^=#]*=\s*("[^"]*"|\[[^\]]*\]|[^\s#]+)')  # a key and its value in a line
 
@@ -72,33 +74,47 @@ class Entry(NamedTuple):
         return (min(reached), max(reached)) if len({*reached.values()}) > 2 else None
 
 
+class Lines(NamedTuple):
+    """The lines of a text, and the numbers, from 1, of those with its keys."""
+
+    texts: Sequence[str]
+    numbers: Mapping[Place, int]
+
+    @classmethod
+    def of(cls, text: str) -> Lines:
+        """The lines of a case file."""
+        return cls(text.splitlines(), key_lines(text))
+
+    def line_of(self, table: str, name: str, value: Any) -> int:
+        """Number of the line that has a key and its whole value; 0 if there is no such line."""
+        number = self.numbers.get((table, name), 0)
+        written = self.texts[number - 1]
+        with suppress(ValueError):
+            if number and len(written) <= LONGEST_LINE and toml_tables(written) == {name: value}:
+                return number
+        return 0
+
+
 def form_of(text: str) -> Iterator[tuple[str, list[Entry]]]:
     """Titles of the tables on which the gap depends, with the values that they have."""
-    for name, table in toml_tables(text).items():
-        if name in SHOWN or NUMBERED.fullmatch(name):
-            called = f": {table['name']}" if "name" in table else ""
-            of_lines = {key: value for key, value in table.items() if _line(text, name, key, value)}
-            yield f"{name.replace('_', ' ').capitalize()}{called}", list(_entries(name, table, of_lines))
+    tables = toml_tables(text)  # which refuses what takes too long to be read
+    lines = Lines.of(text)
+    for name, table in tables.items():
+        if isinstance(table, dict) and (name in SHOWN or NUMBERED.fullmatch(name)):
+            called = f": {plain(table['name'], LONGEST_NAME)}" if "name" in table else ""
+            yield f"{name.replace('_', ' ').capitalize()}{called}", list(_entries(name, table, lines))
 
 
-def _line(text: str, table: str, name: str, value: Any) -> int:
-    """Number of the line, from 1, that has a key and its whole value; 0 if there is no such line."""
-    number = key_lines(text).get((table, name), 0)
-    with suppress(ValueError):
-        if number and toml_tables(text.splitlines()[number - 1]) == {name: value}:
-            return number
-    return 0
-
-
-def _entries(name: str, table: Mapping[str, Any], shown: Mapping[str, Any]) -> Iterator[Entry]:
+def _entries(name: str, table: Mapping[str, Any], lines: Lines) -> Iterator[Entry]:
     """Words, numbers, lists of numbers and truth values of a table."""
     keys = _keys(name, table)
-    for each, value in ((each, value) for each, value in shown.items() if each in keys):
+    for each, value in ((each, value) for each, value in table.items() if each in keys):
         accepted = keys[each].kind
         of_all = accepted.kind if isinstance(accepted, ListOf) else accepted
         number = isinstance(of_all, (Integer, Quantity))
         words = _words(name, table, each, accepted) if isinstance(accepted, Word) else []
-        if number or of_all is TRUTH or (value in words and words[1:]):
+        chosen = isinstance(value, str) and value in words and len(words) > 1
+        if (number or of_all is TRUTH or chosen) and lines.line_of(name, each, value):
             yield Entry(name, each, keys[each], value, words)
 
 
@@ -122,7 +138,9 @@ def _words(table: str, values: Mapping[str, Any], name: str, accepted: Word) -> 
 def changed_text(text: str, entry: Entry) -> str:
     """The text of a case file with the value of an entry; only its line changes, comments stay."""
     value = toml_tables(text)[entry.table][entry.name]
-    number, lines = _line(text, entry.table, entry.name, value), text.splitlines()
+    lines = Lines.of(text)
+    changed = list(lines.texts)
+    at = lines.line_of(entry.table, entry.name, value) - 1
     written = f"{entry.name} = {json.dumps(entry.value, ensure_ascii=False)}".replace("\x7f", r"\u007f")
-    lines[number - 1] = WRITTEN.sub(lambda _: written, lines[number - 1], count=1)
-    return "\n".join(lines) + "\n"
+    changed[at] = WRITTEN.sub(lambda _: written, changed[at], count=1)
+    return "\n".join(changed) + "\n"

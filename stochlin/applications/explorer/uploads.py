@@ -4,20 +4,47 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path, PurePath
 from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
+import xarray as xr
+
 from stochlin.applications.cases.reading.case import Case, case_of, read_case
+from stochlin.applications.cases.reading.site import Site
 from stochlin.applications.cases.reading.tables import read_table
 from stochlin.messages import DoubtfulInput
 from stochlin.solver.tables.inputs import only_within
 from stochlin.solver.tables.toml import read_toml
 
-# What the last site was read from, the site with its ground, and warnings on the ground.
-_LAST: list[Any] = [None, None, ()]
+
+class Fitted(NamedTuple):
+    """A site with its ground, the values that it was read from, and warnings on the ground."""
+
+    values: Sequence[Any]
+    site: Site
+    doubts: Sequence[str]
+
+    def is_of(self, values: Sequence[Any], site: Site) -> bool:
+        """Whether a site has these values and the same content of all files that they name."""
+        mine, others = (
+            {**each.records, "spectrum": each.spectrum, "hazard": each.hazard}
+            for each in (self.site, site)
+        )
+        same_files = mine.keys() == others.keys() and all(_same(mine[n], others[n]) for n in mine)
+        return self.values == values and same_files
+
+
+def _same(content: Any, other: Any) -> bool:
+    """Whether two records, spectra or hazards are the same."""
+    if isinstance(content, xr.DataArray) and isinstance(other, xr.DataArray):
+        return content.identical(other)
+    return type(content) is type(other) and bool(content == other)
+
+
+_LAST: list[Fitted] = []  # at most one
 
 
 class Upload(NamedTuple):
@@ -66,23 +93,24 @@ def of_file(path: Path) -> Upload:
 def read_upload(folder: str, name: str, text: str) -> tuple[Case, list[str]]:
     """The case of this text in a folder outside of which nothing is read, and warnings on it.
 
-    Its ground is fitted and scaled, unless site and motion are those of the last text.
+    Its ground is fitted and scaled, unless it is that of the last text: with the same values of site and
+    motion and the same content of all files.
     """
     path = Path(folder) / name
     with only_within(path.parent), warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", DoubtfulInput)
         try:
             case = case_of(read_table(path, text))
-            shaking = path, case.whole.site.values, case.whole.motion.values
-            if shaking != _LAST[0]:
+            values = path, case.whole.site.values, case.whole.motion.values
+            if not (_LAST and _LAST[0].is_of(values, case.site)):
                 before = len(caught)
                 _ = case.site.ground
-                _LAST[:] = shaking, case.site, caught[before:]
+                _LAST[:] = [Fitted(values, case.site, [str(each.message) for each in caught[before:]])]
         except (OSError, ValueError) as error:
             raise ValueError(_without(folder, error)) from error
-    _, site, warned = _LAST
-    doubts = dict.fromkeys(str(warning.message) for warning in [*caught, *warned])
-    return replace(case, site=site), [*doubts]
+    fitted = _LAST[0]
+    doubts = dict.fromkeys([*(str(warning.message) for warning in caught), *fitted.doubts])
+    return replace(case, site=fitted.site), [*doubts]
 
 
 def _without(folder: str, error: Exception) -> str:

@@ -29,12 +29,14 @@ CAPTION = (
 )
 
 
-def get_ready(progress: Progress) -> None:
+def get_ready(progress: Progress) -> str:
     """Answer the example, so that libraries are loaded and code is compiled before a change."""
     text = short_example()
     upload = uploaded({"case.toml": text.encode()})
-    gap_of(upload.folder, upload.name, text, progress)
-    upload.remove()
+    try:
+        return gap_of(upload.folder, upload.name, text, progress)
+    finally:
+        upload.remove()
 
 
 def gap_of(folder: str, name: str, text: str, progress: Progress) -> str:
@@ -95,3 +97,8 @@ def _drawn(grounds: list[OnGround], ratio: float) -> Figure:
     label_axis(axes, "y", grounds[0].linearized)
     legend_above(axes)
     return figure
+
+
+TABS = {"Gap": gap_of, "Correlation": correlation_of}
+READY = "ready"
+QUESTIONS = {READY: get_ready, **TABS}

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import gc
-import logging
 import weakref
 from contextlib import suppress
 from typing import TYPE_CHECKING
@@ -15,9 +14,10 @@ from stochlin.applications.explorer.form import changed_text, form_of
 from stochlin.applications.explorer.uploads import Upload, uploaded
 from stochlin.messages import LONGEST_MESSAGE, sentence
 from stochlin.solver.tables.inputs import MOST_BYTES
-from stochlin.views.explorer.answers import correlation_of, gap_of
+from stochlin.views.explorer.answering import REFUSED
+from stochlin.views.explorer.answers import TABS
 from stochlin.views.explorer.rows import TYPING, EntryRow
-from stochlin.views.explorer.workers import Job, Stopped
+from stochlin.views.explorer.workers import Job, NoAnswer, Stopped
 
 if TYPE_CHECKING:
     from nicegui import events
@@ -25,13 +25,10 @@ if TYPE_CHECKING:
     from stochlin.applications.explorer.form import Entry
     from stochlin.views.explorer.workers import Worker
 
-QUESTIONS = {"Gap": gap_of, "Correlation": correlation_of}  # of each tab
 PAUSE = 0.5  # s after the last change, before the answer is computed anew
 LOOK = 0.25  # s between two looks at how far the work is
-REFUSED = (ValueError, TypeError, ArithmeticError, MemoryError, OSError)
 NOT_SENT = f"The files were not opened; allowed: {MOST_BYTES >> 20} MB in all, and 1000 files."
 HEADING = "How far must two buildings on the same ground stand apart?"
-LOG = logging.getLogger("stochlin")
 
 
 class Page:
@@ -77,7 +74,7 @@ class Page:
             with ui.element("div").props("id=answer tabindex=-1"):
                 with ui.tabs(on_change=self._compute) as self._tabs:
                     self._tabs.props("no-caps align=left dense")
-                    for name in QUESTIONS:
+                    for name in TABS:
                         ui.tab(name).props(f"data-tab={name}")
                 self._state = ui.label().classes("state").props("role=status data-state")
                 self._alert = ui.label().classes("wrong").props("role=alert data-alert")
@@ -126,11 +123,11 @@ class Page:
         await asyncio.sleep(pause)
         upload, text, why = self._upload, self._text, ""
         try:
-            answer = await self._worker.answer(job, QUESTIONS[tab], upload.folder, upload.name, text)
+            answer = await self._worker.answer(job, tab, upload.folder, upload.name, text)
         except Stopped:  # for the sake of other values, or of none
             return
-        except Exception as error:
-            why = _why(error)
+        except NoAnswer as error:
+            why = str(error)
         if not job.wanted:
             return
         job.wanted, self._alert.text = False, why
@@ -152,7 +149,7 @@ class Page:
         try:
             opened = await asyncio.to_thread(uploaded, files)
         except REFUSED as error:
-            self._alert.text = f"The file was not opened: {_why(error)}"
+            self._alert.text = f"The file was not opened: {sentence(error, LONGEST_MESSAGE)}"
             return
         self._remove_folder()
         self._upload, self._text = opened, opened.text
@@ -176,13 +173,6 @@ class Page:
         """Remove the files of this page; those with which the server started are of all pages."""
         if self._upload is not self._shared:
             self._upload.remove()
-
-
-def _why(error: Exception) -> str:
-    """What to say of an error; a fault of ours, or a process that died, is logged."""
-    if not isinstance(error, REFUSED):
-        LOG.error("no answer", exc_info=error)
-    return sentence(error, LONGEST_MESSAGE)
 
 
 def _button(text: str, mark: str) -> ui.button:

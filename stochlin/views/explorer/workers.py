@@ -1,29 +1,38 @@
-"""A process beside the page for calculations that take too long for a slider."""
+"""A process beside the page for calculations that take too long for a slider.
+
+Page and process exchange lines of JSON, which hold texts and numbers alone: whatever a case file holds,
+neither can do more to the other than to say something. `answering` is the other side.
+"""
 
 from __future__ import annotations
 
 import asyncio
-import multiprocessing
-import signal
+import json
+import logging
 import tempfile
 import time
-import traceback
+from asyncio.subprocess import PIPE, Process
+from contextlib import suppress
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from multiprocessing.connection import Connection
-    from multiprocessing.context import SpawnProcess
+from stochlin.kernels.basics.children import command, environment
 
-LOOK = 0.05  # s between two looks at what the process tells
+LOOK = 0.05  # s between two looks whether the answer is still wanted
 GRACE = 0.5  # s that a question may take to stop by itself, before its process is killed
+LONGEST_LINE = 2**26  # bytes of an answer with its pictures
+PROGRAM = "from stochlin.views.explorer.answering import main; main()"
 # A second thread of linear algebra doubles the processor time of matrices as small as these.
 ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+LOG = logging.getLogger("stochlin")
 
 
-class Stopped(Exception):  # noqa: N818 (no error: it was asked for)
-    """A calculation that was told to stop."""
+class Stopped(Exception):  # noqa: N818 (no error: it was wanted)
+    """A calculation that was stopped, since its answer is not wanted any more."""
+
+
+class NoAnswer(Exception):  # noqa: N818
+    """Why a question has no answer, in a sentence."""
 
 
 @dataclass
@@ -37,86 +46,80 @@ class Job:
 class Worker:
     """One process, which answers one question after the other.
 
-    A process that does not stop is killed, and the next question starts another one.
+    A process that does not stop is killed, and the next question starts another one. ``module`` has a
+    mapping ``QUESTIONS`` of names to functions of texts and of ``progress``, which return a text.
     """
 
-    def __init__(self) -> None:
-        self.process: SpawnProcess | None = None
-        self._context = multiprocessing.get_context("spawn")  # numba's threads do not survive a fork
+    def __init__(self, module: str) -> None:
+        self.process: Process | None = None
+        self._module = module
         self._turn = asyncio.Lock()
 
-    async def answer(self, job: Job, question: Callable[..., Any], *subject: Any) -> Any:
-        """What a function of these arguments and of ``progress`` returns; raises what it raises.
+    async def answer(self, job: Job, question: str, *subject: str) -> str:
+        """What the function of this name returns for these texts.
 
-        Raises `Stopped` once the job is not wanted any more.
+        Raises `Stopped` once the job is not wanted any more, and `NoAnswer` if there is none.
         """
         async with self._turn:
             if not job.wanted:
                 raise Stopped
-            if self.process is None or not self.process.is_alive():
-                self.process = self._start()
+            if self.process is None or self.process.returncode is not None:
+                self.process = await self._start()
             try:
-                self._pipe.send((question, subject))
-                answer, failure = await self._reply(job)
-            except BaseException as error:  # also that the page ends
+                await self._send(self.process, [question, *subject])
+                reply = await self._reply(self.process, job)
+            except (EOFError, OSError) as error:
+                await self.stop()
+                what = f"the process that computes has ended (exit code {self.process.returncode})"
+                LOG.exception("no answer")
+                raise NoAnswer(f"{what}; ask again, with fewer storeys or a shorter motion") from error
+            except BaseException:  # also that the page ends
+                await self.stop()
+                raise
+        if "answer" in reply:
+            return str(reply["answer"])
+        if "why" not in reply:
+            raise Stopped
+        if reply["trace"]:
+            LOG.error("no answer\n%s", reply["trace"])
+        raise NoAnswer(reply["why"])
+
+    async def stop(self) -> None:
+        """End the process."""
+        if self.process is not None:
+            with suppress(ProcessLookupError):  # it has ended by itself
                 self.process.kill()
-                self.process.join()
-                self._pipe.close()
-                if not isinstance(error, (EOFError, OSError)):
-                    raise
-                what = f"the process that computes has ended (exit code {self.process.exitcode})"
-                raise RuntimeError(
-                    f"{what}; ask again, with fewer storeys or a shorter motion"
-                ) from error
-        if failure is not None:
-            raise failure
-        return answer
+            await self.process.wait()
 
-    def _start(self) -> SpawnProcess:
-        self._pipe, other = self._context.Pipe()
-        arguments = other, tempfile.gettempdir()
-        process = self._context.Process(target=_answer_questions, args=arguments, daemon=True)
-        process.start()
-        other.close()  # so that the end of the process ends the pipe
-        return process
+    async def _start(self) -> Process:
+        return await asyncio.create_subprocess_exec(
+            *command(PROGRAM, self._module, tempfile.gettempdir()),
+            stdin=PIPE,
+            stdout=PIPE,
+            env=environment(ONE_THREAD),
+            limit=LONGEST_LINE,
+        )
 
-    async def _reply(self, job: Job) -> tuple[Any, Exception | None]:
-        """What the process tells at last: the answer, or why there is none."""
+    async def _send(self, process: Process, message: list[str] | None) -> None:
+        assert process.stdin is not None
+        process.stdin.write(json.dumps(message).encode() + b"\n")
+        await process.stdin.drain()
+
+    async def _reply(self, process: Process, job: Job) -> dict[str, Any]:
+        """What the process says at last; before that it says how far it is."""
+        assert process.stdout is not None
         until = float("inf")
         while True:
-            if self._pipe.poll():
-                message = self._pipe.recv()
-                if isinstance(message, tuple):
-                    return message
-                job.share = message
-                continue
+            with suppress(TimeoutError):
+                line = await asyncio.wait_for(process.stdout.readline(), LOOK)
+                if not line:
+                    raise EOFError
+                reply: dict[str, Any] = json.loads(line)
+                if "share" not in reply:
+                    return reply
+                job.share = reply["share"]
             if not job.wanted and until == float("inf"):
-                self._pipe.send(None)
+                await self._send(process, None)
                 until = time.monotonic() + GRACE
             if time.monotonic() > until:
                 raise Stopped
-            await asyncio.sleep(LOOK)
-
-
-def _answer_questions(pipe: Connection, folder: str) -> None:
-    """In the process: answer what comes through the pipe; leave Ctrl+C to the page."""
-    tempfile.tempdir = folder  # the page's, which removes what a process has left that was killed
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-
-    def progress(share: float) -> None:
-        if pipe.poll():  # while a question is answered, only the wish to stop can come
-            raise Stopped
-        pipe.send(float(share))
-
-    while True:
-        message = pipe.recv()
-        if message is None:  # to stop what has just been answered
-            continue
-        reply: tuple[Any, Exception | None]
-        try:
-            question, subject = message
-            reply = question(*subject, progress), None
-        except Exception as error:
-            error.add_note(traceback.format_exc())  # which does not pass the pipe otherwise
-            reply = None, error
-        pipe.send(reply)

@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
 import click
 
 from stochlin.views.shared.screen import COMMANDS, bad_input, progress_bar
+
+if TYPE_CHECKING:
+    from queue import SimpleQueue
 
 
 @COMMANDS.register("warmup")
@@ -24,12 +30,12 @@ def warmup() -> None:
     Example:
       stochlin warmup
     """
-    from concurrent.futures import ProcessPoolExecutor, as_completed
-    from multiprocessing import get_context
+    from concurrent.futures import ThreadPoolExecutor, as_completed
+    from queue import SimpleQueue
 
     from stochlin.kernels.basics.compiled import NOT_COMPILED, NOT_KEPT, UNCOMPILED, code_folder
     from stochlin.kernels.basics.parallel import cores
-    from stochlin.views.warmup.tasks import TASKS, perform
+    from stochlin.views.warmup.tasks import TASKS
 
     with bad_input():
         if code_folder() is None:
@@ -37,13 +43,38 @@ def warmup() -> None:
     if UNCOMPILED:
         click.echo(NOT_COMPILED)
         return
-    with (
-        bad_input(),
-        progress_bar("compiling") as progress,
-        ProcessPoolExecutor(min(cores(), len(TASKS)), get_context("spawn")) as processes,
-    ):
+    count = min(cores(), len(TASKS))
+    names: SimpleQueue[str] = SimpleQueue()
+    for name in (*TASKS, *count * [""]):  # an empty one for each process, which ends it
+        names.put(name)
+    with bad_input(), progress_bar("compiling") as progress, ThreadPoolExecutor(count) as pool:
         progress(0.0)
-        for done, task in enumerate(as_completed(processes.submit(perform, name) for name in TASKS)):
-            task.result()
-            progress((done + 1) / len(TASKS))
+        finished: list[str] = []
+
+        def finish(name: str) -> None:
+            finished.append(name)
+            progress(len(finished) / len(TASKS))
+
+        for process in as_completed(pool.submit(_perform, names, finish) for _ in range(count)):
+            process.result()
     click.echo("everything is compiled")
+
+
+def _perform(names: SimpleQueue[str], finish: Callable[[str], None]) -> None:
+    """Have one process perform tasks, as long as there are any."""
+    from subprocess import PIPE, Popen
+
+    from stochlin.kernels.basics.children import command, environment
+
+    program = "from stochlin.views.warmup.tasks import main; main()"
+    with Popen(command(program), stdin=PIPE, stdout=PIPE, text=True, env=environment()) as process:
+        assert process.stdin is not None
+        assert process.stdout is not None
+        while name := names.get():
+            process.stdin.write(f"{name}\n")
+            process.stdin.flush()
+            if not process.stdout.readline():
+                what = f"a process has ended (exit code {process.wait()}) while it compiled {name}"
+                raise RuntimeError(f"{what}; try again")
+            finish(name)
+        process.stdin.close()

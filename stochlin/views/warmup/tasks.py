@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
 from typing import Any
 
@@ -93,7 +94,9 @@ def storeys() -> None:
 TASKS = {task.__name__: task for task in (pounding, tables, storeys, oscillators, records)}
 
 
-def perform(name: str) -> str:
-    """Do one of them, in a process of its own."""
-    TASKS[name]()
-    return name
+def main() -> None:
+    """Perform the tasks whose names come in, a line each, and write each name when it is done."""
+    for line in sys.stdin:
+        TASKS[line.strip()]()
+        sys.stdout.write(line)
+        sys.stdout.flush()
