@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 import stochlin as sl
@@ -13,6 +13,14 @@ SLOW = sl.CloughPenzien(1.0, 0.4, 5.0, 0.6, intensity=0.01)
 FAST = sl.CloughPenzien(0.2, 0.5, 1.0, 0.6, intensity=0.02)
 BOTH = sl.ParallelGround([SLOW, FAST])
 ONE, TWO = sl.Bilinear(1.0, 0.05), sl.Bilinear(0.6, 0.05)
+
+
+# The coefficients of their sum are up to 1e12 times each other, and none is a rounding error.
+FAR_APART = [
+    sl.KanaiTajimi(0.085, 0.12, intensity=0.0012),
+    sl.CloughPenzien(0.155, 0.16, 8.0, 0.25, intensity=0.96),
+    sl.CloughPenzien(0.95, 0.08, 5.4, 0.6, intensity=0.38),
+]
 
 
 def log_between(low: float, high: float) -> st.SearchStrategy[float]:
@@ -32,12 +40,22 @@ CLOUGH = st.builds(
 
 @pytest.mark.invariant
 @given(st.lists(KANAI | CLOUGH, min_size=2, max_size=3))
+@example(FAR_APART)
 def test_spectrum_of_the_filter_is_the_sum(grounds):
     frequency = np.geomspace(0.1, 200, 50)
     found = sl.ParallelGround(grounds).lone_filter()
     wanted = sum(ground.psd(frequency).values for ground in grounds)
     # Zeros of polynomials of up to 24th degree: ten digits as a rule, five where they come close.
     np.testing.assert_allclose(found.intensity * found.transmission(frequency), wanted, rtol=1e-5)
+
+
+@pytest.mark.invariant
+@pytest.mark.parametrize("factor", [1e-12, 1e12])
+def test_intensity_scales_them_together(factor):
+    scaled = sl.ParallelGround([replace(g, intensity=factor * g.intensity) for g in (SLOW, FAST)])
+    before, after = (sl.correlate(ONE, TWO, ground) for ground in (BOTH, scaled))
+    np.testing.assert_allclose(after.displacement_std_1, np.sqrt(factor) * before.displacement_std_1)
+    np.testing.assert_allclose(after.rho, before.rho)
 
 
 @pytest.mark.oracle

@@ -12,7 +12,7 @@ from scipy.linalg import block_diag
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.filters import Filter, resolvent
 
-_ZERO = 1e-12  # coefficients smaller than this share of the largest are rounding errors
+_ZERO = 1e-12  # coefficients of one ground below this share of the largest are rounding errors
 
 
 def in_parallel(filters: Sequence[Filter]) -> Filter:
@@ -69,8 +69,12 @@ def _numerator(matrix: Array, noise: Array, output: Array, poles: Array) -> Arra
 
 
 def _factor(square: Array) -> Array:
-    """Spectral factor: ``p(s)`` without zeros of positive real part, from ``p(s) p(-s)`` in ``s^2``."""
-    used = np.flatnonzero(np.abs(square) > _ZERO * np.abs(square).max())
+    """Spectral factor: ``p(s)`` without zeros of positive real part, from ``p(s) p(-s)`` in ``s^2``.
+
+    Coefficients beyond the ends are exactly 0, as those of `_numerator` are. Small ones are none of
+    rounding: they differ by more than digits have where the frequencies of grounds are far apart.
+    """
+    used = np.flatnonzero(square)
     low, high = used[0], used[-1]
     roots = -np.sqrt(polynomial.polyroots(square[low : high + 1]).astype(complex))
     factor = polynomial.polyfromroots(roots).real
