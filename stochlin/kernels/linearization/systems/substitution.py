@@ -90,7 +90,6 @@ def mixed(tried: Array, mismatches: Array, relaxation: float) -> Array:
     It mixes d rounds; with none it is substitution, which goes the share ``relaxation`` of the way.
     """
     moves, changes = (np.nan_to_num(np.diff(rounds, axis=0)) for rounds in (tried, mismatches))
-    moves *= changes.any(axis=1, keepdims=True)
     size = np.sqrt((changes**2).sum(axis=1))
     size[size == 0] = 1.0
     rows = (changes / size[:, None]).transpose(2, 0, 1)
