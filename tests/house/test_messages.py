@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from stochlin.messages import LONGEST, brief, listed, nearest, plain, sentence
+from stochlin.messages import LONGEST, brief, hint, listed, nearest, plain, sentence
 
 pytestmark = pytest.mark.invariant
 
@@ -60,3 +60,18 @@ def test_the_name_that_was_probably_meant() -> None:
         *((text, "") for text in ("l", "foo", "x" * 200_000, "", "\u00e9")),
     ):
         assert nearest(written, known) == expected, written[:20]
+
+
+@pytest.mark.parametrize(
+    ("written", "known", "likely"),
+    [
+        ("zzzdefghij", "abcdefghij", True),  # 7 letters of 10 are the same, 0.7
+        ("zzzzefghijklm", "abcdefghijklm", False),  # 9 of 13, 0.69
+        ("ggp", "gap", False),
+        ("gaps", "gap", True),
+        ("per", "period", True),
+        ("pe", "period", False),  # two letters begin many names
+    ],
+)
+def test_a_hint_needs_three_letters_and_seven_tenths_of_them(written, known, likely):
+    assert hint(written, [known, "something else"]) == (f"did you mean {known!r}? " if likely else "")

@@ -3,6 +3,7 @@
 import cases
 import numpy as np
 import pytest
+from cases import axis
 
 import stochlin as sl
 from stochlin.kernels.linearization.covariance import stable
@@ -103,3 +104,13 @@ def test_the_strongest_shaking_leaves_the_stiffness_after_yielding(law, closure,
 def test_shaking_beyond_reach_says_so():
     with pytest.raises(ArithmeticError, match="check the units"):
         sl.linearize(sl.Bilinear(1.0, 0.05, 0.05, yield_displacement=1e-30), sl.WhiteNoise(0.01))
+
+
+@pytest.mark.parametrize("solve", [sl.linearize, sl.linearize_system])
+def test_strong_shaking_is_a_thousand_times_the_yield_displacement(solve):
+    """Of the standard deviation of the elastic structure, which is R/p with a peak factor of 3."""
+    structure = sl.Bilinear(1.0, 0.05, 0.05, reduction_factor=axis("factor", [2900.0, 3100.0]))
+    structures = structure if solve is sl.linearize else [structure]
+    table = solve(structures, sl.WhiteNoise(0.01), max_iterations=1)
+    meanings = table.status.attrs["flag_meanings"].split()
+    assert [meanings[code] for code in table.status.values] == ["not_converged", "shaking_too_strong"]

@@ -314,6 +314,15 @@ def test_caution_outside_of_what_was_simulated():
     assert int(sl.linearize(soft, ground, "drift").caution) == 2
 
 
+@pytest.mark.parametrize(("period", "factor"), [(0.3, 3.0), (1.0, 6.0), (4.0, 1.0)])
+def test_the_least_error_is_0_03_in_place_of_0_01_on_clough_penzien_ground(period, factor):
+    structure = building(period=period, reduction_factor=factor)
+    grounds = sl.KanaiTajimi(1.0, 0.3), sl.CloughPenzien(1.0, 0.3, 10.0, 0.6)
+    mapped, beyond = (float(sl.linearize(structure, g, "drift").displacement_error) for g in grounds)
+    assert mapped > 0.01
+    assert beyond**2 - mapped**2 == pytest.approx(0.03**2 - 0.01**2, rel=1e-9)
+
+
 @pytest.mark.parametrize(
     ("structure", "damping", "simulated"),
     [
