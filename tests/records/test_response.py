@@ -5,6 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import scipy.linalg
+import xarray as xr
 from cases import assert_near, axis
 from hypothesis import given
 from hypothesis import strategies as st
@@ -293,6 +294,18 @@ def test_pairs_make_a_table():
     assert float(table.separation[1, 0, 2]) == float(alone.separation)
     case = sl.recorded_gap(sl.Bilinear(periods, 0.05), sl.Bilinear(periods[::-1], 0.05), synthetic())
     assert case.separation.dims == ("case",)
+
+
+@pytest.mark.parametrize("steps", [(0.002, 0.2), (0.2, 0.002)])
+def test_no_period_is_below_a_tenth_of_the_longest_time_step(steps):
+    records = [synthetic(dt=dt) for dt in steps]
+    periods = xr.DataArray([0.0199, 0.0201], dims="period")
+    table = sl.response_spectrum(records, periods, 0.05)
+    assert table.displacement_max.isnull().transpose("record", "period").values.tolist() == 2 * [
+        [True, False]
+    ]
+    with pytest.raises(ValueError, match=r"period = 0.0199 s; allowed: 0.02 s \(dt/10\) or more"):
+        sl.recorded_gap(sl.Bilinear(0.5, 0.05), sl.Bilinear(0.0199, 0.05), records)
 
 
 def test_time_of_a_history_is_that_of_the_record():

@@ -74,6 +74,32 @@ def test_errors_of_the_fragility_are_those_of_repetitions(highest):
     assert dispersion.std() == pytest.approx(dispersion_error.mean(), rel=sampling)
 
 
+def test_errors_where_motions_never_pound_are_those_of_the_likelihood():
+    """By its second differences: density of those that pound, and probability of all others."""
+    of_one = 0.1 * np.exp(0.5 * np.random.default_rng(6).standard_normal(400))
+    first = 0.3 / of_one
+    found = lognormal_fragility(
+        SeparationsByIntensity(np.array([1e-2, 4.0]), of_one[:, None] * [1e-2, 4.0]), 0.3
+    )
+    seen = first[first < 4.0]
+
+    def surprise(median, dispersion):
+        above = norm.sf(np.log(4.0 / median) / dispersion)
+        density = norm.pdf(np.log(seen / median) / dispersion) / dispersion
+        return -np.log(density).sum() - (first.size - seen.size) * np.log(above)
+
+    at, h = np.array(found[:2]), 1e-3 * np.eye(2)
+    curvature = [
+        [
+            sum(s * t * surprise(*(at + s * one + t * two)) for s in (1, -1) for t in (1, -1)) / 4e-6
+            for one in h
+        ]
+        for two in h
+    ]
+    assert 100 < seen.size < 300
+    np.testing.assert_allclose(found[2:4], np.sqrt(np.diag(np.linalg.inv(curvature))), rtol=1e-3)
+
+
 @pytest.mark.parametrize(
     ("separation", "status"),
     [

@@ -128,6 +128,15 @@ def test_mean_force_over_a_small_change_is_that_at_an_instant(law, v0, before, s
     dt=steps,
     soft=powers(-2, 1),
 )
+@example(  # the contact ends within the step, so that the search goes to both ends many times
+    law=law_table([ForceLaw(1.0, 1.5, 0.1, over_approach=True)])[0],
+    v0=0.1,
+    before=0.5,
+    size=1.2,
+    sign=-1,
+    dt=0.01,
+    soft=5.0,
+)
 def test_force_that_is_found_satisfies_its_equation(law, v0, before, size, sign, dt, soft):
     """For contacts as stiff as ten times what resists the step; steps of contacts are below 1."""
     alone = sign * size * max(abs(before), 1e-4)

@@ -174,12 +174,14 @@ def test_scaled_to_a_peak_to_a_period_and_to_a_spectrum():
         found = sl.response_spectrum(record, [0.7], 0.05).pseudo_acceleration
         assert float(found[0]) == pytest.approx(4.0, rel=1e-9)
     target = sl.eurocode_8(0.25 * G, "B")
-    periods = np.geomspace(0.3, 1.5, 40)
-    for record in sl.scale_records(SUITE, spectrum=target, band=(0.3, 1.5)).values():
-        found = sl.response_spectrum(record, periods, 0.05).pseudo_acceleration
+    usual = 0.2, 2.0  # s
+    for band, options in ((usual, {}), ((0.3, 1.5), {"band": (0.3, 1.5)})):
+        periods = np.geomspace(*band, 40)
         wanted = np.exp(np.interp(np.log(periods), np.log(target.period[1:]), np.log(target[1:])))
-        assert float(np.log(found / wanted).mean()) == pytest.approx(0, abs=1e-9)
-        assert record.attrs["scale"] > 0
+        for record in sl.scale_records(SUITE, spectrum=target, **options).values():
+            found = sl.response_spectrum(record, periods, 0.05).pseudo_acceleration
+            assert float(np.log(found / wanted).mean()) == pytest.approx(0, abs=1e-9)
+            assert record.attrs["scale"] > 0
 
 
 @pytest.mark.invariant
