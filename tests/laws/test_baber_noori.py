@@ -89,9 +89,19 @@ def test_an_oscillator_on_a_record_follows_an_ode_solver():
     np.testing.assert_allclose(ends.hysteretic_energy_per_mass + stored, spent, rtol=2e-3)
 
 
-def test_pinching_leaves_some_stiffness():
-    with pytest.raises(ValueError, match=r"pinching = 1 .*allowed: 0 <= value < 1, .*all stiffness"):
-        worn(pinching=1.0)
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"pinching": 1.0}, "pinching = 1 .*allowed: 0 <= value < 1, .*all stiffness"),
+        ({"exponent": 0.5}, "exponent = 0.5 is out of range; allowed: 1 <= value"),
+        ({"strength_decay": -0.1}, "strength_decay = -0.1 .*allowed: 0 <= value, .*nothing stronger"),
+        ({"beta": 0.0}, "beta = 0 .*allowed: 0 < value, .*dissipate nothing"),
+    ],
+    ids=str,
+)
+def test_parameters_out_of_range_are_refused(changed, message):
+    with pytest.raises(ValueError, match=message):
+        worn(**changed)
 
 
 @pytest.mark.parametrize("one", [worn(), sl.ModifiedClough(**GIVEN)], ids=lambda one: type(one).__name__)

@@ -45,6 +45,12 @@ def test_a_table_has_the_law_of_each_cell_and_bad_cells_keep_to_themselves():
             assert float(table[name][n]) == pytest.approx(float(alone[name]), rel=1e-11)
 
 
+def test_a_law_without_a_drift_closure_says_what_it_has():
+    structure = Softening(1.0, 0.05, 0.1, reduction_factor=4)
+    with pytest.raises(ValueError, match="'drift' is not available for Softening; allowed: gaussian"):
+        sl.linearize(structure, GROUND, "drift")
+
+
 @pytest.mark.parametrize("gamma", [-0.5, -0.6, -50.0])
 def test_bouc_wen_without_a_bound_is_refused(gamma):
     """In loading ``z' = v (1 - (beta + gamma) |z|^n)``, which only a positive sum ends."""

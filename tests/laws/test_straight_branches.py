@@ -143,6 +143,33 @@ def test_an_oscillator_on_a_record_follows_central_differences(structure):
     np.testing.assert_allclose(table.z[-1], law.z, rtol=0, atol=2e-3)
 
 
+@pytest.mark.parametrize(
+    ("kind", "changed", "message"),
+    [
+        (sl.ModifiedClough, {"unloading_exponent": 1.0}, "allowed: 0 <= value < 1"),
+        (sl.ModifiedClough, CAPPED | {"cap_ductility": 0.9}, "allowed: 1 <= value, .*not before yield"),
+        (sl.ModifiedClough, CAPPED | {"residual": 1.0}, "allowed: 0 <= value < 1, .*1 at the cap"),
+        (sl.ModifiedClough, {"cracking": 0.4}, "cracking is given without uncracked_stiffness"),
+        (sl.ModifiedClough, {"softening": 0.4}, "softening is given without cap_ductility"),
+        (sl.ModifiedClough, CAPPED | {"softening": 0.11}, r"no descending branch.*0\.111111 < value"),
+        (sl.Flag, {"beta": 1.1}, "allowed: 0 <= value <= 1"),
+    ],
+    ids=str,
+)
+def test_branches_that_do_not_fit_together_are_refused(kind, changed, message):
+    with pytest.raises(ValueError, match=message):
+        kind(**GIVEN, **changed)
+
+
+def test_a_crack_along_the_elastic_line_or_a_cap_out_of_reach_change_nothing():
+    plain = sl.ModifiedClough(**GIVEN)
+    for changed in ({"cracking": 0.3, "uncracked_stiffness": 1.0}, CAPPED | {"cap_ductility": 50.0}):
+        structures = [plain, sl.ModifiedClough(**GIVEN, **changed)]
+        table = sl.simulate(structures, GROUND, paths=32, duration=6.0)
+        assert float(table.peak.min()) > GIVEN["yield_displacement"]
+        np.testing.assert_allclose(*table.peak.values.T, rtol=1e-9)
+
+
 def test_the_flag_has_a_stationary_response_but_no_coefficients():
     one = sl.Flag(**GIVEN)
     table = sl.simulate([one], GROUND, paths=32, relaxation_times=1.0)

@@ -82,6 +82,8 @@ def test_coefficients_are_one_an_element():
     ground = sl.WhiteNoise()
     with pytest.raises(ValueError, match=r"c_eq = \[-1\]; allowed: 2 .* elements 1\.1, 1\.2"):
         sl.statespace([TOWER], ground, [-1], [0])
+    with pytest.raises(ValueError, match=r"c_eq = \[-0\.5, inf\]; allowed: 2 finite numbers"):
+        sl.statespace([TOWER], ground, [-0.5, np.inf], [0, 0])
     stiff = sl.ShearBuilding([2e5], [8e7], [3.0], 0.05)
     with pytest.raises(ValueError, match=r"element 1\.1 has no strength.*allowed: c_eq = -1"):
         sl.statespace([stiff], ground, [-0.9], [0.1])

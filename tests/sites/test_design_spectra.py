@@ -36,6 +36,14 @@ def test_eurocode_8_has_its_tabled_values(soil, kind, period, over_ag):
     assert float(spectrum.sel(period=period, method="nearest")) == pytest.approx(2.0 * over_ag)
 
 
+@pytest.mark.invariant
+def test_ground_and_type_of_eurocode_8_are_those_of_its_tables():
+    with pytest.raises(ValueError, match="soil = 'F' is no ground type; allowed: A, B, C, D, E"):
+        sl.eurocode_8(2.0, "F")
+    with pytest.raises(ValueError, match="type = 3 is unknown; allowed: 1, 2"):
+        sl.eurocode_8(2.0, "B", 3)
+
+
 @pytest.mark.oracle
 def test_damping_of_eurocode_8():
     two, five, thirty = (sl.eurocode_8(2.0, "B", damping=x).sel(period=0.3) for x in (0.02, 0.05, 0.3))

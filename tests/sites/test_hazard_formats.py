@@ -152,6 +152,9 @@ REFUSALS = {
     "inhomogeneous": USGS.replace("[0.05, ", "[", 1),
     "the file does not say the unit of the acceleration; give units=": USGS.replace("(g)", ""),
     r"period = 0\.1 is beyond .*PGA, SA\(0\.2": (USGS, {"measure": "sa", "period": 0.1}),
+    "units = 'g'; allowed with intensity: none": (USGS, {"measure": "intensity", "units": "g"}),
+    "measure = 'intensity' is not in .*; allowed: PGA": (USGS, {"measure": "intensity"}),
+    "named first, second, third; allowed: such as pga": "first,second,third\n.1,5,.2\n.2,6,.1\n",
     "site = 1 does not apply: .* is a response of the USGS": (USGS, {"site": 1}),
 }
 

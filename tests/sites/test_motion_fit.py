@@ -86,10 +86,16 @@ def burst_and_tail(start):
 
 @pytest.mark.slow
 @pytest.mark.oracle
-def test_a_fit_that_misses_the_duration_says_so():
-    motion = burst_and_tail(45)
-    with pytest.warns(DoubtfulInput, match="burst: the motions have a significant duration of"):
-        sl.fit_motion(motion, "gamma", filters=1)
+@pytest.mark.parametrize(
+    ("start", "message"),
+    [
+        (45, "burst: the motions have a significant duration of"),
+        (20, "burst: the mean spectrum is off by .* from 0.2 to 2 s, most at 0.41 s"),
+    ],
+)
+def test_a_fit_that_misses_duration_or_spectrum_says_so(start, message):
+    with pytest.warns(DoubtfulInput, match=message):
+        sl.fit_motion(burst_and_tail(start), "gamma", filters=1)
 
 
 @pytest.mark.invariant
