@@ -144,6 +144,14 @@ def test_scaled_record_has_a_scaled_intensity_and_a_faster_one_a_shorter_period(
 # --- Refusals -----------------------------------------------------------------------------------------
 
 
+def test_silence_before_and_after_a_record_changes_nothing():
+    values = simulated(lambda w: kanai_tajimi_psd(w, 8.0, 0.3, 1.0), 60.0).to_numpy()
+    padded = np.concatenate([np.zeros(700), values, np.zeros(900)])
+    alone, within = (sl.fit_ground(motion(each)) for each in (values, padded))
+    assert within.period == pytest.approx(alone.period, rel=1e-9)
+    assert within.damping == pytest.approx(alone.damping, rel=1e-9)
+
+
 def test_white_noise_has_no_ground_period():
     noise = motion(np.random.default_rng(0).standard_normal(3000))
     with pytest.raises(ValueError, match=r"ends on a bound of .*try another estimator.*WhiteNoise"):

@@ -52,6 +52,13 @@ def test_variance_under_an_envelope_follows_the_lyapunov_equation():
     assert abs(sampled.mean() - end.y[0, -1]) < 4 * error + 0.005 * end.y[0, -1]
 
 
+def test_structures_that_change_places_exchange_their_sides():
+    """By symmetry of the motion, u1 - u2 and u2 - u1 have one distribution."""
+    pair = [sl.Bilinear(T, 0.05, 0.05, reduction_factor=4) for T in (0.7, 1.0)]
+    apart = sl.simulate(pair, FIRM, paths=2048, duration=30.0, envelope=QUAKE).separation
+    assert scipy.stats.ks_2samp(apart[:, 0, 1], apart[:, 1, 0]).pvalue > 1e-4
+
+
 def test_exceedance_is_monotone_and_covers():
     rng = np.random.default_rng(5)
     gaps = xr.DataArray(np.linspace(-1, 4, 21), dims="gap")
@@ -81,6 +88,7 @@ def test_envelopes_match_their_formulas():
         ({"duration": 5.0, "quantiles": (0.5, 1.0)}, "quantiles"),
         ({"duration": 5.0, "quantiles": ()}, "quantiles"),
         ({"duration": 5.0, "envelope": 3}, "envelope = 3"),
+        ({"duration": 5.0, "scatter": 40}, "scatter = 40.*allowed"),
         ({"envelope": QUAKE}, "envelope is given without a duration"),
         ({"scatter": 0.4}, r"scatter = 0\.4 is given without a duration"),
         (

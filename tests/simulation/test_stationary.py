@@ -174,6 +174,17 @@ MIXED = [
 SHORT = {"paths": 96, "relaxation_times": 2.0, "steps_per_period": 12}
 
 
+def test_a_seed_gives_one_answer_whatever_the_number_of_threads(monkeypatch):
+    tables = []
+    for threads, seed in ((1, 7), (2, 7), (2, 8)):
+        available = range(threads)
+        monkeypatch.setattr("os.sched_getaffinity", lambda _, these=available: these, raising=False)
+        tables.append(sl.simulate(MIXED, sl.KanaiTajimi(1.0, 0.2), seed=seed, **SHORT))
+    for name in ("displacement_std", "rho", "rho_standard_error"):
+        np.testing.assert_array_equal(tables[0][name], tables[1][name], err_msg=name)
+    assert (tables[1].displacement_std != tables[2].displacement_std).all()
+
+
 def test_paths_come_in_whole_groups_and_progress_ends_at_one():
     shares = []
     table = sl.simulate(MIXED[:1], NOISE, **SHORT | {"paths": 65}, progress=shares.append)

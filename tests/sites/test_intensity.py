@@ -48,6 +48,19 @@ def test_other_motions_have_the_spectral_acceleration_that_was_asked_for():
 
 
 @pytest.mark.invariant
+def test_the_same_motions_are_simulated_once():
+    shares = []
+    options = {**QUAKE, "seed": 77, "period": 0.31, "paths": 8, "progress": shares.append}
+    first = sl.scale_ground(FIRM, **options, sa=1.0)
+    simulated = len(shares)
+    stronger = sl.scale_ground(first, **options, sa=3.0)
+    assert len(shares) == simulated > 0
+    assert stronger.intensity == pytest.approx(9 * first.intensity, rel=1e-12)
+    sl.scale_ground(first, **options | {"seed": 78}, sa=1.0)
+    assert len(shares) > simulated
+
+
+@pytest.mark.invariant
 def test_the_intensity_goes_with_the_square_and_forgets_what_it_was():
     once, twice = (sl.scale_ground(FIRM, **QUAKE, pga=pga) for pga in (1.0, 2.0))
     assert twice.intensity == pytest.approx(4 * once.intensity, rel=1e-12)
