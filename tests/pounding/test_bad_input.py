@@ -22,6 +22,11 @@ def tower(heights, **other):
 @pytest.mark.parametrize(
     ("arguments", "error", "message"),
     [
+        (
+            {"structures": ONE},
+            ValueError,
+            "structures = Bilinear.*; allowed: a list, from left to right",
+        ),
         ({"structures": [ONE]}, ValueError, "gaps = 0.01; allowed: none for one building alone"),
         ({"structures": [ONE], "gaps": (), "contact": 0.65}, TypeError, "contact = 0.65"),
         ({"contact": None}, ValueError, "contact is not given; structures .* need.*Kelvin"),

@@ -115,6 +115,21 @@ def test_they_meet_in_the_motions_whose_separation_exceeds_the_gap(pair: tuple[A
 # --- Statistics -------------------------------------------------------------------------------------
 
 
+def test_velocities_that_jump_say_nothing_of_forces() -> None:
+    table = sl.pound([SOFT, STIFF], 0.05, sl.Stereomechanical(0.6), motions(8))
+    assert float(table.impacts.sum()) > 0
+    assert table.hardest_force_quantile.isnull().all()
+    assert table.impacts_quantile.notnull().all()
+
+
+def test_few_motions_bound_nothing() -> None:
+    two = motions(2)
+    assert np.isinf(sl.pound([SOFT, STIFF], 0.1, BUMPER, two).peak_quantile_upper).all()
+    alone = sl.pound([SOFT, STIFF], 0.1, BUMPER, [two[0]])
+    assert np.isnan(alone.peak_mean_standard_error).all()
+    assert np.isfinite(alone.peak_mean).all()
+
+
 def test_means_quantiles_and_shares_are_those_of_the_motions() -> None:
     table = sl.pound([SOFT, STIFF], 0.1, BUMPER, motions(40), quantiles=[0.5, 0.9])
     hits = table.impacts[:, 0].values

@@ -118,6 +118,31 @@ def test_a_mirrored_row_moves_as_the_mirror_image(name):
     assert mirror.sizes["impact"] == table.sizes["impact"]
 
 
+@pytest.mark.parametrize("name", ["kelvin", "stereomechanical"])
+def test_silence_before_a_motion_only_delays_it(name):
+    record, pair = np.r_[0.0, synthetic(300).values], [soft(), stiff()]
+    plain, later = (
+        sl.pound(pair, 0.01, CONTACTS[name], motion(values)) for values in (record, np.r_[0, 0, record])
+    )
+    assert plain.sizes["impact"] == later.sizes["impact"] > 0
+    for variable in ("displacement", "contact_force"):
+        assert_near(later[variable].values[2:], plain[variable].values, 1e-8)
+        assert (later[variable].values[:2] == 0).all()
+
+
+@pytest.mark.parametrize(("name", "spring"), [("kelvin", 5e7), ("stereomechanical", 1e13)])
+def test_three_that_lean_on_each_other_carry_the_force_along(name, spring):
+    """At rest under a steady push: the displacements solve the equations of all springs."""
+    row = [sl.Bilinear(period, 0.1, mass=2e5) for period in (2.0, 1.0, 0.4)]
+    table = sl.pound(row, [0.0, 0.0], CONTACTS[name], motion(-np.ones(1500)))
+    stiffness = np.diag([each.mass * (2 * np.pi / each.period) ** 2 for each in row])
+    between = np.array([[1.0, -1.0, 0.0], [0.0, 1.0, -1.0]])
+    at_rest = np.linalg.solve(stiffness + spring * between.T @ between, np.full(3, 2e5))
+    np.testing.assert_allclose(table.displacement[-1], at_rest, rtol=1e-5)
+    force = np.cumsum(2e5 - stiffness @ at_rest)[:2]
+    np.testing.assert_allclose(table.contact_force[-1], force, rtol=1e-5)
+
+
 # --- Chattering, touching, rest ---------------------------------------------------------------------
 
 

@@ -116,3 +116,18 @@ def test_a_table_of_buildings_has_a_set_back_each() -> None:
     assert table.gap.isel(period=0).equals(one.gap.assign_coords(period=0.5))
     assert table.gap.isel(period=[1, 2]).isnull().all()
     assert float(table.gap.sel(rule="simulation").isel(period=3)) > 0
+
+
+@pytest.mark.oracle
+def test_the_risk_of_crossing_a_line_is_that_of_the_peaks_of_a_linear_building() -> None:
+    """Of a motion the line is reached at ``S0`` times the square of the gap over its peak."""
+    quake = QUAKE | {"paths": 64}
+    linear, hazard = sl.Bilinear(0.7, 0.05), sl.PowerLawHazard(k0=1e-4, k=1.2, measure="intensity")
+    towards = sl.simulate([linear], GROUND, **quake).peak_positive.values[:, 0]
+    gap = 3 * float(np.median(towards))
+    by_hand = float(np.mean(hazard.frequency(xr.DataArray(0.01 * (gap / towards) ** 2))))
+    table = sl.pounding_risk(linear, None, GROUND, gap, hazard, **quake)
+    assert float(table.annual_rate) == pytest.approx(by_hand, rel=0.01)
+    needed = sl.required_gap(linear, None, GROUND, hazard, risk=by_hand, **quake)
+    assert float(needed.required_gap) == pytest.approx(gap, rel=0.01)
+    assert "crossing its property line" in table.attrs["title"]
