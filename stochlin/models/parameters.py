@@ -106,13 +106,7 @@ class Model(metaclass=_Kind):
                 several += [checked] if isinstance(checked, xr.DataArray) else []
                 if isinstance(checked, xr.DataArray) and field.type in LONE:
                     raise ValueError(f"{prefix}{field.name} is an array; allowed: a number")
-        try:
-            if len(several) > 1:
-                xr.align(*several, join="exact", copy=False)
-        except (xr.AlignmentError, ValueError) as error:
-            what = f"{prefix}parameters share a dimension, not its coordinates or length"
-            cure = "give them different dimension names for a table, or equal coordinates"
-            raise ValueError(f"{what}: {sentence(error)}; {cure}") from error
+        check_alignment(f"{prefix}parameters", *several)
 
     @classmethod
     @functools.cache
@@ -223,6 +217,22 @@ def expect(value: object, kind: type[Model] | tuple[type[Model], ...], role: str
         if value is None and role in ("first", "second"):
             instead = f"; {ALONE}"
         raise TypeError(f"{role} = {brief(value)} is of the wrong kind; allowed: {names}{instead}")
+
+
+def check_alignment(what: str, *arrays: xr.DataArray) -> None:
+    """Raise a ValueError if dimensions of the same name differ in coordinates or length.
+
+    Arithmetic would keep the coordinates that arrays have in common, and leave out the others. ``what``
+    the arrays are begins the message, in the plural.
+    """
+    if len(arrays) < 2:
+        return
+    try:
+        xr.align(*arrays, join="exact", copy=False)
+    except (xr.AlignmentError, ValueError) as error:
+        what = f"{what} share a dimension whose coordinates or lengths differ"
+        cure = "give them different dimension names for a table, or equal coordinates"
+        raise ValueError(f"{what}: {sentence(error)}; {cure}") from error
 
 
 def check(prefix: str, name: str, value: Any, declared: Mapping[str, Any]) -> float | xr.DataArray:

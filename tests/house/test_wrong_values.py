@@ -62,11 +62,14 @@ TAKEN: dict[str, set[str]] = {
     "nothing": {"links", "second"},
     "text": {"component"},
     "truth": {"floors_align", "p_delta", "same_property", "same_system", "skip_unreadable"},
-    "negative": {"critical_gap.rho"},
+    "infinite": {"exceedance.gap"},
+    "minus infinity": {"exceedance.gap"},
+    "negative": {"critical_gap.rho", "exceedance.gap"},
     "zero": {
         *("component", "hardening", "peak_1", "peak_2", "time_column", "BoucWen.gamma", "Flag.beta"),
         *("BoucWenBaberNoori.pinching_start", "BoucWenBaberNoori.pinching_spread", "critical_gap.rho"),
         *("equivalent_coefficients.velocity_z_corr", "eurocode_8.damping", "pound.gaps"),
+        "exceedance.gap",
         *("pounding_fragility.paths", "pounding_probability.paths"),  # the formula alone
         *("ModifiedClough.unloading_exponent", "pounding_estimate.gap", "ShearBuilding.dampers"),
         *("read_pushover.displacement_column", "Stereomechanical.restitution", "Uncertain.spread"),
@@ -77,7 +80,6 @@ TAKEN: dict[str, set[str]] = {
 }
 ANYTHING = {
     *("source", "Uncertain.median"),  # words for readers; a parameter of a model, which checks it
-    "exceedance.gap",
 }
 # These decide how long a call lasts: what is allowed of them is tested elsewhere.
 LASTING = {"relaxation_times", "progress", "scheduler"}

@@ -11,10 +11,11 @@ import xarray as xr
 from stochlin.kernels.simulation.contacts import impact_loss, velocities_after_impact
 from stochlin.models.arguments import Points, checked
 from stochlin.models.contacts.elements import Contact, checked_value
-from stochlin.models.parameters import Parameter, Range, expect
+from stochlin.models.parameters import Model, Parameter, Range, check_alignment, expect
 from stochlin.models.structures import Structure
 from stochlin.models.systems import check_mass
 from stochlin.solver.tables import labels
+from stochlin.solver.tables.lazy import check_names
 
 GAP = Range(include_lower=True, reason="in metres; positive is open")
 RADIUS = Range(reason="in metres")
@@ -93,11 +94,21 @@ def pounding_estimate(
     for role, structure in (("first", first), ("second", second)):
         expect(structure, Structure, role)
         check_mass(structure, role)
-    valid, lengths = contact.valid() & first.valid() & second.valid(), []
-    wanted = {"gap": (gap, GAP), "radius_1": (radius_1, RADIUS), "radius_2": (radius_2, RADIUS)}
-    for name, (value, allowed) in wanted.items():
-        lengths.append(xr.DataArray(checked_value("pounding_estimate", name, value, "m", allowed)))
-        valid = valid & allowed.contains(lengths[-1])
+    lengths = [
+        xr.DataArray(checked_value("pounding_estimate", name, value, "m", allowed))
+        for name, value, allowed in (
+            ("gap", gap, GAP),
+            ("radius_1", radius_1, RADIUS),
+            ("radius_2", radius_2, RADIUS),
+        )
+    ]
+    models: tuple[Model, ...] = first, second, contact
+    arrays = [*lengths, *(array for model in models for array in model.arrays().values())]
+    check_alignment("gap, radii, structures and contact", *arrays)
+    check_names((name for array in arrays for name in (*array.dims, *array.coords)), OF_IMPACT)
+    valid = contact.valid() & first.valid() & second.valid()
+    for length, allowed in zip(lengths, (GAP, RADIUS, RADIUS), strict=True):
+        valid = valid & allowed.contains(length)
     space, *radii = (length.where(valid) for length in lengths)
     table = _impacts((first, second), space, contact, radii, int(points))
     for n in (1, 2):

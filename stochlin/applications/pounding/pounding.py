@@ -30,9 +30,9 @@ from stochlin.models.systems import AnyStructure
 from stochlin.solver.simulation.finite_motions import (
     LINK_PEAKS,
     Columns,
-    exceedance,
     keeping_apart,
     mean_columns,
+    pounding_shares,
     quantile_columns,
 )
 from stochlin.solver.tables import labels
@@ -345,7 +345,7 @@ def with_statistics(table: xr.Dataset, over: str, levels: Array) -> xr.Dataset:
     if NEIGHBOURS not in table.dims:
         return table
     hits = good.impacts_between.rename({over: PATH})
-    shares = {f"pounding_{name}": share for name, share in exceedance(hits, 0.0).items()}
+    shares = {f"pounding_{name}": share for name, share in pounding_shares(hits, 0.0).items()}
     return table.assign(shares | keeping_apart(hits, 0.0))
 
 

@@ -16,14 +16,16 @@ from stochlin.kernels.linearization.systems.springs import Springs
 from stochlin.kernels.linearization.systems.substitution import Linear, response_of
 from stochlin.kernels.linearization.transient import TransientMoments
 from stochlin.kernels.probability import accumulated, exceeding, hazards
+from stochlin.models.parameters import Parameter
 from stochlin.models.structures import Gap
 from stochlin.models.systems import Arrangement, first_period
 from stochlin.models.uncertain import median_of
 from stochlin.solver.linearization.strength import strength_in_metres
 from stochlin.solver.linearization.systems.state_space import models_of, problem_of
 from stochlin.solver.linearization.transient_systems import TIME, TimeGrid, solve_course
-from stochlin.solver.simulation.structures_in_motion import at_height, meeting_heights
+from stochlin.solver.simulation.structures_in_motion import PATH, at_height, meeting_heights
 from stochlin.solver.tables import labels
+from stochlin.solver.tables.lazy import check_names
 
 HEIGHT = "height"
 EQUAL = 1e-6  # relative variance of the difference below which it is an error of the integration
@@ -240,6 +242,17 @@ def _at_all_heights(table: xr.Dataset) -> xr.Dataset:
     governing = table.required_gap.fillna(-1.0).idxmax(HEIGHT)
     worst["governing_height"] = governing.where(table.required_gap.notnull().all(HEIGHT))
     return table.isel({HEIGHT: -1}, drop=True).assign(worst.data_vars)
+
+
+def gap_of(gap: Parameter, *names: str) -> Gap:
+    """The gaps; a ValueError if a dimension has a name of a dimension, or of ``names``, of the result.
+
+    Gaps along the motions would be those of one motion each.
+    """
+    distance = Gap(gap)
+    array = distance.arrays()["gap"]
+    check_names((*array.dims, *array.coords), {PATH, TIME, HEIGHT, *names})
+    return distance
 
 
 def gaps_in_a_row(distance: Gap) -> Array:

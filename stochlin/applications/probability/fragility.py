@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from stochlin.applications.probability.formulas import by_formula
+from stochlin.applications.probability.formulas import by_formula, gap_of
 from stochlin.applications.probability.probability import REFERENCES, PathsIfAny, simulated_columns
 from stochlin.applications.risk.rates import (
     FRAGILITY,
@@ -28,7 +28,7 @@ from stochlin.models.systems import AnyStructure, first_period
 from stochlin.models.uncertain import as_array
 from stochlin.solver.linearization.strength import strength_in_metres
 from stochlin.solver.linearization.transient_systems import check_course, course_of, over_time
-from stochlin.solver.simulation.finite_motions import exceedance
+from stochlin.solver.simulation.finite_motions import pounding_shares
 from stochlin.solver.simulation.simulation import check_repeated
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_duration
@@ -127,7 +127,7 @@ def pounding_fragility(
     """
     if not isinstance(gap, xr.DataArray) and (gaps := as_array(gap)).ndim == 1:
         gap = labels.axis("gap", "gap", gaps, "m")
-    distance, levels = Gap(gap), _increasing(intensity)
+    distance, levels = gap_of(gap, INTENSITY), _increasing(intensity)
     models: dict[str, Any] = {"first": first, "second": second, "ground": ground}
     if arrays := arrays_of(models):
         raise ValueError(f"{', '.join(arrays)} is an array; allowed: the numbers of one pair at a time")
@@ -190,7 +190,7 @@ def _of_motions(
     """Simulated probabilities and required gaps, and the lognormal fragility, for each gap."""
     gap = distance.arrays()["gap"]
     samples = xr.DataArray(motions.separation, dims=("path", INTENSITY))
-    shares = exceedance(samples, gap)
+    shares = pounding_shares(samples, gap)
     columns = simulated_columns("pounding_probability", shares, samples, distance, confidence)
     fits = xr.apply_ufunc(
         lambda gap: lognormal_fragility(motions, gap),

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 
 import xarray as xr
 
-from stochlin.applications.probability.formulas import by_formula
+from stochlin.applications.probability.formulas import by_formula, gap_of
 from stochlin.applications.probability.hybrid import hybrid_pounding
 from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.messages import refuse
@@ -185,17 +185,18 @@ def pounding_probability(
     >>> bool(last.confidence_of_no_pounding > last.confidence_of_no_pounding_poisson)
     True
     """
+    distance = gap_of(gap)
     if method == "hybrid":
         refuse(
             "method", method, {"envelope": envelope, "duration": duration, "scatter": scatter or None}
         )
-        return hybrid_pounding(first, second, ground, Gap(gap), record, confidence)
+        return hybrid_pounding(first, second, ground, distance, record, confidence)
     refuse("method", method, {"record": record})
     expect(median_of(ground), Ground, "ground")
     if paths == 1:
         raise ValueError("paths = 1; allowed: 0 for no simulation, or a whole number from 2")
     models: dict[str, Any] = {"first": first, "second": second, "ground": ground}
-    usual, distance = {role: median_of(model) for role, model in models.items()}, Gap(gap)
+    usual = {role: median_of(model) for role, model in models.items()}
     seconds = check_course(duration, envelope)
     cells = arrays_of({**models, "distance": distance}).values()
     periods = [_periods(role, usual[role], seconds) for role in ("first", "second")]

@@ -37,10 +37,7 @@ from stochlin.models.hazards import Hazard, HazardCurve
 from stochlin.models.systems import AnyStructure, first_period
 from stochlin.models.uncertain import applied, median_of
 from stochlin.solver.linearization.strength import strength_in_metres
-from stochlin.solver.simulation.finite_motions import (
-    exceedance,
-    mean_with_error,
-)
+from stochlin.solver.simulation.finite_motions import mean_with_error, pounding_shares
 from stochlin.solver.simulation.simulation import check_repeated
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.cells import over_cells
@@ -331,7 +328,7 @@ class SimulatedRisk(NamedTuple):
                     f"probability_in_years{end}": -np.expm1(-max(rate + times * error, 0.0) * years)
                     for end, times in ENDS.items()
                 },
-                **{f"pounding_{name}": each for name, each in exceedance(samples, gap).items()},
+                **{f"pounding_{name}": each for name, each in pounding_shares(samples, gap).items()},
             },
             begin,
         )

@@ -16,9 +16,15 @@ from stochlin.kernels.simulation.stepping import LANES, whole_groups
 from stochlin.messages import brief
 from stochlin.models.arguments import checked, is_number
 from stochlin.models.envelopes import Envelope, envelope_at
+from stochlin.models.parameters import check_alignment
 from stochlin.models.systems import AnyStructure, Arrangement
 from stochlin.solver.simulation.ensembles import SimulationRun, seconds_of
-from stochlin.solver.simulation.structures_in_motion import STRUCTURE, StructuresInMotion, pairs_of
+from stochlin.solver.simulation.structures_in_motion import (
+    PATH,
+    STRUCTURE,
+    StructuresInMotion,
+    pairs_of,
+)
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_duration, check_work
 from stochlin.solver.tables.labels import ELEMENT, LINK, link_coordinates
@@ -232,19 +238,23 @@ def exceedance(samples: xr.DataArray, gap: float | xr.DataArray) -> xr.Dataset:
     samples : xarray.DataArray
         Samples over ``path`` [m], such as ``separation`` of `simulate` with a duration.
     gap : float or xarray.DataArray
-        Gap [m], which may have other dimensions.
+        Gap [m], which may have other dimensions. Gaps and samples may be infinite: a structure that
+        falls moves beyond any gap.
 
     Returns
     -------
     xarray.Dataset
         Over the dimensions of the samples except ``path``, and those of the gap: ``probability`` [-]
         with its 95 % interval ``probability_lower`` and ``probability_upper`` by Clopper and Pearson,
-        which contains the true value with a probability of at least 95 %.
+        which contains the true value with a probability of at least 95 %. They are NaN, with the status
+        ``invalid_input``, where the gap or a sample is NaN. ``status``.
 
     Raises
     ------
     ValueError, TypeError
-        If the samples have no dimension ``path``, or the samples or the gap are not numbers.
+        If the samples have no dimension ``path`` or are none, the samples or the gap are not numbers, a
+        single gap or a sample of a single cell is NaN, or dimensions of the same name differ in
+        coordinates or length.
 
     References
     ----------
@@ -259,15 +269,34 @@ def exceedance(samples: xr.DataArray, gap: float | xr.DataArray) -> xr.Dataset:
     """
     if not isinstance(samples, xr.DataArray) or samples.dtype.kind not in "iuf":
         raise TypeError(f"samples = {brief(samples)}; allowed: an xarray.DataArray of numbers")
-    if "path" not in samples.dims:
-        raise ValueError(f"samples has the dimensions {samples.dims}; allowed: one of them is 'path'")
+    if PATH not in samples.dims:
+        raise ValueError(f"samples has the dimensions {samples.dims}; allowed: one of them is '{PATH}'")
+    if not samples.size:
+        raise ValueError("samples is empty; allowed: at least one number of metres")
     if not is_number(gap) and not (isinstance(gap, xr.DataArray) and gap.dtype.kind in "iuf"):
         raise TypeError(f"gap = {brief(gap)}; allowed: a number or an xarray.DataArray, in metres")
+    gaps = xr.DataArray(gap)
+    if not gaps.ndim and np.isnan(gaps):
+        raise ValueError("gap = nan; allowed: a number of metres, which may be infinite")
+    check_alignment("samples and gap", samples, gaps)
+    table = pounding_shares(samples, gaps)
+    known = table.probability.notnull()
+    if not known.ndim and not known:
+        what = "nan is among the samples, or the gaps, of the only cell"
+        raise ValueError(f"samples: {what}; allowed: numbers of metres, which may be infinite")
+    return labels.label(table.assign(status=labels.status_where(known)))
+
+
+def pounding_shares(samples: xr.DataArray, gap: float | xr.DataArray) -> xr.Dataset:
+    """``probability`` that samples over ``path`` exceed a gap [m], and its 95 % interval.
+
+    They are NaN where the gap or a sample is NaN, which neither exceeds nor keeps a gap.
+    """
     beyond = (samples > gap) | np.isposinf(samples)  # what falls exceeds any gap
-    beyond = beyond.transpose("path", ...)
-    return labels.label(
-        xr.Dataset(share_columns("probability", beyond.dims[1:], beyond.values), {**beyond.coords})
-    )
+    beyond = beyond.transpose(PATH, ...)
+    shares = xr.Dataset(share_columns("probability", beyond.dims[1:], beyond.values), {**beyond.coords})
+    unknown = (samples.isnull() | xr.DataArray(gap).isnull()).any(PATH)
+    return shares.where(~unknown) if unknown.any() else shares
 
 
 def pair_separation(motions: xr.Dataset) -> xr.DataArray:
@@ -327,8 +356,8 @@ def _of_pair(separation: xr.DataArray) -> xr.DataArray:
 
 
 def keeping_apart(separation: xr.DataArray, gap: float | xr.DataArray) -> dict[str, xr.DataArray]:
-    """Probability of no pounding for a gap [m], and its 95 % interval; see `exceedance`."""
-    pounding = exceedance(separation, gap)
+    """Probability of no pounding for a gap [m], and its 95 % interval, as `pounding_shares`."""
+    pounding = pounding_shares(separation, gap)
     return {
         "no_pounding_probability": 1 - pounding.probability,
         "no_pounding_probability_lower": 1 - pounding.probability_upper,
@@ -366,8 +395,11 @@ def quantiles_of(samples: Array, levels: Array) -> Array:
 
 
 def quantile_intervals(samples: Array, levels: Array) -> tuple[Array, Array, Array]:
-    """Quantiles along the first axis, and their 95 % intervals from order statistics."""
-    ordered = np.sort(samples, axis=0)
+    """Quantiles along the first axis, and their 95 % intervals from order statistics.
+
+    They are NaN where a sample is NaN.
+    """
+    ordered = np.sort(samples, axis=0)  # with NaN at the end
     n = len(ordered)
     each = (-1,) + (1,) * (samples.ndim - 1)
     low = np.ceil(bdtrik(TAIL, n, levels)).astype(int) - 1
@@ -375,7 +407,8 @@ def quantile_intervals(samples: Array, levels: Array) -> tuple[Array, Array, Arr
     estimate = quantiles_of(samples, levels)
     lower = np.where((low >= 0).reshape(each), ordered[np.maximum(low, 0)], 0.0)
     upper = np.where((high < n).reshape(each), ordered[np.minimum(high, n - 1)], np.inf)
-    return estimate, lower, upper
+    unknown = np.isnan(ordered[-1])
+    return estimate, np.where(unknown, np.nan, lower), np.where(unknown, np.nan, upper)
 
 
 def quantile_interval(samples: Array, level: float) -> tuple[Any, Any, Any]:

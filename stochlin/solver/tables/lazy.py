@@ -16,8 +16,7 @@ import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.slabs import in_slabs
-from stochlin.messages import sentence
-from stochlin.models.parameters import Model
+from stochlin.models.parameters import Model, check_alignment
 
 Cells = xr.DataArray | Array | float
 """Values of the cells of a table with labels, or the number of a single cell."""
@@ -149,13 +148,8 @@ def arrays_of(models: Mapping[str, Model]) -> dict[str, xr.DataArray]:
         for name, array in model.over_cells().items()
         if array.ndim
     }
-    try:
-        xr.align(*arrays.values(), join="exact", copy=False)
-    except (xr.AlignmentError, ValueError) as error:
-        *others, last = models
-        what = f"{', '.join(others)} and {last} share a dimension whose coordinates or lengths differ"
-        cure = "give them different dimension names for a table, or equal coordinates"
-        raise ValueError(f"{what}: {sentence(error)}; {cure}") from error
+    *others, last = models
+    check_alignment(f"{', '.join(others)} and {last}", *arrays.values())
     return arrays
 
 
