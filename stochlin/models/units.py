@@ -23,13 +23,15 @@ UNITS: Mapping[str, tuple[str, ...]] = {
     "yr": ("yr", "years", "a"),
     "1": ("%",),
 }
-_FORCES = {"n": 1.0, "kn": 1e3, "mn": 1e6, "kgf": constants.g, "lb": constants.lbf}
+PERCENT = "%"
+_FORCES = {"n": 1.0, "kn": 1e3, "MN": 1e6, "kgf": constants.g, "lb": constants.lbf}
 _FORCES |= {"tonf": 1e3 * constants.g, "kip": 1e3 * constants.lbf}
 _FORCES |= {"ton": _FORCES["tonf"], "lbf": _FORCES["lb"], "kips": _FORCES["kip"]}
-# Names with their sizes in SI, by their powers of length, mass, time and years.
+# Names with their sizes in SI, by their powers of length, mass, time and years. Headers of files in
+# capitals have MM.
 _SIZES: dict[tuple[float, ...], dict[str, float]] = {
-    (0, 0, 0, 0): {"1": 1.0, "%": 0.01},
-    (1, 0, 0, 0): {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048},
+    (0, 0, 0, 0): {"1": 1.0, PERCENT: 0.01},
+    (1, 0, 0, 0): {"m": 1.0, "cm": 0.01, "mm": 0.001, "MM": 0.001, "in": 0.0254, "ft": 0.3048},
     (0, 1, 0, 0): {"kg": 1.0, "t": 1e3, "tonne": 1e3},
     (0, 0, 1, 0): {"s": 1, "sec": 1, "secs": 1, "second": 1, "seconds": 1, "ms": 1e-3, "msec": 1e-3},
     (0, 0, 0, 1): {"yr": 1.0, "years": 1.0, "a": 1.0},
@@ -37,12 +39,15 @@ _SIZES: dict[tuple[float, ...], dict[str, float]] = {
     (1, 1, -2, 0): _FORCES,
     (-1, 1, -2, 0): {"psi": constants.psi},
 }
+# The case of letters changes the prefix of these from milli to mega; of all others it changes nothing.
+_WITH_CASE = {name.lower(): name for name in ("mm", "ms", "msec", "MN")}
 _QUANTITIES = {"length": "m", "mass": "kg", "force": "N", "acceleration": "m/s^2"}
 _KNOWN = {name: (size, powers) for powers, of in _SIZES.items() for name, size in of.items()}
 # Signs of powers and products, also a raised 2 that was read in another encoding.
 _SIGNS = str.maketrans("²³\N{REPLACEMENT CHARACTER}*·-", "232   ", "^")
 _OF_RATIO = re.compile(r"\((\w+)/(\w+)\)([\d.]+)")  # (s/m)0.5
-_FACTOR = re.compile(r" ?(/?) ?(1(?=/)|[a-z%]+)(\d\.?\d*)?")
+_FACTOR = re.compile(r" ?(/?) ?(1(?=/)|[A-Za-z%]+)(\d\.?\d*)?")
+_NAME = re.compile("[A-Za-z]+")
 
 
 def size_of(unit: str, quantity: str) -> float | None:
@@ -50,10 +55,22 @@ def size_of(unit: str, quantity: str) -> float | None:
 
     ``quantity`` is the SI unit, such as ``"kg"`` or ``"N/m"``. Units are spelled as people do:
     ``"kip-sec²/in"``, ``"cm/s/s"``, ``"KN s/m"``. A mass in ``"ton"`` is unknown, since there are
-    several; in a force it is that of 1000 kg, as programs of structural analysis have it.
+    several; in a force it is that of 1000 kg, as programs of structural analysis have it. The case of
+    letters does not matter but in a prefix: ``"mN"`` and ``"Ms"`` are unknown.
     """
     stated, wanted = parsed(unit), parsed("s/s" if quantity == "1" else quantity)
     return stated[0] / wanted[0] if stated and wanted and stated[1] == wanted[1] else None
+
+
+def likely_unit(unit: str, quantity: str) -> str:
+    """Words before the allowed units for a unit that is unknown: the one that was probably meant.
+
+    They are empty if it differs by more than the case of a prefix or a sign of percent.
+    """
+    prefixed = _NAME.sub(lambda name: _WITH_CASE.get(name[0].lower(), name[0]), unit)
+    likely = (prefixed, " ".join(prefixed.replace(PERCENT, "").split()), PERCENT * (PERCENT in unit))
+    near = next((each for each in likely if size_of(each, quantity) is not None), "")
+    return f"did you mean {brief(near)}? " if near else ""
 
 
 def stated_size(quantity: str, stated: str, wanted: object, where: str) -> float:
@@ -70,12 +87,14 @@ def stated_size(quantity: str, stated: str, wanted: object, where: str) -> float
         if size is not None:
             return size
         what = f"{brief(stated)} is not a known" if stated else "the file does not say the"
-        raise ValueError(f"{where}: {what} unit of the {quantity}; give {name}=, allowed: {allowed}")
+        what = f"{where}: {what} unit of the {quantity}; {likely_unit(stated, of)}"
+        raise ValueError(f"{what}give {name}=, allowed: {allowed}")
     if not isinstance(wanted, str):
         raise TypeError(f"{name} = {brief(wanted)}; allowed: a text, such as {allowed}")
     known = size_of(wanted, of)
     if known is None:
-        raise ValueError(f"{name} = {brief(wanted)} is not a known unit; allowed: {allowed}")
+        what = f"{name} = {brief(wanted)} is not a known unit; {likely_unit(wanted, of)}"
+        raise ValueError(f"{what}allowed: {allowed}")
     if size not in (None, known) or any(size_of(stated, other) for other in {"m", "m/s"} - {of}):
         what = f"{name} = {brief(wanted)} contradicts {where}, which states {brief(stated)}"
         raise ValueError(f"{what}; correct it, or leave it out")
@@ -84,17 +103,20 @@ def stated_size(quantity: str, stated: str, wanted: object, where: str) -> float
 
 def parsed(unit: str) -> tuple[float, tuple[float, ...]] | None:
     """Size in SI and powers of length, mass, time and years of any unit; None if it is unknown."""
-    text = " ".join(unit.lower().replace("**", "").translate(_SIGNS).split())
+    text = " ".join(unit.replace("**", "").translate(_SIGNS).split())
     text = _OF_RATIO.sub(r"\1\3/\2\3", text)
     factors = _FACTOR.findall(text)
+    if PERCENT in text and text != PERCENT:
+        return None
     if text[:1] in ("", "/") or "".join(map("".join, factors)) != text.replace(" ", ""):
         return None
     size, powers = 1.0, [0.0] * 4
     for over, name, power in factors:
-        if name not in _KNOWN:
+        known = _KNOWN.get(name if name.lower() in _WITH_CASE else name.lower())
+        if known is None:
             return None
         exponent = float(power or 1) * (-1 if over else 1)
-        own, its = _KNOWN[name]
+        own, its = known
         size *= own**exponent
         powers = [before + exponent * each for before, each in zip(powers, its, strict=True)]
     return size, tuple(round(each, 6) for each in powers)

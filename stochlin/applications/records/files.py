@@ -12,7 +12,7 @@ from stochlin.applications.records.columns import Column, Text
 from stochlin.applications.records.formats import FORMATS, HEADER_LINES, RecordFile, Series
 from stochlin.messages import brief, plain, refuse
 from stochlin.models.arguments import is_label, is_whole
-from stochlin.models.units import size_of
+from stochlin.models.units import likely_unit, size_of
 from stochlin.solver.tables.inputs import input_path, read_text
 
 _COMMENT = re.compile(r"^([-+.,;\dDEde\s]*)[#%].*")
@@ -51,7 +51,8 @@ def read_channels(
         raise UnknownFormatError(name)
     for unit in (channel.units for channel in channels if channel.units):
         if size_of(unit, "m/s^2") is None:
-            raise ValueError(f"{name} has {brief(unit)}; allowed: units of an acceleration")
+            what = f"{name} has {brief(unit)}; {likely_unit(unit, 'm/s^2')}"
+            raise ValueError(f"{what}allowed: units of an acceleration")
     return name, channels
 
 

@@ -20,7 +20,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief, listed, plain
 from stochlin.models.arguments import is_whole
 from stochlin.models.parameters import Range
-from stochlin.models.units import parsed, size_of, stated_size
+from stochlin.models.units import likely_unit, parsed, size_of, stated_size
 from stochlin.solver.tables.inputs import read_input, read_text
 
 _WORKBOOKS = b"PK\x03\x04", b"\xd0\xcf\x11\xe0"  # signatures of .xlsx, and of .xls or with a password
@@ -160,8 +160,9 @@ class Table(NamedTuple):
 
     def seconds(self, column: int, what: str) -> Array:
         """The numbers of a column of times [s], which are in seconds where no other unit is stated."""
-        if (size := size_of(self.unit_of(column) or "s", "s")) is None:
-            raise self.error(f"has the {what} in {brief(self.unit_of(column))}; allowed: s, ms")
+        unit = self.unit_of(column) or "s"
+        if (size := size_of(unit, "s")) is None:
+            raise self.error(f"has the {what} in {brief(unit)}; {likely_unit(unit, 's')}allowed: s, ms")
         return size * self.numbers(column, what)
 
     def in_si(self, name: str | int, quantity: str, unit: str | None, allowed: Range | None) -> Array:

@@ -15,7 +15,7 @@ from stochlin.models.arguments import A_LABEL, Whole, is_label, is_number, is_wh
 from stochlin.models.parameters import Model, Range
 from stochlin.models.plausible import ANY, PLAUSIBLE, Plausible
 from stochlin.models.uncertain import Uncertain
-from stochlin.models.units import UNITS, size_of
+from stochlin.models.units import UNITS, likely_unit, size_of
 from stochlin.solver.tables.toml import BACKSLASH
 
 Warn = Callable[[str], None]  # called with what is doubtful about a value that is allowed
@@ -96,7 +96,8 @@ class Quantity:
             raise ValueError("has a comma; allowed: a decimal point, and no sign between thousands")
         size = self.size(unit) if unit else 1.0
         if size is None:
-            raise ValueError(f"has the unknown unit {brief(unit)}; allowed: {', '.join(self.spellings)}")
+            what = f"has the unknown unit {brief(unit)}; {likely_unit(unit, self.units)}"
+            raise ValueError(f"{what}allowed: {', '.join(self.spellings)}")
         return number * size
 
 

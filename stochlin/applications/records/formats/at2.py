@@ -50,6 +50,7 @@ def _stated(text: str) -> tuple[int, float] | None:
     if not (match := _NUMBERS_FIRST.search(text) or _IN_ANY_ORDER.search(text)):
         return None
     samples, dt, unit = match.groups()
+    unit = unit.lower() if unit.isupper() else unit  # a header in capitals has MSEC
     seconds = (number_in(dt) or 0.0) * (size_of(unit or "s", "s") or 0.0)
     return (int(samples), seconds) if samples.isdigit() and 0 < seconds < float("inf") else None
 
