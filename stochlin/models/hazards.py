@@ -17,6 +17,7 @@ from stochlin.models.uncertain import as_array
 
 MEASURES = ("pga", "sa", "intensity")
 FEWEST = 2  # smallest number of points of a curve
+MOST_OFTEN = 1e4  # [1/yr], about once an hour, above which an annual frequency has another unit
 _ROUNDING = 1e-9  # relative rounding error allowed at the ends of a curve
 
 
@@ -190,6 +191,9 @@ def check_curve(intensities: Array, frequencies: Array, places: Sequence[str]) -
         for name, values, sign, allowed in columns:
             if not 0 < values[n] < np.inf:
                 raise ValueError(f"{place}: the {name} is {values[n]:g}; allowed: positive, finite")
+            if values is frequencies and values[n] > MOST_OFTEN:
+                what = f"{place}: the {name} is {values[n]:g}"
+                raise ValueError(f"{what}; allowed: {MOST_OFTEN:g} a year or less")
             if n and sign * values[n] <= sign * values[n - 1]:
                 what = f"{place}: the {name} {values[n]:g} follows {values[n - 1]:g}"
                 raise ValueError(f"{what}; allowed: {allowed}")

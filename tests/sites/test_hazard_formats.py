@@ -53,6 +53,17 @@ USGS = samples.usgs(
     }
     | {"PGV": ([1.0, 100.0], [0.1, 1e-4])}
 )
+
+
+def changed_usgs(**first):
+    """The response with other first values of the curve of the PGA."""
+    response = json.loads(USGS)
+    values = response["response"]["hazardCurves"][0]["data"][1]["values"]
+    for axis, value in first.items():
+        values[axis][0] = value
+    return json.dumps(response)
+
+
 OF_IDS = re.sub(r"(?m)^(-9)", r"roma,\1", SITES).replace("lon,", "custom_site_id,lon,")
 TOTAL = "\n".join(
     ["name,lon,lat," + ",".join(f"{level:.9f}" for level in LEVELS)]
@@ -148,8 +159,36 @@ REFUSALS = {
     "site = 1 does not apply": (columns("pga [g],rate", LEVELS, frequency()), {"site": 1}),
     r"is no response of the hazard service of the USGS \(Expecting": '{"response": [',
     r"the USGS \('response'\); allowed: the whole response": '{"answer": []}',
-    "to float: 'few'": USGS.replace("[0.05,", '["few",'),
-    "inhomogeneous": USGS.replace("[0.05, ", "[", 1),
+    "PGA, number 1: the intensity is 'few'; allowed: a finite": changed_usgs(xs="few"),
+    "csv, PGA: 7 xs beside 8 ys; allowed: as many of both": USGS.replace("[0.05, ", "[", 1),
+    "PGA, number 1: the annual frequency is inf; allowed: a finite number": changed_usgs(ys=np.inf),
+    "PGA, number 1: the annual frequency is nan; allowed": changed_usgs(ys=np.nan),
+    "PGA, number 1: the intensity is inf; allowed": changed_usgs(xs=-np.inf).replace("-Inf", "Inf", 1),
+    "PGA, number 1: the intensity is -inf; allowed": changed_usgs(xs=-np.inf),
+    "PGA, number 1: the intensity is True; allowed": changed_usgs(xs=True),
+    "PGA, number 1: the intensity is None; allowed": changed_usgs(xs=None),
+    "PGA, number 1: the annual frequency is '0.1'; allowed": changed_usgs(ys="0.1"),
+    "PGA, number 1: the annual frequency is inf; allowed: a": changed_usgs(ys=10**400),
+    "PGA, number 1: the annual frequency is -inf; allowed": changed_usgs(ys=7.5).replace(
+        "7.5", "-1e400"
+    ),
+    "PGA, number 1: the annual frequency is -0.1; allowed: positive": changed_usgs(ys=-0.1),
+    "PGA, number 1: the annual frequency is 1e.30; allowed: 10000 a year": changed_usgs(ys=1e30),
+    r"the USGS \(PGA has 2 components 'Total' in place of 1\); allowed": USGS.replace(
+        "Grid", "Total", 1
+    ),
+    r"the USGS \(PGA has 0 components 'Total' in place of 1\); allowed": USGS.replace("Total", "All", 1),
+    "csv: PGA is there twice": USGS.replace("SA0P2", "PGA"),
+    r"the USGS \(an object has the key 'response' twice\); allowed": USGS.replace(
+        "status", "response", 1
+    ),
+    r"the USGS \(an object has the key 'ys' twice\); allowed": USGS.replace('"xs"', '"ys"', 1),
+    r"the USGS \(maximum recursion depth": '{"response": ' + 100_000 * "[" + 100_000 * "]" + "}",
+    "has 'iml' twice; allowed: a name for each": columns("iml [g],IML", LEVELS, frequency()),
+    "has 'iml' twice; allowed: a name for": columns("iml,iml,rate", LEVELS, LEVELS, frequency()),
+    "line 2, column 2: 'inf' is not a annual": "pga [g],rate\n0.1,inf\n0.2,0.1\n0.3,0.01\n",
+    "line 3, column 2: '1e400' is not a annual": "pga [g],rate\n0.1,1\n0.2,1e400\n0.3,0.01\n",
+    "line 2: the annual frequency is 1e.06; allowed: 10000": "pga [g],rate\n0.1,1e6\n0.2,0.1\n",
     "the file does not say the unit of the acceleration; give units=": USGS.replace("(g)", ""),
     r"period = 0\.1 is beyond .*PGA, SA\(0\.2": (USGS, {"measure": "sa", "period": 0.1}),
     "units = 'g'; allowed with intensity: none": (USGS, {"measure": "intensity", "units": "g"}),

@@ -11,6 +11,7 @@ exceedance, in a folder named by the measure.
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -59,6 +60,9 @@ def _of_columns(sheets: Sequence[Sheet], of: Hazard, choice: AskedHazard) -> Ord
     refuse(table.sheet.name, "a file of one site", {"site": choice.site})
     if wrong := next(filter(_NO_CURVE.search, table.title_cells), None):
         raise table.error(f"has {brief(wrong)}; allowed: intensities and annual frequencies")
+    counts = Counter(filter(None, table.names))
+    if twice := next((name for name, count in counts.items() if count > 1), None):
+        raise table.error(f"has {brief(twice)} twice; allowed: a name for each column")
     second = _named(table, _FREQUENCY, 1)
     first = _named(table, _INTENSITY, 0 if second else 1)
     title = table.title_cells[second] if table.titles else ""

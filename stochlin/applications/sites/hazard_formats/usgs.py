@@ -9,7 +9,11 @@ Motion (g)`` has the unit.
 from __future__ import annotations
 
 import json
+import math
+from collections import Counter
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -19,26 +23,60 @@ from stochlin.applications.sites.hazard_formats import (
     measure_in_words,
     period_of,
 )
-from stochlin.messages import plain, refuse, sentence
+from stochlin.kernels.basics.arrays import Array
+from stochlin.messages import brief, plain, refuse, sentence
+
+TOTAL = "Total"
 
 
 def read(path: Path, text: str, choice: AskedHazard) -> list[Ordinate]:
     """The total curves of all measures that are accelerations."""
-    name, ordinates = plain(path.name), []
+    name = plain(path.name)
     of_one = {"site": choice.site, "investigation_time": choice.years}
     refuse(name, "a response of the USGS, of annual frequencies at one site", of_one)
+    curves: list[tuple[float, Sequence[Any], Sequence[Any]]] = []  # period, xs and ys
     try:
-        response = json.loads(text)["response"]
+        # Whole numbers are read as floats, so that what is too large for these is infinite.
+        response = json.loads(text, object_pairs_hook=_object, parse_int=float)["response"]
         units = "g" if "(g)" in response["metadata"]["xlabel"] else ""
         for curve in response["hazardCurves"]:
-            if (period := period_of(curve["imt"]["value"])) is None:
-                continue
-            values = {part["component"]: part["values"] for part in curve["data"]}["Total"]
-            levels, frequencies = np.array([values["xs"], values["ys"]], float)
-            where = f"{name}, {measure_in_words(period)}, number"
-            places = [f"{where} {n}" for n in range(1, levels.size + 1)]
-            ordinates.append(Ordinate(period, levels, frequencies, places, units))
+            if (period := period_of(curve["imt"]["value"])) is not None:
+                values = _total(curve["data"], measure_in_words(period))
+                curves.append((period, [*values["xs"]], [*values["ys"]]))
     except (ValueError, LookupError, TypeError, AttributeError, RecursionError) as error:
         what = f"{name} is no response of the hazard service of the USGS ({sentence(error)})"
         raise ValueError(f"{what}; allowed: the whole response, so fetch it again") from error
+    ordinates = []
+    for period, xs, ys in curves:
+        where = f"{name}, {measure_in_words(period)}"
+        if len(xs) != len(ys):
+            raise ValueError(f"{where}: {len(xs)} xs beside {len(ys)} ys; allowed: as many of both")
+        places = [f"{where}, number {n}" for n in range(1, len(xs) + 1)]
+        levels, frequencies = _finite(xs, places, "intensity"), _finite(ys, places, "annual frequency")
+        ordinates.append(Ordinate(period, levels, frequencies, places, units))
     return ordinates
+
+
+def _object(pairs: Sequence[tuple[str, Any]]) -> dict[str, Any]:
+    """An object of JSON; a ValueError if a key is there twice, of which Python keeps the last."""
+    counts = Counter(key for key, _ in pairs)
+    if twice := next((key for key, count in counts.items() if count > 1), None):
+        raise ValueError(f"an object has the key {brief(twice)} twice")
+    return dict(pairs)
+
+
+def _total(parts: Sequence[dict[str, Any]], measure: str) -> dict[str, Any]:
+    """The values of the total of all components."""
+    totals = [part["values"] for part in parts if part["component"] == TOTAL]
+    if len(totals) != 1:
+        raise ValueError(f"{measure} has {len(totals)} components {TOTAL!r} in place of 1")
+    values: dict[str, Any] = totals[0]
+    return values
+
+
+def _finite(values: Sequence[Any], places: Sequence[str], what: str) -> Array:
+    """The values as an array; a ValueError, which names the place, unless all are finite numbers."""
+    for value, place in zip(values, places, strict=True):
+        if not isinstance(value, float) or not math.isfinite(value):
+            raise ValueError(f"{place}: the {what} is {brief(value)}; allowed: a finite number")
+    return np.array(values, float)
