@@ -1,4 +1,4 @@
-"""Tables that dask holds: lazy, and the same to the last bit."""
+"""Tables that dask holds: lazy, and the same to the last bit, but for rounding of the drift closure."""
 
 import numpy as np
 import pytest
@@ -67,6 +67,44 @@ def test_a_structure_alone_is_the_same_in_chunks():
     eager, _, same = models()
     for closure in ("gaussian", "clipped"):
         assert_same(sl.linearize(first, ground, closure), sl.linearize(eager, same, closure))
+
+
+GROUNDS = {
+    "white noise": sl.WhiteNoise(0.01),
+    "Kanai-Tajimi": sl.KanaiTajimi(0.4, 0.6),
+    "narrow-band": sl.KanaiTajimi(2.0, 0.05),
+    "Clough-Penzien": sl.named_ground("firm", 0.01),
+}
+LINEARIZED = (
+    "rho",
+    "relative_displacement_std",
+    *(f"{name}_{n}" for name in ("displacement_std", "ductility_std") for n in (1, 2)),
+)
+
+
+@pytest.mark.parametrize("closure", ["gaussian", "clipped", "drift"])
+@pytest.mark.parametrize("ground", GROUNDS)
+def test_chunks_change_the_drift_closure_by_rounding_alone(ground, closure):
+    """Also beside a structure that differs by 1e-4, whose relative displacement magnifies rounding."""
+    periods = np.append(np.geomspace(0.1, 3, 20), [1.0, 1.0001])
+    beside = sl.Bilinear(1.0, 0.05, 0.05, reduction_factor=3)
+
+    def table(chunk):
+        first = sl.Bilinear(axis("period", periods, chunk), 0.05, 0.05, reduction_factor=3)
+        return sl.correlate(first, beside, GROUNDS[ground], closure=closure).load()
+
+    whole = table(None)
+    for chunk in (3, 7):
+        parts = table(chunk)
+        for name, values in whole.items():
+            exact = closure != "drift" and name in LINEARIZED
+            if exact or values.dtype.kind != "f":
+                np.testing.assert_array_equal(parts[name], values, err_msg=f"{name}, {chunk}")
+            elif "std" in name and not name.startswith("relative"):
+                np.testing.assert_allclose(parts[name], values, rtol=1e-12, err_msg=f"{name}, {chunk}")
+            else:
+                magnified = 1e-6 * name.startswith("relative")
+                np.testing.assert_allclose(parts[name], values, magnified, 1e-9, err_msg=name)
 
 
 def test_nothing_is_computed_before_it_is_asked_for():
