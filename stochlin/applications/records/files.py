@@ -6,7 +6,6 @@ import os
 import re
 from collections.abc import Sequence
 from itertools import islice
-from pathlib import Path
 
 from stochlin.applications.records.columns import Column, Text
 from stochlin.applications.records.formats import FORMATS, HEADER_LINES, RecordFile, Series
@@ -36,18 +35,20 @@ def read_channels(
 ) -> tuple[str, list[Series]]:
     """The name of a record file of any format, and the components in it."""
     path = input_path("path", path)
-    name, lines = plain(path.name), _lines(path)
-    first = "\n".join(islice(filter(str.strip, islice(lines, skip, None)), HEADER_LINES))
-    if not first:
+    name = plain(path.name)
+    written = read_text(path).replace("\x1a", "").splitlines()  # control-Z ends old DOS files
+    lines = [_COMMENT.sub(r"\1", line) if "#" in line or "%" in line else line for line in written]
+    heads = [_head(lines[skip:]), _head(written[skip:])]
+    if not heads[0]:
         raise ValueError(f"{name} is empty: it holds no line of numbers")
-    of = next((of for of in FORMATS.values() if of.header.search(first)), None)
+    of = next((of for of in FORMATS.values() if any(map(of.header.search, heads))), None)
     if of is None:
         if (text := Text.of(name, lines, skip)) is None:
             raise UnknownFormatError(name)
         return name, [text.series(column, time_column, wrapped)]
     columns = {"column": column, "time_column": time_column, "wrapped": wrapped or None}
     refuse(name, of.title, columns)
-    if not (channels := of.read(RecordFile(name, lines))):
+    if not (channels := of.read(RecordFile(name, lines, written))):
         raise UnknownFormatError(name)
     for unit in (channel.units for channel in channels if channel.units):
         if size_of(unit, "m/s^2") is None:
@@ -89,8 +90,6 @@ def is_record(name: str) -> bool:
     return re.search(rf"\.({endings})(\.gz)?$", name, re.IGNORECASE) is not None
 
 
-def _lines(path: Path) -> list[str]:
-    """The lines of a file without comments."""
-    text = read_text(path).replace("\x1a", "")  # control-Z, the end of old DOS files
-    lines = text.splitlines()
-    return [_COMMENT.sub(r"\1", line) for line in lines] if "#" in text or "%" in text else lines
+def _head(lines: Sequence[str]) -> str:
+    """The first lines with text, in which the headers of formats are searched."""
+    return "\n".join(islice(filter(str.strip, lines), HEADER_LINES))

@@ -29,10 +29,11 @@ class Series(NamedTuple):
 
 
 class RecordFile(NamedTuple):
-    """Name and lines of a record file."""
+    """Name and lines of a record file, without comments, and the lines as they are written."""
 
     name: str
     lines: Sequence[str]
+    written: Sequence[str] = ()
 
     def wrong(self, number: int, allowed: str) -> ValueError:
         """The error that a line is not what is allowed there."""
@@ -79,9 +80,9 @@ class RecordFile(NamedTuple):
 class Format(NamedTuple):
     """A format of record files.
 
-    ``header`` is searched in the first `HEADER_LINES` lines with text, and ``read`` gives the
-    components, none if it sees no accelerations. Of a folder of records, files with these ``endings``,
-    a regular expression, are read.
+    ``header`` is searched in the first `HEADER_LINES` lines with text, as they are written and without
+    comments, and ``read`` gives the components, none if it sees no accelerations. Of a folder of
+    records, files with these ``endings``, a regular expression, are read.
     """
 
     title: str  # with its article
