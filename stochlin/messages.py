@@ -7,7 +7,7 @@ import errno
 import inspect
 import re
 import reprlib
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 from stochlin.removed import instead_of, missing
@@ -113,6 +113,18 @@ def check_names(owner: str, written: Iterable[str], known: Mapping[str, inspect.
             raise TypeError(f"{owner}: {name} is no argument; {hint(name, known)}allowed: {allowed}")
 
 
+def check_call(
+    owner: str, signature: inspect.Signature, args: Sequence[object], kwargs: Mapping[str, object]
+) -> None:
+    """Raise a TypeError, in the name of ``owner``, for arguments with which it cannot be called."""
+    known = signature.parameters
+    check_names(owner, kwargs, known)
+    try:
+        signature.bind(*args, **kwargs)
+    except TypeError as error:
+        raise TypeError(f"{owner}: {error}; allowed: {', '.join(known)}") from None
+
+
 def refuse(name: str, what: str, arguments: Mapping[str, object]) -> None:
     """Raise a ValueError for an argument that is given, although it does not apply to what this is."""
     for argument, value in arguments.items():
@@ -133,9 +145,11 @@ class Named(type):
 
     def __call__(cls, *args: Any, **kwargs: Any) -> Any:
         """A new instance."""
-        if not kwargs.keys() <= cls.__dataclass_fields__.keys():
-            check_names(cls.__name__, kwargs, inspect.signature(cls).parameters)
-        return super().__call__(*args, **kwargs)
+        try:
+            return super().__call__(*args, **kwargs)
+        except TypeError:
+            check_call(cls.__name__, inspect.signature(cls), args, kwargs)
+            raise
 
 
 def _letters(name: str) -> str:

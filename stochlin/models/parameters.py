@@ -5,7 +5,6 @@ from __future__ import annotations
 import copy
 import dataclasses
 import functools
-import inspect
 import operator
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Any, ClassVar, Self
@@ -14,10 +13,11 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from stochlin.messages import Named, brief, check_names, hyphenated, sentence
+from stochlin.messages import Named, brief, hyphenated, sentence
 from stochlin.models.descriptions import stated
 from stochlin.models.plausible import implausible, warn_caller
 from stochlin.models.uncertain import TAKERS, Uncertain, UncertainModel, as_array, median_of
+from stochlin.models.values import CASE, ByValue
 
 _Number = float | np.floating | np.integer
 Parameter = (
@@ -25,7 +25,6 @@ Parameter = (
 )
 """A number, a DataArray (broadcast by dimension name) or a 1-D array (dimension ``case``)."""
 
-CASE = "case"
 LONE = ("float", "float | None", float, float | None)
 ALONE = "one building alone is first, with None as second, in separation, recorded_gap and pounding_risk"
 
@@ -73,7 +72,6 @@ class _Kind(Named):
         uncertain = [name for name, value in values.items() if isinstance(value, Uncertain)]
         if uncertain:
             self.check_uncertain(uncertain)
-            check_names(self.__name__, kwargs, inspect.signature(self).parameters)
         made = UncertainModel.of(self, args, kwargs) if uncertain else super().__call__(*args, **kwargs)
         values["intensity"] = None  # only functions that give metres ask about it
         warn_caller(self.__name__, [*implausible(values)] or median_of(made).doubts())
@@ -81,7 +79,7 @@ class _Kind(Named):
 
 
 @dataclasses.dataclass(frozen=True)
-class Model(metaclass=_Kind):
+class Model(ByValue, metaclass=_Kind):
     """Base of all models that a user describes; it checks and labels the declared parameters.
 
     A scalar out of range raises an error at once. An array may have cells out of range: the analyses

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import wraps
+from types import MethodType
 from typing import Any, Self, TypeVar
 
 import numpy as np
@@ -14,9 +15,10 @@ import xarray as xr
 from scipy.special import ndtri
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.messages import Named, brief, check_names, hyphenated
+from stochlin.messages import Named, brief, check_call, check_names, hyphenated
 from stochlin.models.descriptions import span, stated
 from stochlin.models.plausible import implausible, warn_caller
+from stochlin.models.values import ByValue, call
 
 One = TypeVar("One")
 KINDS = "lognormal", "uniform"
@@ -39,7 +41,7 @@ def as_array(value: object) -> npt.NDArray[Any]:
 
 
 @dataclass(frozen=True)
-class Uncertain(metaclass=Named):
+class Uncertain(ByValue, metaclass=Named):
     """An uncertain parameter, with its median, its spread and the kind of its distribution.
 
     It can be given in place of a parameter of a structure or a ground. Every simulated motion then has
@@ -138,7 +140,7 @@ class WithoutCells:
 
 
 @dataclass(frozen=True)
-class UncertainModel(WithoutCells):
+class UncertainModel(ByValue, WithoutCells):
     """A structure or a ground with uncertain parameters.
 
     It results when an `Uncertain` is given to a model in place of a number. ``build`` makes a sample of
@@ -149,14 +151,16 @@ class UncertainModel(WithoutCells):
     arguments: Mapping[str, Any]
 
     @classmethod
-    def of(cls, build: Callable[..., Any], args: tuple[Any, ...], kwargs: Mapping[str, Any]) -> Self:
+    def of(cls, build: Callable[..., Any], args: Sequence[Any], kwargs: Mapping[str, Any]) -> Self:
         """The uncertain model, after a check at the medians and at both tails of every parameter.
 
         ``build`` is called with keyword arguments only.
         """
-        bound = inspect.signature(build).bind(*args, **kwargs)
+        signature = inspect.signature(build)
+        check_call(build.__qualname__, signature, args, kwargs)
+        bound = signature.bind(*args, **kwargs)
         arguments = dict(bound.arguments)
-        for name, parameter in bound.signature.parameters.items():
+        for name, parameter in signature.parameters.items():
             if parameter.kind is parameter.VAR_KEYWORD:
                 arguments |= arguments.pop(name, {})
         model = cls(build, arguments)
@@ -169,6 +173,15 @@ class UncertainModel(WithoutCells):
                     what = f"{error}: {name} is uncertain, {uncertain.describe()}, and may be so"
                     raise ValueError(f"{what}; give it less spread, or another kind") from error
         return model
+
+    def __repr__(self) -> str:
+        """The call that makes an equal one; what was changed since is described."""
+        if inspect.isclass(self.build):
+            return call(self.build.__name__, self.arguments)
+        of_class = getattr(self.build, "__self__", None)  # whose method builds it, as ``regular`` does
+        if inspect.isclass(of_class):
+            return call(f"{of_class.__name__}.{self.build.__name__}", self.arguments)
+        return f"<{self.describe()}, changed>"
 
     @property
     def uncertain(self) -> dict[str, Uncertain]:
@@ -201,8 +214,7 @@ class UncertainModel(WithoutCells):
         kind = inspect.unwrap(self.build)
         fields = getattr(kind, "__dataclass_fields__", {}).items()
         units = {name: field.metadata.get("units") for name, field in fields}
-        shown = {n: value for n, value in self.arguments.items() if not isinstance(value, type)}
-        parts = [stated(name, value, units.get(name)) for name, value in shown.items()]
+        parts = [stated(name, value, units.get(name)) for name, value in self.arguments.items()]
         return f"{hyphenated(kind.__qualname__)} ({', '.join(parts)})"
 
 
@@ -219,14 +231,17 @@ def applied(change: Callable[[Any], Any], model: Any) -> Any:
 
 
 def takes_uncertain(build: Callable[..., One]) -> Callable[..., One]:
-    """Decorate a function that makes a model: with `Uncertain` arguments it makes an UncertainModel."""
+    """Decorate what becomes a classmethod: with `Uncertain` arguments it makes an UncertainModel."""
     own = {n: p for n, p in inspect.signature(build).parameters.items() if n not in ("cls", "others")}
 
     @wraps(build)
     def either(*args: Any, **kwargs: Any) -> Any:
         check_names(build.__qualname__, kwargs, own | dict(inspect.signature(args[0]).parameters))
-        uncertain = any(isinstance(value, Uncertain) for value in (*args, *kwargs.values()))
-        made = UncertainModel.of(build, args, kwargs) if uncertain else build(*args, **kwargs)
+        kind, *values = args
+        if any(isinstance(value, Uncertain) for value in (*values, *kwargs.values())):
+            made: Any = UncertainModel.of(MethodType(either, kind), values, kwargs)
+        else:
+            made = build(*args, **kwargs)
         warn_caller(build.__qualname__, [*implausible(kwargs)] or median_of(made).doubts())
         return made
 

@@ -1,6 +1,5 @@
 """Every public call refuses wrong values, and answers or refuses any structure, in one short line."""
 
-import doctest
 import inspect
 import re
 import warnings
@@ -15,6 +14,7 @@ import pytest
 import sympy
 import xarray as xr
 from cases import with_slow
+from examples import example_arguments
 
 import stochlin as sl
 
@@ -132,39 +132,9 @@ def complaint(call: Callable[..., Any], passed: Mapping[str, Any]) -> BaseExcept
     return None
 
 
-class Called(BaseException):
-    """The arguments of the first call of a public name in its example."""
-
-    def __init__(self, call: Callable[..., Any], *args: Any, **options: Any) -> None:
-        self.arguments = inspect.signature(call).bind(*args, **options).arguments
-
-
-class Stopped:
-    """A public name that is not called."""
-
-    def __init__(self, thing: Any) -> None:
-        self._thing = thing
-
-    def __call__(self, *args: Any, **options: Any) -> None:
-        raise Called(self._thing, *args, **options)
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._thing, name)
-
-
 def arguments(name: str, folder: Path) -> dict[str, Any]:
-    """As in the example of the reference, which writes its files into this folder."""
-    call = attrgetter(name)(sl)
-    holder, _, own = f"sl.{name}".rpartition(".")
-    examples = doctest.DocTestParser().get_examples(inspect.getdoc(call))
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("tempfile.tempdir", str(folder))
-        patch.setattr(eval(holder), own, Stopped(call))
-        try:
-            exec("".join(example.source for example in examples), {})
-        except Called as called:
-            return called.arguments | OWN.get(name, {})
-    raise AssertionError(f"the example of {name} does not call it")
+    """As in the example of the reference, with some that it leaves out."""
+    return example_arguments(name, folder) | OWN.get(name, {})
 
 
 def is_usual(value: Any, about: inspect.Parameter) -> bool:

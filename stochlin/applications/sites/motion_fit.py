@@ -31,6 +31,7 @@ from stochlin.models.arguments import (
 )
 from stochlin.models.envelopes import Envelope, strong_seconds
 from stochlin.models.grounds import Ground, rms_acceleration
+from stochlin.models.values import ByValue
 
 FILTERS, PATHS = 2, 512
 CYCLES = 4.0  # smallest number of cycles of a fitted period in a record
@@ -118,7 +119,7 @@ def checked_components(record: Records) -> Components:
 
 
 @dataclass(frozen=True)
-class FittedMotion:
+class FittedMotion(ByValue):
     """Random motion of finite length, as fitted by `fit_motion`: ground, envelope and duration.
 
     Parameters

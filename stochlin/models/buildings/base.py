@@ -16,10 +16,11 @@ from stochlin.kernels.basics.systems import System
 from stochlin.messages import DoubtfulInput, brief
 from stochlin.models.arguments import is_number
 from stochlin.models.laws.hysteretic import Hysteretic, law_of
-from stochlin.models.parameters import CASE, Model
+from stochlin.models.parameters import Model
 from stochlin.models.states import in_words
 from stochlin.models.structures import HARDENING, Structure
 from stochlin.models.uncertain import WithoutCells, as_array
+from stochlin.models.values import CASE
 
 if TYPE_CHECKING:
     import sympy

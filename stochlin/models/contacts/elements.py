@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -109,6 +110,14 @@ class Damped(Element):
         of range raises a ValueError, what is no number a TypeError.
         """
         return cls._related(cls.damping_name, damping, DAMPING, cls.relation.restitution)
+
+    def constructor_arguments(self) -> dict[str, Any]:
+        """As of every model, with the damping by its name in the constructor."""
+        values = super().constructor_arguments()
+        name = getattr(self, "damping_name", "damping")
+        if name in inspect.signature(type(self)).parameters:
+            values[name] = values.pop("damping")
+        return values
 
     @classmethod
     def _damping_for(cls, restitution: Any) -> Any:
