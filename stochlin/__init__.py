@@ -9,12 +9,13 @@ from __future__ import annotations
 import lazy_loader
 
 from stochlin._version import __version__ as __version__
-from stochlin.removed import missing
 
 _find, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
 
 def __getattr__(name: str) -> object:
     if name not in __all__:
-        raise missing(f"module {__name__!r}", name)
+        from stochlin.messages import missing_in
+
+        raise missing_in(__name__, name)
     return _find(name)

@@ -127,3 +127,9 @@ from .applications.mitigation.mitigation import mitigate as mitigate
 
 # Charts
 from . import charts as charts
+
+# Warnings
+from .messages import (
+    DoubtfulInput as DoubtfulInput,
+    ImplausibleInput as ImplausibleInput,
+)

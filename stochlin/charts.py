@@ -5,7 +5,7 @@
 
 from stochlin.applications.cases.pounding import pound_case as pound_case
 from stochlin.applications.sites.simulated_spectra import simulated_spectrum as simulated_spectrum
-from stochlin.removed import missing
+from stochlin.messages import missing_in as _missing_in
 from stochlin.views.figures.charts import CHARTS as CHARTS
 from stochlin.views.figures.charts import ChartSettings as ChartSettings
 from stochlin.views.figures.charts import chart_functions as chart_functions
@@ -34,4 +34,4 @@ from stochlin.views.sites.pictures import draw_spectrum as draw_spectrum
 
 
 def __getattr__(name: str) -> object:
-    raise missing(f"module {__name__!r}", name)
+    raise _missing_in(__name__, name)

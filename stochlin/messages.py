@@ -7,10 +7,11 @@ import errno
 import inspect
 import re
 import reprlib
+import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
-from stochlin.removed import instead_of, missing
+from stochlin.removed import instead_of
 
 FULL, MISSING = (errno.ENOSPC, errno.EDQUOT), (errno.ENOENT, errno.ENOTDIR)
 REASONS = dict.fromkeys(MISSING, "there is no such file; check its name and its folder")
@@ -24,11 +25,31 @@ WHEN_COMPILING: list[Callable[[], None]] = []
 
 
 class DoubtfulInput(UserWarning):
-    """What is allowed, but looks like a mistake."""
+    """Warning of what is allowed, but looks like a mistake, such as modes with little of the mass.
+
+    Examples
+    --------
+    >>> import warnings
+    >>> import stochlin as sl
+    >>> with warnings.catch_warnings():
+    ...     warnings.simplefilter("error", sl.DoubtfulInput)
+    ...     tower = sl.ModalBuilding([0.5], [[0.1, 1.0]], [2e5] * 2, [3.5] * 2, damping=0.05)
+    Traceback (most recent call last):
+    stochlin.messages.DoubtfulInput: ModalBuilding: ...
+    """
 
 
 class ImplausibleInput(DoubtfulInput):
-    """A number beyond the limits of `stochlin.models.plausible`."""
+    """Warning of a number that no building, ground motion or gap has.
+
+    Examples
+    --------
+    >>> import warnings
+    >>> import stochlin as sl
+    >>> with warnings.catch_warnings():
+    ...     warnings.simplefilter("ignore", sl.ImplausibleInput)
+    ...     model = sl.Bilinear(period=500.0, damping=0.05)
+    """
 
 
 class _Short(reprlib.Repr):
@@ -101,6 +122,17 @@ def hint(written: str, known: Iterable[str]) -> str:
     """Words before a list of known names: what replaces a removed one, or the likely one."""
     near = nearest(written, known) if len(written) > 2 else ""  # shorter texts are like all others
     return instead_of(written) or (f"did you mean {near!r}? " if near else "")
+
+
+def missing(owner: str, name: str, known: Iterable[str] = ()) -> AttributeError:
+    """The error of a name that is none of the known names of a module or class, or is so no more."""
+    return AttributeError(f"{owner} has no attribute {name!r}; {hint(name, known)}".rstrip("; "))
+
+
+def missing_in(module: str, name: str) -> AttributeError:
+    """The error of a name that the module of this name does not have; it suggests the nearest."""
+    public = [each for each in dir(sys.modules[module]) if not each.startswith("_")]
+    return missing(f"module {module!r}", name, public)
 
 
 def check_names(owner: str, written: Iterable[str], known: Mapping[str, inspect.Parameter]) -> None:

@@ -63,11 +63,6 @@ REMOVED: dict[str, str] = {
 }
 
 
-def missing(owner: str, name: str) -> AttributeError:
-    """The error of a name that a module or class does not have, or has no more."""
-    return AttributeError(f"{owner} has no attribute {name!r}; {instead_of(name)}"[:-2])
-
-
 def instead_of(name: str) -> str:
     """What an error says about a removed name, before what is allowed; empty for all other names."""
     return f"it was removed: {REMOVED[name]}; " if name in REMOVED else ""

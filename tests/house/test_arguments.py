@@ -24,7 +24,8 @@ PUBLIC = {
     f"{module.__name__}.{name}": each
     for module in (sl, sl.charts, sl.rules)
     for name in dir(module)
-    if callable(each := getattr(module, name)) and name[0] != "_" and name != "missing"
+    if callable(each := getattr(module, name)) and name[0] != "_"
+    if not (inspect.isclass(each) and issubclass(each, Warning))
 }
 
 

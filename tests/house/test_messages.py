@@ -1,9 +1,12 @@
 """Values in messages: on one line, without what a terminal would obey, and never long."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 import xarray as xr
 
+import stochlin as sl
 from stochlin.messages import LONGEST, brief, hint, listed, nearest, plain, sentence
 
 pytestmark = pytest.mark.invariant
@@ -43,6 +46,34 @@ def test_texts_without_quotation_marks() -> None:
     assert sentence(FileNotFoundError(2, "No such file", "a.at2")).startswith(
         "a.at2: there is no such file"
     )
+
+
+@pytest.mark.parametrize(
+    ("module", "written", "expected"),
+    [
+        (sl, "seperation", "separation"),
+        (sl, "bilinear", "Bilinear"),
+        (sl, "kanai_tajimi", "KanaiTajimi"),
+        (sl.charts, "restitution_charts", "restitution_chart"),
+        (sl.rules, "code_rules", "code_rule"),
+    ],
+)
+def test_a_mistyped_public_name_gets_the_nearest(module: Any, written: str, expected: str) -> None:
+    message = rf"'{module.__name__}' has no attribute '{written}'; did you mean '{expected}'\?$"
+    with pytest.raises(AttributeError, match=message):
+        getattr(module, written)
+
+
+def test_a_name_that_resembles_none_gets_no_suggestion() -> None:
+    for module in (sl, sl.charts, sl.rules):
+        with pytest.raises(AttributeError, match=r"has no attribute 'xyzzyx'$"):
+            _ = module.xyzzyx
+
+
+def test_the_warnings_are_public() -> None:
+    with pytest.warns(sl.ImplausibleInput, match="period = 500"):
+        sl.Bilinear(500.0, 0.05)
+    assert issubclass(sl.ImplausibleInput, sl.DoubtfulInput)
 
 
 def test_the_name_that_was_probably_meant() -> None:

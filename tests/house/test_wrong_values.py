@@ -99,7 +99,8 @@ OWN: dict[str, dict[str, Any]] = {
 }
 
 
-NAMES = [name for name in sl.__all__ if callable(getattr(sl, name))]
+CALLED = {name: thing for name in sl.__all__ if callable(thing := getattr(sl, name))}
+NAMES = [n for n, thing in CALLED.items() if not (inspect.isclass(thing) and issubclass(thing, Warning))]
 NAMES += ["ShearBuilding.regular"]
 LONG = {
     *(
