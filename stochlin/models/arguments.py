@@ -1,7 +1,8 @@
 """Arguments of functions: what is allowed is declared once, as a type, and checked before the call.
 
-A public function names the types below in its signature and is decorated by `checked`. To a type checker
-``paths: Paths`` is an ``int``; a call with another value is refused by name, value and what is allowed.
+A public function names the types below in its signature and is decorated by `checked`. Words that are
+fixed are a ``Literal``, so that type checkers know them; to these ``paths: Paths`` is an ``int``.
+A call with another value is refused by name, value and what is allowed.
 Arguments that are models are checked by their classes, and parameters of models by the models.
 """
 
@@ -14,7 +15,7 @@ import typing
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Annotated, Any, ParamSpec, TypeGuard, TypeVar
+from typing import Annotated, Any, Literal, ParamSpec, TypeGuard, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -254,6 +255,7 @@ def _checks(declared: Any, uncertain: bool) -> list[Check]:
     options = list(typing.get_args(declared)) if union else [declared]
     kinds = [option for option in options if option is not types.NoneType]
     checks: list[Check] = [each for kind in kinds for each in getattr(kind, "__metadata__", ())]
+    checks += [OneOf(typing.get_args(kind)) for kind in kinds if typing.get_origin(kind) is Literal]
     if all(isinstance(kind, type) and issubclass(kind, Model) for kind in kinds):
         checks = [OfClass(tuple(kinds), uncertain)]
     return [partial(_unless_none, check) for check in checks] if len(kinds) < len(options) else checks

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Literal, get_args
 
 import numpy as np
 import xarray as xr
@@ -15,7 +15,8 @@ from stochlin.models.arguments import Number, OneOf
 from stochlin.models.parameters import POSITIVE, Model, Parameter, Range, check, parameter
 from stochlin.models.uncertain import as_array
 
-MEASURES = ("pga", "sa", "intensity")
+Exceeded = Literal["pga", "sa", "intensity"]
+MEASURES: tuple[Exceeded, ...] = get_args(Exceeded)
 FEWEST = 2  # smallest number of points of a curve
 MOST_OFTEN = 1e4  # [1/yr], about once an hour, above which an annual frequency has another unit
 _ROUNDING = 1e-9  # relative rounding error allowed at the ends of a curve
@@ -25,7 +26,7 @@ _ROUNDING = 1e-9  # relative rounding error allowed at the ends of a curve
 class Hazard(Model):
     """Base of the hazards, for peak ground acceleration, ``Sa`` at a period, or intensity ``S0``."""
 
-    measure: str = field(default="pga", kw_only=True)
+    measure: Exceeded = field(default="pga", kw_only=True)
     period: float | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:

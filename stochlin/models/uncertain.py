@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import wraps
 from types import MethodType
-from typing import Any, Self, TypeVar
+from typing import Any, Literal, Self, TypeVar, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -21,7 +21,8 @@ from stochlin.models.plausible import implausible, warn_caller
 from stochlin.models.values import ByValue, call
 
 One = TypeVar("One")
-KINDS = "lognormal", "uniform"
+Distribution = Literal["lognormal", "uniform"]
+KINDS: tuple[Distribution, ...] = get_args(Distribution)
 FAR = 1e-4  # probability below and above the two extreme values at which a model is tried
 # The functions that take models with uncertain parameters; the last one only with a duration.
 TAKERS = (
@@ -82,7 +83,7 @@ class Uncertain(ByValue, metaclass=Named):
 
     median: float | npt.ArrayLike
     spread: float
-    kind: str = "lognormal"
+    kind: Distribution = "lognormal"
 
     def __post_init__(self) -> None:
         median = as_array(self.median)

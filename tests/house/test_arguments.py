@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import inspect
+import typing
+from collections.abc import Callable
+from typing import Any, Literal
 
 import pytest
 import sympy
+import xarray as xr
 from matplotlib.figure import Figure
 
 import stochlin as sl
@@ -17,6 +21,7 @@ from stochlin.models.arguments import (
     checks_of,
 )
 from stochlin.models.grounds import Ground
+from stochlin.solver.correlation.correlation import METHODS, Method
 
 pytestmark = pytest.mark.invariant
 
@@ -87,6 +92,38 @@ def test_defaults_of_public_functions_pass_their_checks(monkeypatch: pytest.Monk
         for argument, check in checks_of(plain):
             if (default := parameters[argument].default) is not inspect.Parameter.empty:
                 check(argument, default)
+
+
+def literals(public: Callable[..., object]) -> dict[str, tuple[object, ...]]:
+    """The words that the types of a public call list, by argument, without those of open lists."""
+    later = {"sympy": sympy, "Figure": Figure, "xr": xr}  # imported where they are needed
+    hints = typing.get_type_hints(public, localns=later, include_extras=True)
+    parts = {name: (hint, *typing.get_args(hint)) for name, hint in hints.items() if name != "return"}
+    listed = {
+        name: sum((typing.get_args(each) for each in of if typing.get_origin(each) is Literal), ())
+        for name, of in parts.items()
+        if str not in of
+    }
+    return {name: words for name, words in listed.items() if words}
+
+
+def test_the_words_of_a_type_are_those_that_are_checked() -> None:
+    functions = {
+        name: getattr(sl, name) for name in sl.__all__ if hasattr(getattr(sl, name), "__wrapped__")
+    }
+    listed = {name: literals(each) for name, each in functions.items()}
+    listed = {name: words for name, words in listed.items() if words}
+    assert len(listed) >= 9
+    for name, arguments in listed.items():
+        checks: dict[str, Any] = dict(checks_of(inspect.unwrap(functions[name])))
+        for argument, words in arguments.items():
+            for word in words:
+                checks[argument](argument, word)
+            with pytest.raises(
+                ValueError, match=f"{argument} = 'neither' is not known; allowed: {words[0]}"
+            ):
+                checks[argument](argument, "neither")
+    assert {*typing.get_args(Method)} == {*METHODS}
 
 
 def test_an_unknown_argument_is_answered_with_the_nearest() -> None:

@@ -125,15 +125,30 @@ def test_type_checkers_and_editors_see_the_public_names(tmp_path: Path) -> None:
         "import stochlin as sl\n"
         "reveal_type(sl.critical_gap)\nreveal_type(sl.charts.draw)\n"
         "sl.linearise\n"
+        "def wrong(a: sl.Bilinear, g: sl.KanaiTajimi) -> None:\n"
+        "    sl.correlate(a, a, g, method='simulated')\n"
+        "    sl.amplification(a, g, of='peaks')\n"
+        "    sl.Uncertain(1.0, 0.2, 'normal')\n"
+        "    sl.linearize(a, g, closure='of_an_extension')\n"
+        "    sl.correlate(a, a, g, method='simulation', rule='of_an_extension')\n"
     )
     command = [sys.executable, "-m", "mypy", "--strict", str(snippet)]  # with what mypy knows already
     said = subprocess.run(command, capture_output=True, text=True, check=False, cwd=ROOT.parent).stdout
+    *lines, closing = said.splitlines()
     for text, line in zip(
-        ("def (peak_1", "matplotlib.figure.Figure", 'has no attribute "linearise"'),
-        said.splitlines()[:3],
+        (
+            "def (peak_1",
+            "matplotlib.figure.Figure",
+            'has no attribute "linearise"',
+            "\"Literal['simulated']\"; expected \"Literal['linearization', 'white_noise', 'effective',",
+            "\"Literal['peaks']\"; expected \"Literal['std', 'peak']\"",
+            "\"Literal['normal']\"; expected \"Literal['lognormal', 'uniform']\"",
+        ),
+        lines,
         strict=True,
     ):
         assert text in line
+    assert closing.startswith("Found 4 errors")
 
 
 def sections(thing: object) -> dict[str, str]:

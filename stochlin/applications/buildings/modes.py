@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Sequence
-from typing import Annotated
+from typing import Literal, get_args
 
 import numpy as np
 import xarray as xr
@@ -15,13 +15,14 @@ from stochlin.applications.buildings.mode_files import plain as plain_form
 from stochlin.applications.buildings.mode_files.csi_tables import RATIOS, tables_in
 from stochlin.applications.sheets.sheets import check_alone, sheets_of
 from stochlin.messages import DoubtfulInput, brief, listed, plain
-from stochlin.models.arguments import Label, OneOf, checked
+from stochlin.models.arguments import Label, checked
 from stochlin.models.buildings.base import FLOOR, MODE
 from stochlin.models.buildings.modal import ModalBuilding, effective_masses_of
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.inputs import input_path
 
-DIRECTIONS = ("UX", "UY")
+Direction = Literal["UX", "UY"]
+DIRECTIONS: tuple[Direction, ...] = get_args(Direction)
 LOWEST = 0.01  # m: floors that are lower are at the ground or below it
 
 
@@ -29,7 +30,7 @@ LOWEST = 0.01  # m: floors that are lower are at the ground or below it
 def read_modes(
     path: str | os.PathLike[str],
     *,
-    direction: Annotated[str, OneOf(DIRECTIONS)] | None = None,
+    direction: Direction | None = None,
     points: Sequence[str] = (),
     tower: Label | None = None,
     mass_units: str | None = None,

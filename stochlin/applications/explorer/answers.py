@@ -15,7 +15,7 @@ from stochlin.applications.cases.separation import CaseAnswer, answer_case
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.models.grounds import Ground, WhiteNoise
-from stochlin.solver.correlation.correlation import correlate
+from stochlin.solver.correlation.correlation import Method, correlate
 from stochlin.solver.simulation.finite_motions import keeping_apart
 from stochlin.solver.tables import labels
 
@@ -63,7 +63,9 @@ def correlations(case: Case, progress: Progress | None = None) -> Iterator[OnGro
         yield OnGround(name, linearized.rho, simulated[["rho", "rho_standard_error"]])
 
 
-def _correlation(case: Case, ratios: Array, ground: Ground, method: str, **options: Any) -> xr.Dataset:
+def _correlation(
+    case: Case, ratios: Array, ground: Ground, method: Method, **options: Any
+) -> xr.Dataset:
     """Dataset of `correlate` at these ratios of the periods, and at that of the case."""
     first, second = (cast(Any, building.structure) for building in pair_of(case))
     ratios = np.union1d(ratios, pair_of(case)[1].period / pair_of(case)[0].period)

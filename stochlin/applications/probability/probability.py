@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import partial, reduce
 from operator import and_
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import xarray as xr
 
@@ -15,7 +15,6 @@ from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.messages import refuse
 from stochlin.models.arguments import (
     Duration,
-    OneOf,
     Points,
     Probability,
     Scatter,
@@ -48,7 +47,7 @@ from stochlin.solver.tables.cells import over_cells
 from stochlin.solver.tables.checks import check_duration
 from stochlin.solver.tables.lazy import arrays_of
 
-METHODS = ("evolutionary", "hybrid")
+Method = Literal["evolutionary", "hybrid"]
 PathsIfAny = Annotated[int, Whole(0)]  # 0 for no simulation
 STEM = "confidence_of_no_pounding"
 OF_FORMULA = 0.5  # share of the progress that the formula has beside a simulation
@@ -67,7 +66,7 @@ def pounding_probability(
     *,
     envelope: Envelope | None = None,
     duration: Duration | None = None,
-    method: Annotated[str, OneOf(METHODS)] = "evolutionary",
+    method: Method = "evolutionary",
     record: xr.DataArray | None = None,
     confidence: Probability = 0.9,
     scatter: Scatter = 0.0,

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from itertools import product
-from typing import Annotated, NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -13,7 +13,7 @@ from scipy import integrate
 from stochlin.applications.records.ground_fit import best_fit
 from stochlin.applications.records.records import checked_record
 from stochlin.kernels.basics.arrays import Array
-from stochlin.models.arguments import OneOf, checked
+from stochlin.models.arguments import checked
 from stochlin.models.envelopes import AminAng, Envelope, GammaEnvelope, ShinozukaSato
 
 POINTS = 400  # number of times at which cumulative energies are compared
@@ -29,7 +29,8 @@ class _Unknown(NamedTuple):
 
 
 # For each model, a function that makes the envelope from the unknowns, and the unknowns.
-FITTED_ENVELOPES: dict[str, tuple[Callable[..., Envelope], tuple[_Unknown, ...]]] = {
+FittedEnvelope = Literal["amin_ang", "shinozuka_sato", "gamma"]
+FITTED_ENVELOPES: Mapping[FittedEnvelope, tuple[Callable[..., Envelope], tuple[_Unknown, ...]]] = {
     "amin_ang": (
         lambda rise, strong, decay: AminAng(rise, rise + strong, 1 / decay),
         (_Unknown(True, (0.05, 0.3)), _Unknown(True, (0.1, 0.4)), _Unknown(True, (0.05, 0.3))),
@@ -46,9 +47,7 @@ FITTED_ENVELOPES: dict[str, tuple[Callable[..., Envelope], tuple[_Unknown, ...]]
 
 
 @checked
-def fit_envelope(
-    record: xr.DataArray, model: Annotated[str, OneOf(FITTED_ENVELOPES)] = "amin_ang"
-) -> Envelope:
+def fit_envelope(record: xr.DataArray, model: FittedEnvelope = "amin_ang") -> Envelope:
     """Envelope fitted to the cumulative energy of a record.
 
     The fit is by least squares on the cumulative ``Int m^2 dt`` of the envelope ``m`` over its total,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -59,7 +59,8 @@ def _deviance(record: Array, model: Array) -> Array:
 
 
 OF_LOG = np.pi**2 / 6  # variance of the logarithm of an exponential variable
-ESTIMATORS = {
+Estimated = Literal["psd", "log_psd", "whittle"]
+ESTIMATORS: Mapping[Estimated, Estimator] = {
     "psd": Estimator("least squares on the linear PSD", _difference, np.square, 1.0, 0.0),
     "log_psd": Estimator("least squares on the log PSD", _log_difference, np.ones_like, OF_LOG, _TAPER),
     "whittle": Estimator("Whittle likelihood", _deviance, np.ones_like, 1.0, _TAPER),
@@ -115,7 +116,7 @@ def fitted_grounds() -> dict[str, type[Ground]]:
 def ground_of_record(
     record: xr.DataArray,
     model: str | None = None,
-    estimator: str | None = None,
+    estimator: Estimated | None = None,
     part: TwoNumbers = STRONG_PART,
     frequency_range: TwoNumbers | None = None,
 ) -> Any:
@@ -123,7 +124,6 @@ def ground_of_record(
     kinds, model = fitted_grounds(), "kanai_tajimi" if model is None else model
     estimator = "psd" if estimator is None else estimator
     OneOf(kinds)("model", model)
-    OneOf(ESTIMATORS)("estimator", estimator)
     chosen = ESTIMATORS[estimator]
     strong = strong_part(record, *part)
     frequency, density, duration = _periodogram(strong, chosen.taper)

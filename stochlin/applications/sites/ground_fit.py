@@ -17,7 +17,7 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from stochlin.applications.records.ground_fit import STRONG_PART, best_fit, ground_of_record
+from stochlin.applications.records.ground_fit import STRONG_PART, Estimated, best_fit, ground_of_record
 from stochlin.applications.sites.simulated_spectra import Motions, peak_accelerations
 from stochlin.applications.sites.spectra import SHORTEST, checked_spectrum, interpolated, is_spectrum
 from stochlin.kernels.basics.arrays import Array
@@ -55,7 +55,7 @@ _END = 1e-11  # tolerances of the least-squares search, whose minimum is flat
 def fit_ground(
     target: xr.DataArray,
     model: str | None = None,
-    estimator: str | None = None,
+    estimator: Estimated | None = None,
     *,
     part: TwoNumbers = STRONG_PART,
     frequency_range: TwoNumbers | None = None,

@@ -21,7 +21,7 @@ from stochlin.applications.sites.hazard_formats import (
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief, listed
 from stochlin.models.arguments import Years, checked
-from stochlin.models.hazards import Hazard, HazardCurve, check_curve
+from stochlin.models.hazards import Exceeded, Hazard, HazardCurve, check_curve
 from stochlin.models.units import stated_size
 from stochlin.solver.tables.inputs import input_path, read_input, read_text
 
@@ -31,7 +31,7 @@ FilePath = str | os.PathLike[str]
 @checked
 def read_hazard(
     path: FilePath | Sequence[FilePath],
-    measure: str = "pga",
+    measure: Exceeded = "pga",
     *,
     units: str | None = None,
     period: float | None = None,

@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.applications.records.cells import Records, checked_motions
-from stochlin.applications.records.envelope_fit import FITTED_ENVELOPES, fit_envelope
+from stochlin.applications.records.envelope_fit import FittedEnvelope, fit_envelope
 from stochlin.applications.records.records import checked_record, is_horizontal, strong_samples
 from stochlin.applications.records.response import response_spectrum
 from stochlin.applications.sites.ground_fit import LONGEST, POINTS, Wanted, deliver
@@ -21,7 +21,6 @@ from stochlin.kernels.basics.parallel import Progress
 from stochlin.messages import DoubtfulInput, listed, plain
 from stochlin.models.arguments import (
     Duration,
-    OneOf,
     Scatter,
     Seed,
     TwoNumbers,
@@ -155,7 +154,7 @@ class FittedMotion(ByValue):
 @checked
 def fit_motion(
     record: Records,
-    envelope: Annotated[str, OneOf(FITTED_ENVELOPES)] = "amin_ang",
+    envelope: FittedEnvelope = "amin_ang",
     *,
     band: TwoNumbers = BAND,
     filters: Annotated[int, Whole(1, 3)] = FILTERS,

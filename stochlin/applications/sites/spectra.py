@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Mapping
-from typing import Annotated, TypeGuard
+from typing import Literal, TypeGuard, get_args
 
 import numpy as np
 import xarray as xr
@@ -15,7 +15,7 @@ from stochlin.applications.records.records import checked_array
 from stochlin.applications.sheets.sheets import sheets_of, table_in
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import DoubtfulInput, brief, listed, plain
-from stochlin.models.arguments import DampingRatio, OneOf, checked, is_number
+from stochlin.models.arguments import DampingRatio, checked, is_number
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.inputs import input_path
 
@@ -25,7 +25,9 @@ BAND, BAND_POINTS = (0.2, 2.0), 40  # [s] of usual buildings, in which spectra a
 FEWEST = 4  # smallest number of points
 _WORDS = r"period|\bt\b|\bs?a\b|s\(t\)|acc|spectr"  # of titles
 WIDEST = 2.0  # ratio of two consecutive periods, beyond which it matters what is between them
-BETWEEN, FINER = ("logarithmic", "linear"), 33  # points from one to the next of a linear spectrum
+Between = Literal["logarithmic", "linear"]
+BETWEEN: tuple[Between, ...] = get_args(Between)
+FINER = 33  # points from one to the next of a linear spectrum
 LEAST, MOST = 0.0025, 7.5  # plausible ordinates [g], 2.5 times ground accelerations of 0.001 and 3 g
 # Elastic spectra with damping 0.05 rise to 2 to 3 times the peak ground acceleration; spectra divided by
 # a behaviour factor q or R do not.
@@ -127,7 +129,7 @@ def read_spectrum(
     units: str | None = None,
     damping: DampingRatio = USUAL_DAMPING,
     column: int | str | None = None,
-    between: Annotated[str, OneOf(BETWEEN)] | None = None,
+    between: Between | None = None,
 ) -> xr.DataArray:
     r"""Read an elastic response spectrum from a file with columns of text.
 
@@ -199,7 +201,7 @@ def read_spectrum(
     }
     for warning in (text for text, holds in doubts.items() if holds):
         warnings.warn(f"{name}: {warning}", DoubtfulInput, stacklevel=3)
-    if between == BETWEEN[1]:
+    if between == "linear":
         finer = np.unique(np.linspace(period[:-1], period[1:], FINER))
         period, values = finer, np.interp(finer, period, values)
     return labelled(period, values, damping, name)

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
-from typing import Annotated, Any
+from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief
-from stochlin.models.arguments import Duration, OneOf, Paths, Seed, checked
+from stochlin.models.arguments import Duration, Paths, Seed, checked
 from stochlin.models.buildings.base import MultistoreyBuilding
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
@@ -26,7 +26,9 @@ from stochlin.solver.tables.cells import over_cells
 from stochlin.solver.tables.checks import check_duration
 from stochlin.solver.tables.labels import ELEMENT, FLOOR
 
-STD, PEAK = "std", "peak"
+Amplified = Literal["std", "peak"]
+STD: Amplified = "std"
+PEAK: Amplified = "peak"
 
 
 @checked
@@ -34,7 +36,7 @@ def amplification(
     structure: AnyStructure,
     ground: Ground,
     *,
-    of: Annotated[str, OneOf((STD, PEAK))] = STD,
+    of: Amplified = STD,
     closure: str = GAUSSIAN,
     duration: Duration | None = None,
     envelope: Envelope | None = None,

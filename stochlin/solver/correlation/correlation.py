@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import partial
-from typing import Annotated, Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import xarray as xr
 
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.models.arguments import OneOf, Paths, RelaxationTimes, Seed, StepsPerPeriod, Truth, checked
+from stochlin.models.arguments import Paths, RelaxationTimes, Seed, StepsPerPeriod, Truth, checked
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import Model
 from stochlin.models.rules.effective_properties import EffectiveRule, effective_rule
@@ -21,13 +21,15 @@ from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import Tolerance, check_table
 from stochlin.solver.tables.lazy import Cells, in_blocks
 
+Method = Literal["linearization", "white_noise", "effective", "simulation"]
+
 
 @checked
 def correlate(
     first: Structure,
     second: Structure,
     ground: Ground,
-    method: Annotated[str, OneOf(METHODS)] = "linearization",
+    method: Method = "linearization",
     *,
     closure: str = "gaussian",
     rule: str | EffectiveRule = "iwan_1980",
@@ -168,7 +170,7 @@ def correlate(
 class Query(NamedTuple):
     """Arguments of `correlate` that its methods share; a method may ignore some of them."""
 
-    method: str
+    method: Method
     closure: str
     tolerance: Tolerance
     rule: EffectiveRule
@@ -224,8 +226,8 @@ def _by_simulation(query: Query, pair: Pair, ground: Ground) -> Answer:
     return {str(name): array for name, array in table.data_vars.items()}, table.attrs
 
 
-SIMULATION = "simulation"
-METHODS: Mapping[str, Callable[[Query, Pair, Ground], Answer]] = {
+SIMULATION: Method = "simulation"
+METHODS: Mapping[Method, Callable[[Query, Pair, Ground], Answer]] = {
     "linearization": _by_linearization,
     "white_noise": _by_white_noise,
     "effective": _by_effective_properties,

@@ -40,7 +40,7 @@ PATHS = "Number of simulated motions, with --method simulation."
 @click.option("--paths", type=click.IntRange(min=2), default=256, show_default=True, help=PATHS)
 @click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True)
 @click.option("--out", type=FILE, help="Save the table as .nc or .csv.")
-def rho(out: Path | None, method: str, **options: Any) -> None:
+def rho(out: Path | None, method: Any, **options: Any) -> None:
     """Compute the correlation coefficient of a pair of bilinear structures, or a table over parameters.
 
     A number is a value (0.5s), a list (0.5s,1s,2s) or a sweep start:stop:count, with :log for a

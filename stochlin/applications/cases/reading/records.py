@@ -40,7 +40,7 @@ FACTOR, TWO_TIMES = Quantity("1", POSITIVE), ListOf(TIME, length=2)
 FACTOR_OF_RECORD = Quantity("1", POSITIVE, SCALE)
 PEAK, RESPONSE = (Quantity("m/s^2", POSITIVE, PLAUSIBLE[name]) for name in ("pga", "sa"))
 PLACE = ListOf(Quantity("1", Range(-360.0, 360.0, True, True)), length=2)
-INTENSITIES = dict.fromkeys(MEASURES, Quantity("m/s^2", POSITIVE))
+INTENSITIES: dict[str, Quantity] = dict.fromkeys(MEASURES, Quantity("m/s^2", POSITIVE))
 INTENSITIES["intensity"] = Quantity("m^2/s^3", POSITIVE)
 READING = ("units", "dt", "column", "time_column", "component", "wrapped", "skip")
 

@@ -9,18 +9,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Annotated, Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
 from stochlin.messages import brief
-from stochlin.models.arguments import OneOf, Truth, check_fields, checked, is_number
+from stochlin.models.arguments import Truth, check_fields, checked, is_number
 from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Model, Range, parameter
 from stochlin.models.rules import Published, look_up
 from stochlin.registry import Registry
 
-ZONES: Mapping[str, float] = {"I": 0.001, "II": 0.003, "III": 0.006}  # share of the height, Mexico City
-Zone = Annotated[str, OneOf(ZONES)]
+Zone = Literal["I", "II", "III"]  # of Mexico City
+ZONES: Mapping[Zone, float] = {"I": 0.001, "II": 0.003, "III": 0.006}  # share of the height
 HEIGHT, FIXED = "height", "fixed"  # families of rules, besides "SRSS" and "sum" of the peaks
 INELASTIC = "peaks are largest displacements, inelastic where the structure yields"
 TWO = "a second building: what it says of a property line is not known here"

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import reduce
 from operator import and_
-from typing import Annotated, NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -22,7 +22,7 @@ from stochlin.kernels.linearization.systems.substitution import (
     response_of,
     solve_springs,
 )
-from stochlin.models.arguments import Number, OneOf, checked
+from stochlin.models.arguments import Number, checked
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
 from stochlin.models.parameters import Range
@@ -45,8 +45,8 @@ from stochlin.solver.tables.checks import USUAL, Tolerance, check_work
 from stochlin.solver.tables.labels import element_coordinates, floor_coordinates
 from stochlin.solver.tables.lazy import check_names
 
-ANDERSON = "anderson"
-ITERATIONS = {ANDERSON: DEPTH, "substitution": 0}  # by name, with the number of rounds that are mixed
+Iteration = Literal["anderson", "substitution"]
+ITERATIONS: Mapping[Iteration, int] = {"anderson": DEPTH, "substitution": 0}  # rounds that are mixed
 # Dimensions of the variables of `linearize_system` beside those of the cells.
 DIMS = {
     **dict.fromkeys(
@@ -68,7 +68,7 @@ def linearize_system(
     ground: Ground,
     links: Sequence[Link | None] = (),
     *,
-    iteration: Annotated[str, OneOf(ITERATIONS)] = ANDERSON,
+    iteration: Iteration = "anderson",
     relaxation: Annotated[float, Number(Range(0, 1, include_upper=True))] = 1.0,
     rtol: float = USUAL.rtol,
     max_iterations: int = USUAL.max_iterations,
@@ -180,7 +180,7 @@ def linearize_system(
     labels.raise_if_lone_failure(table, f"linearize_system([{described}], {ground.describe()})")
     if any(structure.yields for structure in structures):
         table = table.assign_attrs(comment=labels.CAUTION_SIGMA)
-    usual = iteration == ANDERSON and relaxation == 1
+    usual = iteration == "anderson" and relaxation == 1
     how = "" if usual else f"iteration={iteration!r}, relaxation={relaxation:g}"
     return labels.with_run_information(
         table,
