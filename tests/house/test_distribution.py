@@ -3,6 +3,7 @@
 import re
 import subprocess
 import tarfile
+import tomllib
 import zipfile
 from pathlib import Path
 
@@ -57,3 +58,14 @@ def test_the_version_is_the_same_wherever_it_stands() -> None:
     date = re.findall(r'^date-released: "(.*)"$', citation, re.MULTILINE)[0]
     assert f"\nversion: {sl.__version__}\n" in citation
     assert f"\n## {sl.__version__} ({date})\n" in changes
+
+
+def test_the_citation_and_the_package_state_the_same() -> None:
+    citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    for key in ("cff-version", "message", "title", "authors", "abstract", "license", "keywords"):
+        assert re.search(rf"^{key}:", citation, re.MULTILINE), key
+    authors = citation[citation.index("\nauthors:") : citation.index("\nkeywords:")]
+    assert re.findall(r'name: "(.*)"', authors) == [author["name"] for author in project["authors"]]
+    assert f"\nlicense: {project['license']}\n" in citation
+    assert project["description"] in citation
