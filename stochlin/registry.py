@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import cache
 from importlib.metadata import entry_points
@@ -16,7 +17,7 @@ from importlib.util import find_spec
 from threading import RLock
 from typing import Generic, TypeVar
 
-from stochlin.messages import brief
+from stochlin.messages import brief, sentence
 
 Thing = TypeVar("Thing")
 Defined = TypeVar("Defined")
@@ -109,11 +110,16 @@ def as_key(name: object) -> str:
 
 @cache
 def import_extensions() -> None:
-    """Import the modules that installed packages announce."""
+    """Import the modules that installed packages announce.
+
+    One that cannot be imported is named by a warning, and the others still work.
+    """
     for entry in entry_points(group=GROUP):
         try:
             entry.load()
         except Exception as error:
-            what = f"the extension {entry.name!r} ({entry.value}) cannot be imported"
-            why = f"{type(error).__name__}: {error}"
-            raise ImportError(f"{what}: {why}; mend or uninstall it") from error
+            what = (
+                f"the extension {entry.name!r} ({entry.value}) is not used, since it cannot be imported"
+            )
+            why = f"{type(error).__name__}: {sentence(error)}"
+            warnings.warn(f"{what} ({why}); mend or uninstall it", stacklevel=2)

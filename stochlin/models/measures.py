@@ -50,8 +50,12 @@ class Measure(Model):
     'floors 1 and ground, floors 2 and 1, floors 3 and 2'
     """
 
-    added_damping_1: float = parameter("1", "damping added to structure 1", NOT_NEGATIVE, 0.0)
-    added_damping_2: float = parameter("1", "damping added to structure 2", NOT_NEGATIVE, 0.0)
+    added_damping_1: float = parameter(
+        "1", "damping added to structure 1", NOT_NEGATIVE, 0.0, scalar=True
+    )
+    added_damping_2: float = parameter(
+        "1", "damping added to structure 2", NOT_NEGATIVE, 0.0, scalar=True
+    )
     link: Link | Sequence[Link] = ()
 
     def __post_init__(self) -> None:

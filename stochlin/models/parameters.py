@@ -25,7 +25,6 @@ Parameter = (
 )
 """A number, a DataArray (broadcast by dimension name) or a 1-D array (dimension ``case``)."""
 
-LONE = ("float", "float | None", float, float | None)
 ALONE = "one building alone is first, with None as second, in separation, recorded_gap and pounding_risk"
 
 
@@ -57,9 +56,16 @@ POSITIVE, NOT_NEGATIVE = Range(), Range(include_lower=True)
 PERIODS = Range(1e-9, 1e9, include_lower=True, include_upper=True)
 
 
-def parameter(units: str, long_name: str, allowed: Range, default: Any = dataclasses.MISSING) -> Any:
-    """Declare a physical parameter of a model as a dataclass field."""
-    metadata = {"units": units, "long_name": long_name, "allowed": allowed}
+def parameter(
+    units: str,
+    long_name: str,
+    allowed: Range,
+    default: Any = dataclasses.MISSING,
+    *,
+    scalar: bool = False,
+) -> Any:
+    """Declare a physical parameter of a model as a dataclass field; a ``scalar`` takes no array."""
+    metadata = {"units": units, "long_name": long_name, "allowed": allowed, "scalar": scalar}
     return dataclasses.field(default=default, metadata=metadata)
 
 
@@ -96,13 +102,13 @@ class Model(ByValue, metaclass=_Kind):
     def __post_init__(self) -> None:
         prefix = "" if self.of_arguments else f"{type(self).__name__}: "
         several = []
-        for field in self._declared():  # those of the type float are no arrays
+        for field in self._declared():
             value = getattr(self, field.name)
             if value is not None or field.default is not None:
                 checked = check(prefix, field.name, value, field.metadata)
                 object.__setattr__(self, field.name, checked)
                 several += [checked] if isinstance(checked, xr.DataArray) else []
-                if isinstance(checked, xr.DataArray) and field.type in LONE:
+                if isinstance(checked, xr.DataArray) and field.metadata["scalar"]:
                     raise ValueError(f"{prefix}{field.name} is an array; allowed: a number")
         check_alignment(f"{prefix}parameters", *several)
 

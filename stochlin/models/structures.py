@@ -66,7 +66,7 @@ class Structure(Model):
     reduction_factor: Parameter | None = parameter("1", "reduction factor", POSITIVE, None)
     peak_factor: Parameter = parameter("1", "peak factor", POSITIVE, 3.0)
     _: KW_ONLY
-    mass: float | None = parameter("kg", "mass", POSITIVE, None)
+    mass: float | None = parameter("kg", "mass", POSITIVE, None, scalar=True)
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -1,10 +1,12 @@
 """The registry: found when asked for, in their order, each name once, and what is wrong is said."""
 
 import sys
+from importlib.metadata import EntryPoint
 
 import pytest
 
-from stochlin.registry import Registry
+from stochlin import registry as registries
+from stochlin.registry import GROUP, Registry, import_extensions
 
 pytestmark = pytest.mark.invariant
 
@@ -60,3 +62,34 @@ def test_what_cannot_be_imported_is_told_each_time_that_it_is_asked_for(folder):
     for _ in range(2):
         with pytest.raises(ModuleNotFoundError, match="nowhere_to_be_found"):
             list(registry)
+
+
+def test_an_extension_that_is_wrong_is_named_and_the_others_still_work(folder, monkeypatch):
+    """One that cannot be imported, and one whose name is taken."""
+    registry = Registry("thing", "some_kind")
+    registry.register("taken")(object())
+    sys.modules["some_kind_registry"] = type(sys)("some_kind_registry")
+    sys.modules["some_kind_registry"].registry = registry
+    register = "from some_kind_registry import registry\nregistry.register({!r})(object())\n"
+    sources = {"broken": "import nowhere_to_be_found\n"}
+    sources |= {name: register.format(name) for name in ("taken", "useful")}
+    (folder / "__init__.py").write_text("__path__ = []\n")  # nothing of its own
+    for name, source in sources.items():
+        (folder.parent / f"toy_{name}.py").write_text(source)
+    entries = [EntryPoint(name, f"toy_{name}", GROUP) for name in sources]
+    monkeypatch.setattr(registries, "entry_points", lambda group: entries)
+    import_extensions.cache_clear()
+    try:
+        with pytest.warns(UserWarning, match="is not used") as messages:
+            assert list(registry) == ["taken", "useful"]
+    finally:
+        import_extensions.cache_clear()
+        for name in [*sources, "kind_registry"]:
+            sys.modules.pop(f"toy_{name}", None)
+            sys.modules.pop(f"some_{name}", None)
+    assert [str(each.message).split(" (")[0] for each in messages] == [
+        "the extension 'broken'",
+        "the extension 'taken'",
+    ]
+    assert "No module named 'nowhere_to_be_found'" in str(messages[0].message)
+    assert "thing 'taken' exists already; choose another name" in str(messages[1].message)

@@ -236,11 +236,31 @@ def code_gaps(
     ([3.0, 6.0], array([0.0218, 0.0384]), array([0.0215, 0.038 ]))
     """
     _check_source(peak_1, peak_2, modes_1, modes_2, spectrum)
-    facts = {name: value for name, value in locals().items() if name in Site.__dataclass_fields__}
-    codes, elastic = rules_with(numbers), modes_1 is not None
+    codes = rules_with(numbers)
+    elastic = modes_1 is not None
     if elastic:  # until the displacements are known
-        facts |= {"peak_1": 0.0, "peak_2": None if modes_2 is None else 0.0}
-    site = Site(**facts, elastic=elastic)
+        peak_1 = 0.0
+        peak_2 = None if modes_2 is None else 0.0
+    site = Site(
+        peak_1=peak_1,
+        peak_2=peak_2,
+        height_1=height_1,
+        height_2=height_2,
+        floors_align=floors_align,
+        zone=zone,
+        same_property=same_property,
+        same_system=same_system,
+        storeys_1=storeys_1,
+        storeys_2=storeys_2,
+        importance_1=importance_1,
+        importance_2=importance_2,
+        design_pga=design_pga,
+        behaviour_1=behaviour_1,
+        behaviour_2=behaviour_2,
+        deflection_1=deflection_1,
+        deflection_2=deflection_2,
+        elastic=elastic,
+    )
     if not site.of_design and not {"importance_1", "importance_2"}.isdisjoint(site.known):
         raise ValueError("importance is given alone; give behaviour_1 or deflection_1 as well")
     inputs, correlation = inputs_in_words(site, numbers), None

@@ -54,11 +54,11 @@ class RegularBuilding(Model):
 
     of_arguments = True
 
-    period: float = parameter("s", "period of the first mode", PERIODS)
+    period: float = parameter("s", "period of the first mode", PERIODS, scalar=True)
     storey_height: Parameter = parameter("m", "height of each storey", POSITIVE)
-    mass: float = parameter("kg", "mass of each floor", POSITIVE)
+    mass: float = parameter("kg", "mass of each floor", POSITIVE, scalar=True)
     base_shear_coefficient: float | None = parameter(
-        "1", "base shear at yield relative to the weight", SHEAR, None
+        "1", "base shear at yield relative to the weight", SHEAR, None, scalar=True
     )
 
     def __post_init__(self) -> None:
@@ -140,8 +140,8 @@ class ShearBuilding(MultistoreyBuilding):
     masses: Parameter = parameter("kg", "mass of the floor", POSITIVE)
     stiffnesses: Parameter = parameter("N/m", "stiffness of the storey", POSITIVE)
     heights: Parameter = parameter("m", "height of the storey", POSITIVE)
-    damping: float = parameter("1", "damping ratio", DAMPING)
-    hardening: float | None = parameter("1", "hardening ratio", HARDENING, None)
+    damping: float = parameter("1", "damping ratio", DAMPING, scalar=True)
+    hardening: float | None = parameter("1", "hardening ratio", HARDENING, None, scalar=True)
     yield_drifts: Parameter | None = parameter("m", "drift at yield", POSITIVE, None)
     _: KW_ONLY
     dampers: Parameter | None = parameter("N s/m", "damping constant of the storey", NOT_NEGATIVE, None)

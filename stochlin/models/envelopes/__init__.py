@@ -74,9 +74,9 @@ class AminAng(Envelope):
     [0.25, 1.0]
     """
 
-    rise_end: float = parameter("s", "end of the rise", POSITIVE)
-    strong_end: float = parameter("s", "end of strong shaking", POSITIVE)
-    decay: float = parameter("1/s", "decay rate", POSITIVE)
+    rise_end: float = parameter("s", "end of the rise", POSITIVE, scalar=True)
+    strong_end: float = parameter("s", "end of strong shaking", POSITIVE, scalar=True)
+    decay: float = parameter("1/s", "decay rate", POSITIVE, scalar=True)
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -120,8 +120,8 @@ class ShinozukaSato(Envelope):
     1.0
     """
 
-    slow: float = parameter("1/s", "rate of decay", POSITIVE)
-    fast: float = parameter("1/s", "rate of rise", POSITIVE)
+    slow: float = parameter("1/s", "rate of decay", POSITIVE, scalar=True)
+    fast: float = parameter("1/s", "rate of rise", POSITIVE, scalar=True)
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -169,8 +169,8 @@ class GammaEnvelope(Envelope):
     1.0
     """
 
-    power: float = parameter("1", "power of the rise", POSITIVE)
-    decay: float = parameter("1/s", "decay rate", POSITIVE)
+    power: float = parameter("1", "power of the rise", POSITIVE, scalar=True)
+    decay: float = parameter("1/s", "decay rate", POSITIVE, scalar=True)
 
     def at(self, time: Array) -> Array:
         """Values of the envelope [-] at times [s] from 0 on."""

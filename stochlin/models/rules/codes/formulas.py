@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from importlib.resources import files
 from typing import Any
 
@@ -119,14 +119,37 @@ def colombia_line(site: Site) -> Any:
     return 0.01 * (site.storeys_1 > 3) * site.height_1 + 0 * site.peak_1
 
 
+# By the names that the rows of the table have for them.
+FORMULAS: Mapping[str, Callable[[Site], Any]] = {
+    "root_of_squares": root_of_squares,
+    "total": total,
+    "eurocode_8": eurocode_8,
+    "taiwan": taiwan,
+    "share_of_sum": share_of_sum,
+    "share_of_height": share_of_height,
+    "fixed_distance": fixed_distance,
+    "mexico_city_line": mexico_city_line,
+    "mexico_city_simplified_line": mexico_city_simplified_line,
+    "peru_line": peru_line,
+    "peru": peru,
+    "china": china,
+    "turkey": turkey,
+    "italy": italy,
+    "iran_line": iran_line,
+    "colombia": colombia,
+    "colombia_line": colombia_line,
+}
+
+
 def _read(name: str, row: dict[str, Any]) -> CodeRule:
     """A rule from its row of the table."""
     row = {key: tuple(value) if isinstance(value, list) else value for key, value in row.items()}
     row["of_pairs"] = tuple(PAIRS[pair] for pair in row.pop("pairs", ()))
     if "number" in row:
         row["number"] = Number(**row["number"])
-    named = {key: globals()[row.pop(key)] for key in ("gap_of", "line_of") if key in row}
-    return CodeRule(name=name, **named, **row)
+    for key in {"gap_of", "line_of"} & row.keys():
+        row[key] = FORMULAS[row[key]]
+    return CodeRule(name=name, **row)
 
 
 TABLE = tomllib.loads(files(__package__).joinpath("national.toml").read_text(encoding="utf-8"))
