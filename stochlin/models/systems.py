@@ -245,7 +245,7 @@ def numbered(name: str, count: int) -> list[str]:
 
 def falls_at(post: Array, couple: Array, strength: Array) -> Array:
     """Extension [m] at which the force of an element that yields is 0 again; infinite if it is not."""
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(all="ignore"):
         return np.where((post < 0) & (couple > 0), couple * strength / -post, np.inf)
 
 

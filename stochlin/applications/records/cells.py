@@ -11,8 +11,8 @@ import xarray as xr
 from stochlin.applications.records.records import checked_record
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import cores
-from stochlin.kernels.records.oscillator import DISPLACEMENT, LONGEST
-from stochlin.kernels.records.runs import PAIR, SampledMotion
+from stochlin.kernels.records.oscillator import DISPLACEMENT
+from stochlin.kernels.records.runs import SampledMotion, work_of
 from stochlin.models.arguments import OfClass, check_label, is_label
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import expect
@@ -20,7 +20,7 @@ from stochlin.models.structures import Structure
 from stochlin.models.systems import STRUCTURES, AnyStructure, falls_at
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.cells import Flat, flat
-from stochlin.solver.tables.checks import check_work
+from stochlin.solver.tables.checks import check_work, count_cells
 from stochlin.solver.tables.lazy import check_names
 
 Records = xr.DataArray | Sequence[xr.DataArray] | Mapping[str, xr.DataArray]
@@ -28,6 +28,10 @@ Records = xr.DataArray | Sequence[xr.DataArray] | Mapping[str, xr.DataArray]
 
 RECORD = "record"
 SCALARS = "scalars, since histories are of one structure; response_spectrum takes arrays"
+# Numbers in memory at once for a structure of a cell, and for a cell on a record.
+NUMBERS_OF_STRUCTURE, NUMBERS_ON_RECORD = 10, 28
+SECONDS = 6e-8  # of a sub-step [s]
+OUT_OF_RANGE = "its squares are beyond the range of numbers; take a record in m/s^2 of usual size"
 SHORTEST = 0.1  # shortest period over time step; below it the response is to the interpolation
 
 
@@ -116,7 +120,7 @@ class RecordCells(NamedTuple):
 
     @classmethod
     def of(cls, motions: RecordedMotions, *structures: Bilinear) -> RecordCells:
-        """The cells of structures; raises a ValueError if the responses would take too long.
+        """The cells of structures; raises a ValueError if the responses would take too much.
 
         A cell with a period below a tenth of the longest time step of the records is not valid.
         """
@@ -124,14 +128,15 @@ class RecordCells(NamedTuple):
         for structure in structures:
             if (period := structure.arrays()["period"]).ndim == 0 and period < least:
                 raise ValueError(f"period = {float(period):g} s; allowed: {least:g} s (dt/10) or more")
+        cure = "take longer periods, or fewer structures or records at a time"
+        numbers = NUMBERS_OF_STRUCTURE * len(structures) + NUMBERS_ON_RECORD * len(motions.grounds)
+        check_work("the table would take", cure, numbers=numbers * count_cells(*structures))
         cells = flat(dict(zip(("first", "second"), structures, strict=False)), settled=False)
         check_names((*cells.shape.dims, *cells.shape.coords), (RECORD, "status"))
         sides = [_parameters(structure, cells.where.size) for structure in cells.models.values()]
         usable = np.all([side[:, 0] <= 2 * np.pi / least for side in sides], axis=0)
         cells, sides = cells._replace(where=cells.where[usable]), [side[usable] for side in sides]
-        steps = np.max([side[:, 0] for side in sides], axis=0) * (2 * PAIR) ** (len(sides) - 1) / LONGEST
-        cure = "take longer periods, or fewer structures or records at a time"
-        seconds = 3e-8 * sum(len(a) * np.maximum(1.0, dt * steps).sum() for a, dt in motions.grounds)
+        seconds = SECONDS * sum(work_of(ground, *sides).sum() for ground in motions.grounds)
         check_work("structures on records would take", cure, seconds=seconds, cores=cores())
         return cls(motions, cells, sides)
 
@@ -139,18 +144,26 @@ class RecordCells(NamedTuple):
         """Peak displacements of a structure (records, valid cells) [m], infinite where it falls."""
         _, _, hardening, uy = self.sides[number].T
         peak = peaks[..., DISPLACEMENT]
-        return np.where(peak <= falls_at(hardening, 1 - hardening, uy), peak, np.inf)
+        return np.where(peak > falls_at(hardening, 1 - hardening, uy), np.inf, peak)
 
     def table(self, columns: Mapping[str, Array], peaks: Sequence[Array]) -> xr.Dataset:
         """Columns (records, valid cells) as a labelled table over the records and the dimensions.
 
         The status of a cell is ``elastic_limit`` if no structure yielded in its peak displacement, and
-        ``invalid_input`` if the cell is NaN.
+        ``invalid_input`` if its parameters are. Where a number is not finite, and no structure falls,
+        all are NaN, with the status ``not_converged``. An ArithmeticError is raised for a lone cell.
         """
         shape = self.flat.shape
         check_names((*shape.dims, *shape.coords), columns)
         stayed = [peak <= side[:, 3] for peak, side in zip(peaks, self.sides, strict=True)]
         status = np.where(np.all(stayed, axis=0), labels.ELASTIC_LIMIT, labels.CONVERGED)
+        falls = np.any(np.isposinf(peaks), axis=0)
+        lost = ~falls & ~np.all([np.isfinite(values) for values in columns.values()], axis=0)
+        if lost.any():
+            if shape.ndim == 0 and self.motions.names is None:
+                raise ArithmeticError(f"the response is not a number; {OUT_OF_RANGE}")
+            status = np.where(lost, labels.NOT_CONVERGED, status)
+            columns = {name: np.where(lost, np.nan, values) for name, values in columns.items()}
         whole = {name: self.flat.whole(values) for name, values in columns.items()}
         whole["status"] = self.flat.whole(status.astype(np.int8), labels.INVALID_INPUT)
         over = (RECORD, *shape.dims)

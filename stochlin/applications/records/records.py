@@ -19,6 +19,7 @@ from stochlin.applications.records.formats import Series
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import DoubtfulInput, brief
 from stochlin.models.arguments import Seconds, Truth, Whole, checked, is_number
+from stochlin.models.parameters import Range
 from stochlin.models.units import size_of, stated_size
 from stochlin.solver.tables import labels
 
@@ -30,7 +31,11 @@ _TIME_TOLERANCE = 0.25
 # Relative difference of two time steps that may come from rounding: 1/128 s is printed 0.0078.
 _STEP_TOLERANCE = 2e-3
 _CURE = "correct it, or leave it out"
-SHORTEST_STEP = 1e-6  # s
+SHORTEST_STEP = 1e-6  # s, of a file
+# Of any record, with room for all numbers of a response: of structures with periods from 1e-9 to 1e9 s
+# displacements are below 1e60 m, and the squares of their squares below the largest number, 1e308.
+LARGEST_ACCELERATION = 1e9  # m/s^2
+STEPS = Range(1e-9, 1e9, include_lower=True, include_upper=True)  # s
 _ROWS_OF_A_SERIES = 5  # fewest numbers in a row; the usual components of a motion are three
 LONGEST_STEP, LARGEST_PEAK = 0.5, 3 * constants.g  # s, m/s^2; larger values give a warning
 _NO_ACCELERATION = re.compile(r"\b(vel|velocity|disp|displacement|time)\b", re.IGNORECASE)
@@ -201,7 +206,8 @@ def checked_record(record: xr.DataArray) -> tuple[npt.NDArray[np.float64], float
     """Values [m/s^2] and time step [s] of a record, checked.
 
     A record is a DataArray over an evenly spaced ``time`` [s], with units m/s^2 or without units, and
-    with at least 16 finite samples that are not all zero. Otherwise a TypeError or ValueError is raised.
+    with at least 16 finite samples that are not all zero, of at most 1e9 m/s^2, and a time step from
+    1e-9 to 1e9 s. Otherwise a TypeError or ValueError is raised.
     """
     time, values = checked_array(record, "record", "time", "m/s^2")
     if values.size < MINIMUM_SAMPLES:
@@ -211,7 +217,14 @@ def checked_record(record: xr.DataArray) -> tuple[npt.NDArray[np.float64], float
         raise ValueError(f"record is {values[i]} at {time[i]:g} s; allowed: finite values")
     if not values.any():
         raise ValueError("record holds only zeros; allowed: some motion, so check which column it is")
-    return values, _time_step(time)
+    i = int(np.argmax(np.abs(values)))
+    if np.abs(values[i]) > LARGEST_ACCELERATION:
+        what = f"record is {values[i]:.3g} m/s^2 at {time[i]:g} s"
+        raise ValueError(f"{what}; allowed: at most {LARGEST_ACCELERATION:.0e} m/s^2 in magnitude")
+    step = _time_step(time)
+    if not STEPS.contains(step):
+        raise ValueError(f"the time step of record is {step:g} s; allowed: {STEPS}")
+    return values, step
 
 
 def _labelled(series: Series, name: str, dt: float | None, units: str | None) -> xr.DataArray:

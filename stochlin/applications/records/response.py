@@ -131,6 +131,10 @@ def response_spectrum(
     ValueError, TypeError
         If a record is not valid, a scalar is out of range, a period is too short, or dimensions do not
         match. Other cells of an array that are out of range are NaN, with the status ``invalid_input``.
+        If the table would need too much memory or time.
+    ArithmeticError
+        If the response is not a number, since its squares are beyond the range of numbers. In a table
+        such cells are NaN, with the status ``not_converged``.
 
     Notes
     -----
@@ -213,15 +217,23 @@ def respond(
         For a building with storeys, ``displacement`` and ``velocity`` are over ``floor``, and
         ``storey_drift`` [m] and ``z`` over ``element``; energies are those of all floors over the total
         mass, and there is no ``radius``. For all structures except `Bilinear`, the time steps are those
-        of `simulate`, halved until no peak changes by more than 1e-4; ``step_error`` [-] is the last
-        change. If the structure falls (see `simulate`), histories are NaN from then on, and the
-        attribute ``collapse_s`` is the time.
+        of `simulate`, halved until no peak changes by more than 1e-4 relatively, and ``z`` at no time
+        by more than 1e-4; ``step_error`` [-] is the last change, and the error about a third of it. If
+        the structure falls (see `simulate`), histories are NaN from then on, and the attribute
+        ``collapse_s`` is the time.
 
     Raises
     ------
     ValueError, TypeError
         If the structure has arrays or a reduction factor, the record is not valid, or ``refine`` is not
         a whole number from 1.
+    ArithmeticError
+        If the response is not finite, as with a law whose states run away.
+
+    Warns
+    -----
+    UserWarning
+        If the response has not converged after ten halvings; ``step_error`` is then above 1e-4.
 
     References
     ----------
@@ -280,7 +292,7 @@ def _energies(parameters: Array, states: Array) -> tuple[Array, ...]:
 def _exact_history(structure: Bilinear, motions: RecordedMotions, refine: int) -> xr.Dataset:
     """The response history of a bilinear oscillator for `respond`; without times."""
     [[parameters]] = RecordCells.of(motions, structure).sides
-    _, states = response(motions.grounds[0], parameters, refine)
+    states = response(motions.grounds[0], parameters, refine)
     displacement, velocity, strain = states.T[:3]
     columns = {
         "displacement": displacement,

@@ -163,42 +163,76 @@ def turning(length, value, rate, value1, rate1):
         return value1
     middle = 3 * (value1 - value) / length - rate - rate1
     s = rate / (np.copysign(np.sqrt(middle * middle - rate * rate1), rate) + rate - middle)
+    if not 0.0 <= s <= 1.0:  # the rates are below the rounding errors of the values
+        return value1
     return _cubic(s, length, value, rate, value1, rate1)
 
 
-@entry
-def run(ground, dt, parameters, refine, peaks, path):
-    """Response of one structure from rest to ``ground`` (samples,) [m/s^2], with time step ``dt`` [s].
-
-    ``parameters`` (4,) are the circular frequency ``w`` [rad/s], damping ratio, hardening ratio, and
-    yield displacement [m] or infinity. The results are written to ``peaks`` (PEAKS,), and the states at
-    ``refine`` times in each interval to ``path`` (times, STATE), both zero before.
-    """
-    each = max(1, int(np.ceil(parameters[0] * dt / refine / LONGEST)))
+@compiled
+def _oscillator(parameters, step):
+    """The structure with the parameters (4,) of `run`, and its number of sub-steps in a step [s]."""
     w, xi, alpha, uy = parameters
-    h, side, damping, stiffness = dt / refine / each, 0, 2 * xi * w, (w * w, alpha * w * w)
+    each = max(1, int(np.ceil(w * step / LONGEST)))
+    h = step / each
+    damping = 2 * xi * w
+    stiffness = (w * w, alpha * w * w)
     whole = _impulse(damping, stiffness[0], h), _impulse(damping, stiffness[1], h)
-    o = Oscillator(damping, stiffness, uy, h, whole)
-    for at in range(len(path) - 1):
+    return Oscillator(damping, stiffness, uy, h, whole), each
+
+
+@called_once
+def _respond(ground, dt, structures, refine, results, path):
+    """The response of one cell of `run`: ``structures`` (sides, 4), ``results`` (sides, columns)."""
+    sides, last = len(structures), refine * (len(ground) - 1)
+    step = dt / refine
+    first, each_of_first = _oscillator(structures[0], step)
+    second, each_of_second = _oscillator(structures[sides - 1], step)
+    branch_of_first, branch_of_second = 0, 0
+    apart, difference, speed = 0.0, 0.0, 0.0
+    square, product, square_2 = 0.0, 0.0, 0.0
+    for at in range(last):
         s = at // refine
         slope = (ground[s + 1] - ground[s]) / dt
-        for n in range(STATE):
-            path[at + 1, n] = path[at, n]
-        for n in range(each):
-            now = ground[s] + slope * o.h * ((at - s * refine) * each + n)
-            side = _advance(o, path[at + 1], side, now, slope, peaks)
-    peaks[RADIUS] = max(np.sqrt(peaks[RADIUS]), peaks[DISPLACEMENT])
+        part = at - s * refine
+        for number in range(sides):
+            is_first = number == 0
+            o = first if is_first else second
+            each = each_of_first if is_first else each_of_second
+            branch = branch_of_first if is_first else branch_of_second
+            for n in range(each):
+                now = ground[s] + slope * o.h * (part * each + n)
+                branch = _advance(o, results[number, PEAKS:], branch, now, slope, results[number])
+            branch_of_first = branch if is_first else branch_of_first
+            branch_of_second = branch_of_second if is_first else branch
+        if len(path) > 0:
+            path[at + 1] = results[0, PEAKS:]
+        if sides == 2:
+            u, u_2 = results[0, PEAKS], results[1, PEAKS]
+            weight = 1.0 if at + 1 < last else 0.5  # the trapezoidal rule
+            before, rate = difference, speed
+            difference = u - u_2
+            speed = results[0, PEAKS + 1] - results[1, PEAKS + 1]
+            apart = max(apart, difference, turning(step, before, rate, difference, speed))
+            square += weight * u * u
+            product += weight * u * u_2
+            square_2 += weight * u_2 * u_2
+    for peaks in results:
+        peaks[RADIUS] = max(np.sqrt(peaks[RADIUS]), peaks[DISPLACEMENT])
+    if sides == 2:
+        results[0, HIGHEST] = apart
+        results[0, RHO] = product / np.sqrt(square * square_2)
 
 
 @entry
-def compare(path, path_2, step):
-    """Largest ``u1 - u2`` and correlation of the displacements of two paths, with this time step."""
-    apart, after, speed, last = 0.0, 0.0, 0.0, len(path) - 1
-    square, product, square_2 = 0.0, 0.0, 0.0
-    for n in range(1, last + 1):
-        u, u_2, weight = path[n, 0], path_2[n, 0], 1.0 if n < last else 0.5  # the trapezoidal rule
-        before, rate, after, speed = after, speed, u - u_2, path[n, 1] - path_2[n, 1]
-        apart = max(apart, after, turning(step, before, rate, after, speed))
-        square, square_2 = square + weight * u * u, square_2 + weight * u_2 * u_2
-        product += weight * u * u_2
-    return apart, product / np.sqrt(square * square_2)
+def run(ground, dt, cells, refine, results, path):
+    """Responses of cells of one or two structures from rest to ``ground`` (samples,) [m/s^2].
+
+    ``dt`` [s] is the time step of the ground. The parameters in ``cells`` (n, sides, 4) are the circular
+    frequency ``w`` [rad/s], damping ratio, hardening ratio, and yield displacement [m] or infinity.
+    Peaks and last states are written to ``results`` (n, sides, PEAKS + STATE), zero before. Each
+    interval of the ground has ``refine`` (n,) times, at which the two structures of a cell are compared.
+    The states of the first structure at these times are written to ``path`` (times, STATE), zero before,
+    unless it is empty.
+    """
+    for cell in range(len(cells)):
+        _respond(ground, dt, cells[cell], refine[cell], results[cell], path)

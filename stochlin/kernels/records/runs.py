@@ -9,9 +9,12 @@ import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, in_order
-from stochlin.kernels.records.oscillator import HIGHEST, LONGEST, PEAKS, RHO, STATE, compare, run
+from stochlin.kernels.records.oscillator import LONGEST, PEAKS, STATE, run
 
 PAIR = 2.0  # number of sub-steps of a pair over that of its stiffer structure alone
+EACH = 20.0  # what a structure takes besides its sub-steps, in sub-steps
+BLOCK, MOST_TASKS = 1e5, 1e4  # least number of sub-steps of a task, some milliseconds; most tasks
+NO_PATH = np.empty((0, STATE))
 
 
 class SampledMotion(NamedTuple):
@@ -21,12 +24,24 @@ class SampledMotion(NamedTuple):
     dt: float  # time step [s]
 
 
-def response(ground: SampledMotion, parameters: Array, refine: int) -> tuple[Array, Array]:
-    """Peaks (PEAKS,) of one structure, and its states (times, STATE), as in `run`."""
-    peaks = np.zeros(PEAKS)
+def sub_steps(ground: SampledMotion, *sides: Array) -> Array:
+    """Number of sub-steps (n,) in an interval of the ground, of structures or of pairs of them."""
+    stiffest = np.max([parameters[:, 0] for parameters in sides], axis=0)
+    finer = PAIR if len(sides) == 2 else 1.0
+    return np.maximum(1, np.ceil(finer * stiffest * ground.dt / LONGEST).astype(int))
+
+
+def work_of(ground: SampledMotion, *sides: Array) -> Array:
+    """Work (n,) of the responses to a ground, in sub-steps."""
+    return len(sides) * (len(ground.acceleration) * sub_steps(ground, *sides) + EACH)
+
+
+def response(ground: SampledMotion, parameters: Array, refine: int) -> Array:
+    """States (times, STATE) of one structure, as in `run`."""
     path = np.zeros((refine * (len(ground.acceleration) - 1) + 1, STATE))
-    run(*ground, parameters, refine, peaks, path)
-    return peaks, path
+    results = np.zeros((1, 1, PEAKS + STATE))
+    run(*ground, parameters.reshape(1, 1, -1), np.array([refine]), results, path)
+    return path
 
 
 def peaks_on_records(
@@ -35,19 +50,31 @@ def peaks_on_records(
     """Peaks and last states of structures, or of pairs of them, (records, n, sides, PEAKS + STATE).
 
     A side has the parameters (n, 4) of its structures as in `run`. Both structures of a pair take the
-    same sub-steps.
+    same sub-steps. A task is the response of a block of cells to a record.
     """
     cells = np.ascontiguousarray(np.stack(sides, axis=1))
+    results = np.zeros((len(grounds), *cells.shape[:2], PEAKS + STATE))
+    work = [work_of(ground, *sides) for ground in grounds]
+    least = max(BLOCK, sum(each.sum() for each in work) / MOST_TASKS)
+    tasks = [(number, cells_of) for number, each in enumerate(work) for cells_of in _blocks(each, least)]
 
-    def task(number: int) -> Array:
-        """One structure or pair on one record."""
-        ground, structures, refine = grounds[number // len(cells)], cells[number % len(cells)], 1
-        if len(structures) == 2:
-            refine = int(np.ceil(PAIR * structures[:, 0].max() * ground.dt / LONGEST))
-        peaks, paths = zip(*(response(ground, each, refine) for each in structures), strict=True)
-        if len(structures) == 2:
-            peaks[0][HIGHEST], peaks[0][RHO] = compare(*paths, ground.dt / refine)
-        return np.column_stack([peaks, [path[-1] for path in paths]])
+    def task(number: int) -> None:
+        """A block of cells on one record."""
+        record, block = tasks[number]
+        ground = grounds[record]
+        refine = np.ones(block.stop - block.start, int)
+        if len(sides) == 2:
+            refine = sub_steps(ground, *(parameters[block] for parameters in sides))
+        run(*ground, cells[block], refine, results[record, block], NO_PATH)
 
-    rows = list(in_order(task, len(grounds) * len(cells), progress))
-    return np.array(rows).reshape(len(grounds), len(cells), len(sides), PEAKS + STATE)
+    for _ in in_order(task, len(tasks), progress):
+        pass
+    return results
+
+
+def _blocks(work: Array, least: float) -> list[slice]:
+    """Consecutive cells with about the ``least`` sum of their ``work`` (n,), or single ones."""
+    block = np.cumsum(work) // least
+    begins = np.flatnonzero(np.diff(block, prepend=-1.0))
+    ends = np.append(begins, len(work))[1:]
+    return [slice(begin, end) for begin, end in zip(begins.tolist(), ends.tolist(), strict=True)]
