@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import warnings
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
-from stochlin.applications.records.cells import RecordedMotions
+from stochlin.applications.records.cells import OUT_OF_RANGE, RecordedMotions
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.pounding.run import GroundMotions, StepCounts, run
 from stochlin.kernels.records.runs import SampledMotion
 from stochlin.kernels.simulation.contacts import Contacts
 from stochlin.kernels.simulation.moving import ENTERING, SPENT, VISCOUS_LOSS, Q, V, Z
+from stochlin.messages import DoubtfulInput
 from stochlin.models.structures import Structure
 from stochlin.models.systems import AnyStructure, Arrangement, arrangement_of, first_period
 from stochlin.solver.simulation.connected_structures import SteppedGroup, connected_groups, row_of
@@ -26,49 +28,88 @@ from stochlin.solver.tables.labels import ELEMENT, FLOOR, element_coordinates, f
 
 STEPS_PER_PERIOD = 32  # steps in the shortest period before the first halving
 FALLEN = 1e3  # displacement over the largest at which a structure falls, where it is not followed
-CLOSE, HALVINGS = 1e-4, 6  # allowed relative change of peaks when the step is halved; most halvings
+CLOSE = 1e-4  # allowed change of peaks, relatively, and of z when the step is halved
+# Most halvings. States of laws, where yield displacements are small, need more than displacements do.
+HALVINGS, HALVINGS_OF_HISTORY = 6, 10
+SECONDS = 4e-7  # of a step of an element [s]
+NO_Z = np.zeros(0)
+TOO_LARGE = "take softer structures, or a shorter record"
 
 
 class SteppedResponse(NamedTuple):
-    """Response of a system to a record: m functions of its floor displacements after every step."""
+    """Response of a system to a record in time steps, and what of it has to converge."""
 
-    values: Array  # (steps + 1, m) [m]
+    values: Any  # the response
+    peaks: Array  # peaks of displacements [m]
+    z: Array  # states z that are returned [-]; NaN where a structure has fallen
     cuts: int  # number of steps in an interval of the record
-    error: float  # largest relative change of a peak when the step was halved for the last time
+    error: float = np.inf  # largest change of a peak, relatively, and of z in the last halving
+
+    def change(self, coarse: SteppedResponse) -> float:
+        """Largest relative change of a peak, and largest change of z, from a coarser response."""
+        with np.errstate(over="ignore", invalid="ignore"):  # of states that run away in long steps
+            of_peaks = np.abs(self.peaks - coarse.peaks) / np.where(self.peaks > 0, self.peaks, 1.0)
+            of_z = np.abs(self.z - coarse.z)
+        return float(max(of_peaks.max(), np.nanmax(of_z, initial=0.0)))
 
 
 def stepped_response(
     connected: Sequence[SteppedGroup], limits: Array, ground: SampledMotion, functions: Array
 ) -> SteppedResponse:
-    """Functions (m, w) of all that is watched, from rest, with steps halved until their peaks converge.
+    """Functions (m, w) of all that is watched, from rest, in steps that `halved` finds.
 
-    The steps are of second order, so that the remaining error is about a third of the last change.
-    ``limits`` (w,) [m] are the drifts at which structures fall.
+    The values (steps + 1, m) [m] are those after every step. ``limits`` (w,) [m] are the drifts at which
+    structures fall.
     """
-    most = FALLEN * limits[np.isfinite(limits)].max(initial=0.0) or np.inf
-    shortest = min(group.shortest for group in connected)
-    cuts = max(1, int(np.ceil(ground.dt * STEPS_PER_PERIOD / shortest)))
+    cuts = _first_cuts(connected, ground)
     steps = float(cuts) * ground.acceleration.size
-    what = f"{ground.acceleration.size} samples, with a shortest period of {shortest:.3g} s, would take"
-    cure = "take softer structures, or a shorter record"
-    check_work(what, cure, numbers=len(functions) * 2.0**2 * steps)  # which are halved twice
+    what = _size(connected, ground)
+    check_work(what, TOO_LARGE, numbers=len(functions) * 2.0**2 * steps)  # which are halved twice
 
-    def followed(cuts: int) -> Array:
+    def followed(cuts: int) -> SteppedResponse:
         """The functions in such steps; those of a structure that falls end far beyond its limit."""
-        values = _values(connected, functions, ground, cuts)
-        return values if most == np.inf else np.clip(np.nan_to_num(values, nan=most), -most, most)
+        values = _within(limits, _values(connected, functions, ground, cuts))
+        return SteppedResponse(values, peaks_of(values), NO_Z, cuts)
 
-    values, change = followed(cuts), np.inf
-    for _ in range(HALVINGS):
-        coarse, cuts = peaks_of(values), 2 * cuts
-        values = followed(cuts)
-        fine = peaks_of(values)
-        change = float(np.max(np.abs(fine - coarse) / np.where(fine > 0, fine, 1.0)))
-        if change <= CLOSE:
-            break
-    if not np.isfinite(change):
+    return halved(followed, cuts, HALVINGS)
+
+
+def halved(followed: Callable[[int], SteppedResponse], cuts: int, most: int) -> SteppedResponse:
+    """The response with steps halved until it converges, or ``most`` times; ``cuts`` is the first.
+
+    The steps are of second order, so that the remaining error is about a third of the last change. Warns
+    of a response that has not converged, and raises an ArithmeticError if it is not finite.
+    """
+    coarse = followed(cuts)
+    for _ in range(most):
+        response = followed(2 * coarse.cuts)
+        response = response._replace(error=response.change(coarse))
+        if response.error <= CLOSE:
+            return response
+        coarse = response
+    if not np.isfinite(coarse.error):
         raise ArithmeticError(f"the response is no longer finite; {RUNS_AWAY}")
-    return SteppedResponse(values, cuts, change)
+    what = f"the response changes by {coarse.error:.2g} when the time step is halved for the last time"
+    warnings.warn(f"{what}, more than {CLOSE:g}: see step_error", DoubtfulInput, stacklevel=4)
+    return coarse
+
+
+def _first_cuts(connected: Sequence[SteppedGroup], ground: SampledMotion) -> int:
+    """Number of steps in an interval of the record before the first halving."""
+    shortest = min(group.shortest for group in connected)
+    return max(1, int(np.ceil(ground.dt * STEPS_PER_PERIOD / shortest)))
+
+
+def _size(connected: Sequence[SteppedGroup], ground: SampledMotion) -> str:
+    """The subject of a message on the size of a response."""
+    shortest = min(group.shortest for group in connected)
+    return f"{ground.acceleration.size} samples, with a shortest period of {shortest:.3g} s, would take"
+
+
+def _within(limits: Array, values: Array) -> Array:
+    """Displacements of which those of a structure that falls end far beyond its limit."""
+    most = FALLEN * limits[np.isfinite(limits)].max(initial=0.0) or np.inf
+    return values if most == np.inf else np.clip(np.nan_to_num(values, nan=most), -most, most)
 
 
 def stepped_history(structure: AnyStructure, ground: SampledMotion, refine: int) -> xr.Dataset:
@@ -77,13 +118,29 @@ def stepped_history(structure: AnyStructure, ground: SampledMotion, refine: int)
     samples = np.arange(ground.acceleration.size)
     between = np.arange(refine * samples[-1] + 1) / refine
     finer = SampledMotion(np.interp(between, samples, ground.acceleration), ground.dt / refine)
-    floors = np.eye(len(system.floors), len(system.watched))
-    first = stepped_response(connected_groups(system), system.limits, finer, floors)
-    row = row_of(system, Contacts.of([], system.storeys.mass.size))
+    row = row_of(system, Contacts.of([], system.storeys.mass.size), all_states=True)
     intervals, none = np.array([between.size - 1]), np.zeros(1)
     motion = GroundMotions(finer.acceleration[:, None], finer.dt, intervals, none, none)
-    [response] = run(row, motion, StepCounts(first.cuts, 1), keep=True)
-    moving = response.history  # NaN after a fall
+    connected = connected_groups(system)
+    cuts = _first_cuts(connected, finer)
+    steps = float(cuts) * between.size
+    numbers = 2 * len(row.at_rest(0).state) * between.size
+    seconds = SECONDS * 2.0**3 * steps * system.storeys.mass.size  # where they are halved twice
+    check_work(_size(connected, finer), TOO_LARGE, numbers=numbers, seconds=seconds)
+    falls = np.isfinite(system.limits).any()
+
+    def followed(cuts: int) -> SteppedResponse:
+        """The history in such steps, which is NaN after a fall."""
+        [response] = run(row, motion, StepCounts(cuts, 1), keep=True)
+        moving = response.history
+        moved = _within(system.limits, moving.coordinates[:, Q].T @ system.storeys.shapes.T)
+        z = moving.elements[:, Z].T / system.storeys.strength
+        if not falls and not np.isfinite(z).all():
+            moved = np.full_like(moved, np.nan)  # so that the response is not taken as finite
+        return SteppedResponse(moving, peaks_of(moved), z, cuts)
+
+    converged = halved(followed, cuts, HALVINGS_OF_HISTORY)
+    moving = converged.values
     q, rate = (moving.coordinates[:, column].T for column in (Q, V))
     z = moving.elements[:, Z].T
     u, v = (values @ system.storeys.shapes.T for values in (q, rate))
@@ -112,7 +169,7 @@ def stepped_history(structure: AnyStructure, ground: SampledMotion, refine: int)
         table = table.assign_coords({**floor_coordinates(system), **element_coordinates(system)})
     if structure.yields:
         table["z"] = over(ELEMENT, system.of_elements(z / system.storeys.strength, 0.0, np.nan))
-    return table.assign(step_error=first.error)
+    return table.assign(step_error=converged.error)
 
 
 def stepped_gap(
@@ -179,6 +236,8 @@ def _in_one(system: Arrangement, motion: SteppedResponse) -> xr.Dataset:
             power = np.sqrt(np.trapezoid(u_1**2) * np.trapezoid(u_2**2))
             rho = np.trapezoid(u_1 * u_2) / power
     columns = gap_columns(at_height.max(), [*peaks], rho)
+    if not fallen.any() and not np.isfinite([*columns.values()]).all():
+        raise ArithmeticError(f"the response is not a number; {OUT_OF_RANGE}")
     table = xr.Dataset(columns).assign(step_error=motion.error, status=np.int8(status))
     if not system.has_storeys:
         return table

@@ -150,11 +150,12 @@ def _watched(system: Arrangement, members: Array) -> Array:
     return np.append(_numbers(system.first, members), int(system.first[-1]) + np.flatnonzero(own))
 
 
-def elements_of(system: Arrangement, members: Array) -> tuple[Elements, Any]:
+def elements_of(system: Arrangement, members: Array, all_states: bool = False) -> tuple[Elements, Any]:
     """Masses and springs of the structures ``members`` (numbers from 0), and their laws in time steps.
 
     The elements are those of the structures, the springs of the links, and then the dashpots with an
-    exponent.
+    exponent. An element whose force does not depend on ``z``, since its hardening ratio is 1, is stepped
+    as a linear one, which is faster, but for ``all_states``: its ``z`` then follows its law.
     """
     first = system.first_coordinate
     coordinates = _numbers(first, members)
@@ -164,8 +165,10 @@ def elements_of(system: Arrangement, members: Array) -> tuple[Elements, Any]:
     stacks = [system.stacks[m] for m in members]
     mass, damping, _, shapes, *storeys = System.beside([stack.system for stack in stacks])
     damping = damping.copy()
-    yields = ((stack.law, couple > 0) for stack in stacks for couple in stack.system.couple)
-    kinds = [law.step() if yielding else LINEAR for law, yielding in yields]
+    kinds: list[int | RateLaw] = []
+    for stack in stacks:
+        depends = np.isfinite(stack.system.strength) if all_states else stack.system.couple > 0
+        kinds.extend(stack.law.step() if by_law else LINEAR for by_law in depends)
     force = np.transpose(storeys).tolist()
     own = [row for stack in stacks for row in stack.law_parameters]
     for along, tie in zip(drifts[n:], ties, strict=True):
@@ -226,9 +229,12 @@ def laws_of(steps: Sequence[int | RateLaw]) -> tuple[Array, Array, Any]:
     return np.array(kinds), np.array(states), by_number(tuple(of_users))
 
 
-def row_of(system: Arrangement, contacts: Contacts) -> BuildingRow:
-    """Structures with their links and these contacts, and what is watched in their motions."""
-    elements, law = elements_of(system, np.arange(len(system.stacks)))
+def row_of(system: Arrangement, contacts: Contacts, all_states: bool = False) -> BuildingRow:
+    """Structures with their links and these contacts, and what is watched in their motions.
+
+    ``all_states`` is that of `elements_of`.
+    """
+    elements, law = elements_of(system, np.arange(len(system.stacks)), all_states)
     storeys, ties, n = system.storeys, system.ties, system.storeys.mass.size
     others = elements.kind.size - n
     powers = np.array([tie.link.is_power_law for tie in ties], bool)
