@@ -205,7 +205,8 @@ def _respond(ground, dt, structures, refine, results, path):
             branch_of_first = branch if is_first else branch_of_first
             branch_of_second = branch_of_second if is_first else branch
         if len(path) > 0:
-            path[at + 1] = results[0, PEAKS:]
+            for n in range(STATE):
+                path[at + 1, n] = results[0, PEAKS + n]
         if sides == 2:
             u, u_2 = results[0, PEAKS], results[1, PEAKS]
             weight = 1.0 if at + 1 < last else 0.5  # the trapezoidal rule
@@ -216,7 +217,8 @@ def _respond(ground, dt, structures, refine, results, path):
             square += weight * u * u
             product += weight * u * u_2
             square_2 += weight * u_2 * u_2
-    for peaks in results:
+    for number in range(sides):
+        peaks = results[number]
         peaks[RADIUS] = max(np.sqrt(peaks[RADIUS]), peaks[DISPLACEMENT])
     if sides == 2:
         results[0, HIGHEST] = apart
