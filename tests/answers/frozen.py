@@ -9,6 +9,9 @@ other files         what it reads: case files, records made for it
 ``independent.py``  for the verification manual: the same by hand or by another program
 ``independent.json``, ``manual.md``  the numbers that gave, and the words of the manual
 
+Variables, and rules and other things with names along a dimension, are compared by their names: one more
+is no difference, nor what texts say of an extension that was not known before.
+
 Pictures are drawn, and not compared. The oldest and latest versions that reasons of tolerances speak of
 are numpy 2.1.0, scipy 1.15.0, numba 0.61.0 and xarray 2025.11.0 on Python 3.11, and 2.5.5, 1.18.1,
 0.68.1 and 2026.9.0 on Python 3.13, both on one x86-64 processor.
@@ -33,9 +36,17 @@ import numpy as np
 import xarray as xr
 from click.testing import CliRunner
 
+from stochlin.models.contacts.elements import CONTACTS
+from stochlin.models.envelopes import ENVELOPES
+from stochlin.models.grounds import GROUNDS
+from stochlin.models.laws import LAWS
+from stochlin.models.rules.codes import CODE_RULES
+from stochlin.models.rules.effective_properties import EFFECTIVE_RULES
+from stochlin.models.rules.peak_factors import PEAK_FACTORS
 from stochlin.views.command import main
-from stochlin.views.shared.screen import COMPILING
+from stochlin.views.shared.screen import COMMANDS, COMPILING
 
+RULES = CODE_RULES, EFFECTIVE_RULES, PEAK_FACTORS
 HERE = Path(__file__).parent
 CASES = sorted(path.parent.name for path in HERE.glob("*/about.toml"))
 EXPECTED, SCREEN = "expected", "screen.txt"
@@ -152,14 +163,19 @@ def _printed(script: Path) -> str:
     return screen.getvalue()
 
 
-def contents(folder: Path) -> dict[str, Any]:
-    """Arrays of floats, and all else as text, by its place in the files of a folder."""
+def contents(folder: Path, before: Path | None = None) -> dict[str, Any]:
+    """Arrays of floats, and all else as text, by its place in the files of a folder.
+
+    Of the variables and names of its tables only those that tables in the folder ``before`` have.
+    """
     parts: dict[str, Any] = {}
     for path in folder.glob("*"):
         if path.suffix != ".nc":
             parts[path.name] = path.read_text(encoding="utf-8")
             continue
         table = xr.load_dataset(path)
+        if before is not None and (before / path.name).exists():
+            table = _with_names_of(xr.load_dataset(before / path.name), table)
         attributes = {path.name: table.attrs}
         for name, variable in table.variables.items():
             place, kind = f"{path.name} {name}", variable.dtype.kind
@@ -171,14 +187,49 @@ def contents(folder: Path) -> dict[str, Any]:
     return parts
 
 
+def _with_names_of(old: xr.Dataset, new: xr.Dataset) -> xr.Dataset:
+    """The new table with the variables of the old one, and its names along each dimension."""
+    for name in new.indexes.keys() & old.indexes.keys():
+        if new[name].dtype.kind in "UO":
+            new = new.sel({name: new[name].isin(old[name])})
+    return new.drop_vars(new.variables.keys() - old.variables.keys())
+
+
+def registered_texts() -> list[str]:
+    """Names of all extensions, and titles and references of rules, the longest first."""
+    rules = [rule for registry in RULES for rule in registry.values()]
+    texts = {text for rule in rules for text in (rule.title, rule.reference, rule.describe())}
+    texts |= {
+        name for registry in (*RULES, COMMANDS, CONTACTS, ENVELOPES, GROUNDS, LAWS) for name in registry
+    }
+    return sorted(filter(None, texts), key=len, reverse=True)
+
+
+def without_new_extensions(old: str, new: str) -> str:
+    """A text without what it says of extensions of which the old one does not speak."""
+    texts = [text for text in registered_texts() if text in new and text not in old]
+    lines = {" ".join(line.split()) for line in old.splitlines()}
+    known = []
+    for line in new.splitlines():
+        shorter = line
+        for text in texts:
+            shorter = re.sub(rf"(?<!\w)['\"]?{re.escape(text)}['\"]?(?!\w)(?:[,;] )?", "", shorter)
+        shorter = re.sub(r"[,;] ?$", "", shorter)
+        if shorter == line or " ".join(shorter.split()) in lines:  # else it is about them alone
+            known.append(shorter)
+    return "\n".join(known) + "\n" * new.endswith("\n") if texts else new
+
+
 def differences(case: Case, results: Path) -> Iterator[Difference]:
     """Of all files, between those that are kept and these; none where they are the same."""
-    old, new = contents(case.folder / EXPECTED), contents(results)
+    old = contents(case.folder / EXPECTED)
+    new = contents(results, before=case.folder / EXPECTED)
     for place in sorted(old | new):
         if place not in old or place not in new:
             yield Difference(place, *("there" if place in side else "missing" for side in (old, new)))
         elif isinstance(old[place], str) and isinstance(new[place], str):
-            yield from _of_texts(case, place, old[place], new[place])
+            now = without_new_extensions(old[place], new[place])
+            yield from _of_texts(case, place, old[place], now)
         elif np.shape(old[place]) == np.shape(new[place]):  # else the shapes are shown
             tolerance = case.tolerance_of(place.rpartition(" ")[2])
             yield from _of_numbers(place, old[place], new[place], tolerance)

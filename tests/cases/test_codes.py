@@ -263,7 +263,7 @@ def test_factors_of_every_code_by_hand() -> None:
         "nsr_10": 3 * 10,
         "nzs_1170_5": 2 * 1 + 4 * 2,
     }
-    assert {*by_hand, "srss", "share_of_sum"} == {*table.rule.values}
+    assert {*by_hand, "srss", "share_of_sum"} <= {*table.rule.values}
     for rule, gap in by_hand.items():
         assert 100 * float(table.gap.sel(rule=rule)) == pytest.approx(gap, rel=1e-12), rule
     for family in ("srss", "share_of_sum"):

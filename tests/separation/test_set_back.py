@@ -60,7 +60,7 @@ def test_rules_of_two_say_that_they_need_a_second() -> None:
     of_site = {"height_1": 24.0, "storeys_1": 7, "zone": "I"}
     table = sl.separation(OFFICE, None, GROUND, **QUAKE, codes=of_site)
     known = table.gap.notnull()
-    assert set(table.rule.values[known]) == OF_ONE | {
+    assert set(table.rule.values[known]) >= OF_ONE | {
         "mexico_city",
         "mexico_city_simplified",
         "peru_e030",
