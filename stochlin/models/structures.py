@@ -6,7 +6,7 @@ package.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import KW_ONLY, dataclass
 from functools import cache, cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -42,6 +42,10 @@ CURE = "follow it in motions of finite length, by simulate with a duration, or s
 CHECKED = 8  # largest number of parameter sets for which a law is checked
 
 LAWS: Registry[type[Structure]] = Registry("law", "stochlin.models.laws")
+# Functions that return their closure of a law, or None for a law that does not have it.
+CLOSURES: Registry[Callable[[type[Structure]], Closure | None]] = Registry(
+    "closure", "stochlin.models.closures"
+)
 
 
 @dataclass(frozen=True)
@@ -57,7 +61,7 @@ class Structure(Model):
     unless the subclass has its own.
     """
 
-    closures: ClassVar[Mapping[str, Closure]] = {}  # in closed form, by name
+    closures: ClassVar[Mapping[str, Closure]] = {}  # of this law alone, in closed form, by name
 
     period: Parameter = parameter("s", "period of small oscillations", PERIODS)
     damping: Parameter = parameter("1", "damping ratio", DAMPING)
@@ -96,7 +100,15 @@ class Structure(Model):
     @classmethod
     def closure_names(cls) -> tuple[str, ...]:
         """Names that `linearize` accepts for this law."""
-        return tuple(dict.fromkeys((GAUSSIAN, *cls.closures)))
+        registered = (name for name, of_law in CLOSURES.items() if of_law(cls) is not None)
+        return tuple(dict.fromkeys((GAUSSIAN, *cls.closures, *registered)))
+
+    @classmethod
+    def closed_form(cls, name: str) -> Closure | None:
+        """The closure ``name`` of this law in closed form; None if it has none."""
+        if name in cls.closures:
+            return cls.closures[name]
+        return CLOSURES[name](cls) if name in CLOSURES else None
 
     def symbolic(self) -> sympy.Expr | Mapping[str, sympy.Expr]:
         """``G`` of ``z' = G(v, z)`` as a sympy expression, in ``v``, ``z`` and the `own_parameters`.
@@ -110,7 +122,7 @@ class Structure(Model):
 
         It raises an ArithmeticError if the law has none in closed form, and none accurate by quadrature.
         """
-        closed = self.closures.get(name)
+        closed = self.closed_form(name)
         if closed is None:
             if not self.linearizes:
                 raise cannot_be_linearized(self._name, self._states)

@@ -1,6 +1,7 @@
 """Record files: published check values, what is read of every form, and every refusal."""
 
 import gzip
+import re
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,8 @@ import xarray as xr
 from motions import FOLDER, motion, needs_records
 
 import stochlin as sl
-from stochlin.applications.records.formats import FORMATS
+from stochlin.applications.records import files
+from stochlin.applications.records.formats import FORMATS, Format, Series
 from stochlin.applications.records.records import strong_part
 
 pytestmark = pytest.mark.oracle
@@ -154,6 +156,27 @@ FILES = {
 
 def test_every_format_is_read_here():
     assert set(FORMATS) >= {*FILES, "at2"}
+
+
+def test_a_format_reads_the_header_in_comments(tmp_path, monkeypatch):
+    """As networks write it: a line '# key: value' for each, above one column."""
+
+    def of_network(file):
+        stated = dict(line[1:].split(":") for line in file.written if line.startswith("#"))
+        values = file.numbers(len(stated) + 1, len(file.lines))
+        return [Series(values, None, float(stated[" dt"]), stated[" units"].strip())]
+
+    network = Format("a file of the network", re.compile(r"\A# network: "), of_network, "csv")
+    monkeypatch.setattr(files, "FORMATS", {**FORMATS, "network": network})
+    record = read(tmp_path, "# network: here\n# dt: 0.02\n# units: g\n" + "\n".join(map(str, WAVE)))
+    np.testing.assert_allclose(record, G * WAVE, rtol=1e-12)
+    assert record.attrs["dt"] == 0.02
+
+
+@pytest.mark.parametrize("header", ["", "^", ".*", r"\d", r"^\s*\S+"])
+def test_a_format_that_claims_every_file_is_refused(header):
+    with pytest.raises(ValueError, match=r"^a network's file: the header .* is in every file; allowed"):
+        Format("a network's file", re.compile(header), lambda file: [], "csv")
 
 
 @pytest.mark.parametrize("name", FILES)

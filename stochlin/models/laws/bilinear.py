@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import xarray as xr
 
-from stochlin.kernels.linearization.gaussian import Closure, clipped, gaussian
-from stochlin.models.structures import DRIFT, GAUSSIAN, LAWS, Structure
+from stochlin.kernels.linearization.gaussian import Closure, gaussian
+from stochlin.models.structures import GAUSSIAN, LAWS, Structure
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -83,11 +83,7 @@ class Bilinear(Structure):
     'Bilinear (period 1 s, damping 0.05, hardening 0.05, reduction factor 4, peak factor 3)'
     """
 
-    closures: ClassVar[Mapping[str, Closure]] = {
-        GAUSSIAN: gaussian,
-        "clipped": clipped,
-        DRIFT: clipped,
-    }
+    closures: ClassVar[Mapping[str, Closure]] = {GAUSSIAN: gaussian}
     symbolic = staticmethod(symbolic)
 
     def has_one_solution(self) -> xr.DataArray:

@@ -119,7 +119,9 @@ class Law(NamedTuple):
     def bilinear(cls, count: int, closure: str) -> Law:
         """The bilinear law of so many cells."""
         none, yes = np.empty((0, count)), np.ones(count, bool)
-        return cls(Bilinear.closures[closure], none, yes, closure == DRIFT)
+        in_closed_form = Bilinear.closed_form(closure)
+        assert in_closed_form is not None
+        return cls(in_closed_form, none, yes, closure == DRIFT)
 
     def at(self, cells: Any) -> Law:
         """Some of the cells."""

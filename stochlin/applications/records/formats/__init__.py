@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -77,7 +78,8 @@ class RecordFile(NamedTuple):
             raise self.wrong(number, f"the length of {count} samples with a step of {dt:g} s")
 
 
-class Format(NamedTuple):
+@dataclass(frozen=True)
+class Format:
     """A format of record files.
 
     ``header`` is searched in the first `HEADER_LINES` lines with text, as they are written and without
@@ -90,8 +92,14 @@ class Format(NamedTuple):
     read: Callable[[RecordFile], list[Series]]
     endings: str
 
+    def __post_init__(self) -> None:
+        if any(map(self.header.search, NO_HEADERS)):
+            what = f"{self.title}: the header {brief(self.header.pattern)} is in every file"
+            raise ValueError(f"{what}; allowed: a pattern that only files of this format begin with")
+
 
 HEADER_LINES = 8
+NO_HEADERS = "", "0.1", "0.0, 0.1\n0.02, 0.3", "time acceleration\n0.0 0.1"  # first lines of other files
 FORMATS: Registry[Format] = Registry("format of records", "stochlin.applications.records.formats")
 
 

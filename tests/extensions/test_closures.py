@@ -1,0 +1,30 @@
+"""A closure from outside: one function, known to every command."""
+
+import pytest
+import xarray as xr
+
+import stochlin as sl
+
+pytestmark = pytest.mark.cli
+
+PAIR = "rho --period-1 0.8s --period-2 1.1s --hardening 0.05 --reduction-factor 4"
+
+
+def test_a_closure_of_the_page_lies_between_both_that_it_mixes(toy, tmp_path):
+    spread = {}
+    for name in ("gaussian", "between", "clipped"):
+        done = toy(*PAIR.split(), "--closure", name, "--out", f"{name}.nc")
+        assert done.returncode == 0, done.stderr
+        with xr.open_dataset(tmp_path / f"{name}.nc") as table:
+            spread[name] = float(table.displacement_std_1)
+    assert spread["gaussian"] < spread["between"] < spread["clipped"]
+    other = toy(*PAIR.split(), "--closure", "beteen")
+    assert other.returncode == 2
+    known = "did you mean 'between'? allowed: gaussian, clipped, drift, between"
+    assert known in " ".join(other.stderr.split())
+
+
+def test_closures_are_listed_in_their_order_and_belong_to_laws():
+    assert sl.Bilinear.closure_names()[:3] == ("gaussian", "clipped", "drift")
+    assert sl.BoucWen.closure_names() == ("gaussian",)
+    assert sl.BoucWen.closed_form("drift") is None
