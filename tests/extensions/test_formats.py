@@ -26,7 +26,7 @@ def test_a_case_reads_records_of_the_format_of_the_page(toy, tmp_path):
         (HEADER, "should stand"),
         (HEADER.replace("# station: A\n", ""), "wave.csv has no line '# station: ...'"),
         (HEADER.replace("units: g", "units: parsec"), "wave.csv has 'parsec'; allowed: units of an"),
-        (HEADER.replace("toy", "other"), "dt is missing"),
+        (HEADER.replace("toy", "other"), "the file does not say the unit"),
     ):
         (tmp_path / "wave.csv").write_text(header + values)
         done = toy("gap", "case.toml")
