@@ -3,6 +3,7 @@
 import hypothesis.strategies as st
 import numpy as np
 import pytest
+import sympy
 from cases import assert_near
 from hypothesis import example, given, settings
 from motions import finer, motion, shaking
@@ -190,11 +191,17 @@ def test_rows_that_touch_do_not_chatter_without_end(periods, masses, e, seed):
         assert float(overlap) < 1e-4 * float(table.peak.max())
 
 
-def test_a_motion_that_overflows_is_named():
+def test_a_response_that_overflows_is_named_and_no_record_alone_makes_one():
+    v, z = sympy.symbols("v z")
+    growing = sl.Hysteretic(1.0, 0.05, 0.5, yield_displacement=0.01, mass=2e5, law=v * (1 + z**2))
     with pytest.raises(
         ArithmeticError, match=r"no longer finite .* s after the beginning.*steps_per_contact"
     ):
+        sl.pound([growing, stiff()], 0.01, CONTACTS["kelvin"], synthetic(60))
+    with pytest.raises(ValueError, match=r"motion: record is .* allowed: at most 1e\+09 m/s\^2"):
         sl.pound([soft(), stiff()], 0.01, CONTACTS["kelvin"], synthetic(60) * 1e180)
+    strong = sl.pound([soft(), stiff()], 0.01, CONTACTS["kelvin"], synthetic(60) * 1e8)
+    assert np.isfinite(strong.displacement).all()
 
 
 # --- Shear buildings --------------------------------------------------------------------------------
