@@ -3,6 +3,7 @@
 import importlib.util
 import os
 import re
+import subprocess
 import sys
 from contextlib import contextmanager
 
@@ -12,7 +13,9 @@ import sympy
 from commands import process
 
 import stochlin as sl
+from stochlin import messages
 from stochlin.kernels.basics import compiled, folders
+from stochlin.kernels.basics.children import command, environment
 from stochlin.kernels.simulation.laws import by_number
 
 pytestmark = [
@@ -215,6 +218,40 @@ def test_only_what_is_marked_inside_is_removed(tmp_path, entry):
         folder.symlink_to(tmp_path / "moved")
     folders.remove_left(tmp_path, "stochlin-")
     assert folder.exists() is (entry != "a mark")
+
+
+def test_no_mark_is_waited_for(tmp_path):
+    """A pipe in its place, which another user may put into a shared folder, has no end."""
+    for name in ("stochlin-1", "stochlin-2"):
+        (tmp_path / name).mkdir()
+    os.mkfifo(tmp_path / "stochlin-1" / folders.MARK)
+    (tmp_path / "stochlin-2" / folders.MARK).mkdir()
+    program = f"from stochlin.kernels.basics.folders import *; remove_left(Path({str(tmp_path)!r}), '')"
+    done = process(tmp_path, {}, "-c", program)
+    assert done.returncode == 0, done.stderr
+    assert len([*tmp_path.iterdir()]) == 2
+
+
+def test_the_folder_of_code_has_no_link_in_its_path(tmp_path, monkeypatch):
+    """The owner of a link might turn it elsewhere after a look at the folder."""
+    (tmp_path / "mine").mkdir(mode=0o700)
+    (tmp_path / "link").symlink_to(tmp_path / "mine")
+    monkeypatch.setattr(compiled.CONFIG, "CACHE_DIR", str(tmp_path / "link"))
+    forget()
+    folder = compiled.code_folder()
+    forget()
+    assert folder.is_dir()
+    assert str(folder) == os.path.realpath(folder)
+
+
+def test_a_child_runs_the_package_of_its_parent(tmp_path):
+    """Also where `sys.path` has another one before it."""
+    (tmp_path / "stochlin").mkdir()
+    (tmp_path / "stochlin" / "__init__.py").write_text("raise ImportError('another one')")
+    program = "import stochlin, stochlin.messages as inner; print(stochlin.__file__, inner.__file__)"
+    variables = environment({"PYTHONPATH": str(tmp_path)})
+    done = subprocess.run(command(program), env=variables, capture_output=True, text=True, check=True)
+    assert done.stdout.split() == [sl.__file__, messages.__file__]
 
 
 def test_a_folder_in_use_stays_and_one_of_an_ended_process_goes(tmp_path):

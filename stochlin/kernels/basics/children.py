@@ -11,14 +11,28 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 
-PACKAGE = Path(__file__).parents[3]  # the folder that holds the package
-# What a child runs before all else: the package is found where this process has it, after all others.
-_BEGIN = "import sys; sys.path.append({folder!r}); "
+PACKAGE = Path(__file__).parents[2]
+# What a child runs before all else. The package is the one that this process runs, which need not be the
+# first that `sys.path` has; the other modules of its folder come after all others.
+_BEGIN = """
+import sys
+from importlib.util import module_from_spec, spec_from_file_location
+sys.path.append({folder!r})
+_spec = spec_from_file_location({name!r}, {start!r}, submodule_search_locations=[{package!r}])
+sys.modules[{name!r}] = module_from_spec(_spec)
+_spec.loader.exec_module(sys.modules[{name!r}])
+"""
 
 
 def command(program: str, *arguments: str) -> list[str]:
     """The command line of a child that runs a program, a text in Python, with these arguments."""
-    return [sys.executable, "-P", "-c", _BEGIN.format(folder=str(PACKAGE)) + program, *arguments]
+    begin = _BEGIN.format(
+        folder=str(PACKAGE.parent),
+        name=PACKAGE.name,
+        start=str(PACKAGE / "__init__.py"),
+        package=str(PACKAGE),
+    )
+    return [sys.executable, "-P", "-c", begin + program, *arguments]
 
 
 def environment(variables: Mapping[str, str] | None = None) -> dict[str, str]:

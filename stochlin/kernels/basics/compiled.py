@@ -104,7 +104,11 @@ def code_folder() -> Path | None:
 
 
 def _folder_in(place: Path) -> Path | None:
-    """The folder of this version's compiled code in a place; None if it cannot be written."""
+    """The folder of this version's compiled code in a place; None if it cannot be written.
+
+    It has no link in its path, which another user might turn elsewhere after a look at the folder.
+    """
+    place = Path(os.path.realpath(place))
     folder = place / f"{PREFIX}{digest_of(KERNELS)}"
     yesterday = time.time() - 86400.0  # [s]
     try:

@@ -20,7 +20,8 @@ from pathlib import Path
 
 MARK = ".stochlin-folder"
 _LONGEST_MARK = 200
-_WITHOUT_LINKS: int = getattr(os, "O_NOFOLLOW", 0)  # Windows has no such flag
+# Without following a link, and without waiting for the writer of a pipe. Windows has no such flags.
+_AT_ONCE: int = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
 _PREFIX = "stochlin-"  # of temporary folders
 
 
@@ -125,9 +126,10 @@ def _folders(place: Path, prefix: str) -> Iterator[Path]:
 def _mark_in(folder: Path) -> Iterator[int | None]:
     """The open mark of a folder of this user, or None if what is there is no mark of it."""
     status = folder.lstat()
-    handle = os.open(folder / MARK, os.O_RDONLY | _WITHOUT_LINKS)
+    handle = os.open(folder / MARK, os.O_RDONLY | _AT_ONCE)
     try:
-        text = os.read(handle, _LONGEST_MARK)
+        is_file = stat.S_ISREG(os.fstat(handle).st_mode)
+        text = os.read(handle, _LONGEST_MARK) if is_file else b""
         process = int(text.split()[1]) if text.count(b" ") == 2 and text.split()[1].isdigit() else 0
         # Where there are no users, the number of each is 0.
         is_ours = stat.S_ISDIR(status.st_mode) and status.st_uid == getattr(os, "getuid", int)()
