@@ -2,6 +2,7 @@
 
 import re
 import sys
+import time
 import zipfile
 from pathlib import Path
 
@@ -86,6 +87,18 @@ REFUSED = {
         "<row><c t='str'><v>1\x1f2</v></c><c><v>3</v></c></row>"
     ),
     "its tables have 17": {"xl/styles.xml": 17_000_000 * " "},
+    "it has two sheets of the same title": {
+        SHEET: TABLE.replace("500", "5"),
+        BOOK: HIDDEN.format("hidden").replace('"Old"', '"Push"'),
+    },
+    "both have lines of numbers; allowed: one": {
+        SHEET: TABLE,
+        BOOK: PARTS[BOOK].replace("Old", 100 * "x" + "1").replace("Push", 100 * "x" + "2"),
+    },
+    "signs; allowed: 16777216": {
+        TEXTS: f"<sst {MAIN}><si><t>{MANY * 'x'}</t></si></sst>",
+        **with_rows("<row>" + 20 * "<c t='s'><v>0</v></c>" + "</row>"),
+    },
     "it has more than 2000 parts": {f"xl/{n}": "" for n in range(2001)},
 }
 
@@ -231,3 +244,13 @@ def test_whole_numbers_have_no_decimals(tmp_path: Path) -> None:
     rows = with_rows("<row><c><v>7.0</v></c><c><v>7.5</v></c></row>")
     (sheet,) = sheets_of(written(tmp_path, **rows))
     assert sheet.row(6) == ("7", "7.5")
+
+
+def test_a_workbook_without_numbers_is_read_in_seconds(tmp_path: Path) -> None:
+    """All its lines are searched for numbers, in this process."""
+    texts = 100_000 * "<row><c t='s'><v>0</v></c></row>"
+    path = written(tmp_path, **{OTHER: EMPTY.replace("</sheetData>", f"{texts}</sheetData>")})
+    before = time.process_time()
+    with pytest.raises(ValueError, match="has no line of numbers"):
+        sl.read_pushover(path)
+    assert time.process_time() - before < 8.0

@@ -46,8 +46,8 @@ class Sheet(NamedTuple):
 
     def row(self, line: int) -> tuple[str, ...]:
         """The cells of a line up to the last one that is not empty."""
-        cells = self.cells.loc[line].tolist()
-        return tuple(cells[: max((n for n, cell in enumerate(cells, 1) if cell), default=0)])
+        # A file may have a million lines: `loc` would make a Series for each.
+        return _without_empty_end(self.cells.to_numpy()[self.cells.index.get_loc(line)])
 
     def where(self, line: int, column: int | None = None) -> str:
         """A place in words; columns are counted from 1 there."""
@@ -59,7 +59,11 @@ class Sheet(NamedTuple):
 
     def columns_of_numbers(self, line: int) -> set[int]:
         """The columns that have a number in a line."""
-        return {n for n, cell in enumerate(self.row(line)) if number_in(cell, self.decimal) is not None}
+        return self.places_of_numbers(self.row(line))
+
+    def places_of_numbers(self, row: Sequence[str]) -> set[int]:
+        """The indices of the numbers in the cells of a line."""
+        return {n for n, cell in enumerate(row) if number_in(cell, self.decimal) is not None}
 
     def numbers(self, cells: pd.DataFrame, what: str, allowed: Range | None = None) -> Array:
         """The numbers in a part of the cells, each of them ``what`` in messages.
@@ -179,11 +183,8 @@ def table_of(sheet: Sheet, pattern: str = "") -> Table | None:
     one. The titles are the line above with the most names that have a word of the pattern, also after
     ``#``.
     """
-    below = sheet.without_comments().cells
-    numbers, row, lines = sheet.columns_of_numbers, sheet.row, [*below.index]
-    pairs = zip(lines, [*lines[1:], *lines[-1:]], strict=True)
-    begins = (n for n, after in pairs if numbers(n) & numbers(after) or len(numbers(n)) == len(row(n)))
-    start = next(begins, None)
+    below, row = sheet.without_comments().cells, sheet.row
+    start = _first_of_numbers(sheet, below)
     if start is None:
         return None
     above = [n for n in sheet.cells.index if n < start and (n in below.index or len(row(n)) > 1)]
@@ -197,6 +198,26 @@ def table_of(sheet: Sheet, pattern: str = "") -> Table | None:
     titles = max(wide, key=known, default=0)
     units = next((line for line in above if line > titles > 0), 0)
     return Table("the table", sheet, titles, units, below.loc[start:])
+
+
+def _first_of_numbers(sheet: Sheet, cells: pd.DataFrame) -> int | None:
+    """The line of these cells in which the numbers of a table begin; None if there is none."""
+    before, places_before = 0, set[int]()
+    for line, each in zip(cells.index.tolist(), cells.to_numpy(), strict=True):
+        row = _without_empty_end(each)
+        places = sheet.places_of_numbers(row)
+        if places & places_before:
+            return int(before)
+        if len(places) == len(row):
+            return int(line)
+        before, places_before = line, places
+    return int(before) if places_before else None  # the last line has no next one
+
+
+def _without_empty_end(row: Array) -> tuple[str, ...]:
+    """The cells of a line up to the last one that is not empty."""
+    cells = row.tolist()
+    return tuple(cells[: max((n for n, cell in enumerate(cells, 1) if cell), default=0)])
 
 
 def table_in(sheets: Sequence[Sheet], pattern: str, what: str) -> Table:
@@ -218,8 +239,8 @@ def sheets_of(path: Path) -> list[Sheet]:
     """All sheets of a workbook, or the one of a text; an OSError or ValueError if it is neither."""
     name, content = plain(path.name), read_input(path)
     if content.startswith(_WORKBOOKS):
-        cells = {f"{name}, sheet {title}": rows for title, rows in rows_of(content, name).items()}
-        sheets = [Sheet(place, _frame(rows, place)) for place, rows in cells.items()]
+        cells = [(f"{name}, sheet {title}", rows) for title, rows in rows_of(content, name)]
+        sheets = [Sheet(place, _frame(rows, place)) for place, rows in cells]
     else:
         sheets = [text_sheet(read_text(path).splitlines(), name)]
     if not (sheets := [sheet for sheet in sheets if sheet.cells.size]):

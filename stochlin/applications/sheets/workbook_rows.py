@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 MEMORY, SECONDS = 256 * 2**20, 2  # bytes and processor time that reading may take
 MOST_CELLS = 2**20  # of all visible sheets, with the empty ones between others
+MOST_SIGNS = 2**24  # of the texts of all of them
 SHEET, ROW, CELL = "\x1d", "\x1e", "\x1f"  # signs between them, which no text in XML may contain
 REFUSED = 3  # exit status, with a message in place of cells
 
@@ -54,8 +55,11 @@ def visible_sheets(content: bytes) -> dict[str, list[list[str]]]:
 
     book = calamine.CalamineWorkbook.from_filelike(BytesIO(content))
     visible = calamine.SheetVisibleEnum.Visible
-    titles = [sheet.name for sheet in book.sheets_metadata if sheet.visible == visible]
-    return {title: text_rows(book.get_sheet_by_name(title).to_python(False)) for title in titles}
+    titles = [sheet.name for sheet in book.sheets_metadata]
+    if len({*titles}) < len(titles):  # of which a reader takes one for the other
+        raise ValueError("it has two sheets of the same title")
+    shown = [sheet.name for sheet in book.sheets_metadata if sheet.visible == visible]
+    return {title: text_rows(book.get_sheet_by_name(title).to_python(False)) for title in shown}
 
 
 def joined(sheets: dict[str, list[list[str]]]) -> str:
@@ -63,6 +67,9 @@ def joined(sheets: dict[str, list[list[str]]]) -> str:
     cells = sum(len(rows) * max(map(len, rows), default=0) for rows in sheets.values())
     if cells > MOST_CELLS:
         raise ValueError(f"it has {cells} cells; allowed: {MOST_CELLS}")
+    signs = sum(len(cell) for rows in sheets.values() for row in rows for cell in row)
+    if signs > MOST_SIGNS:
+        raise ValueError(f"its texts have {signs} signs; allowed: {MOST_SIGNS}")
     lines = {title: [CELL.join(row) for row in rows] for title, rows in sheets.items()}
     text = SHEET.join(ROW.join([title, *rows]) for title, rows in lines.items())
     counts = {

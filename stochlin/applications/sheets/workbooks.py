@@ -28,8 +28,8 @@ _PATIENCE = 20.0  # s that reading may take on a busy machine, and on one that d
 MOST_PARTS, MOST_BYTES = 2000, 16 * 2**20  # of a workbook
 
 
-def rows_of(content: bytes, name: str) -> dict[str, dict[int, list[str]]]:
-    """The cells of the visible sheets by title and line; a ValueError if they cannot be read.
+def rows_of(content: bytes, name: str) -> list[tuple[str, dict[int, list[str]]]]:
+    """Title and cells by line of each visible sheet; a ValueError if they cannot be read.
 
     They are read in a process of their own, which takes at most `MEMORY` and `SECONDS`, whatever the
     workbook is; only its unpacked parts, of at most `MOST_BYTES`, are in the memory of this one.
@@ -42,10 +42,10 @@ def rows_of(content: bytes, name: str) -> dict[str, dict[int, list[str]]]:
         what = f"{name} cannot be read as a workbook: {sentence(error)}"
         raise ValueError(f"{what}; save it again as .xlsx without a password, or as .csv") from None
     sheets = (sheet.split(ROW) for sheet in answer.split(SHEET) if answer)
-    return {
-        plain(title): {line: row.split(CELL) for line, row in enumerate(rows, 1)}
+    return [
+        (plain(title), {line: row.split(CELL) for line, row in enumerate(rows, 1)})
         for title, *rows in sheets
-    }
+    ]
 
 
 def _read_apart(content: bytes, library: Path) -> str:
