@@ -46,7 +46,9 @@ _KNOWN = {name: (size, powers) for powers, of in _SIZES.items() for name, size i
 # Signs of powers and products, also a raised 2 that was read in another encoding.
 _SIGNS = str.maketrans("²³\N{REPLACEMENT CHARACTER}*·-", "232   ", "^")
 _OF_RATIO = re.compile(r"\((\w+)/(\w+)\)([\d.]+)")  # (s/m)0.5
-_FACTOR = re.compile(r" ?(/?) ?(1(?=/)|[A-Za-z%]+)(\d\.?\d*)?")
+_FACTOR = re.compile(r" ?(/?) ?(1(?=/)|[A-Za-z%]+)(\d(?:\.\d*)?)?")
+# Characters of a unit. With powers below 10, no product of factors is too large or small for a float.
+_LONGEST = 32
 _NAME = re.compile("[A-Za-z]+")
 
 
@@ -104,6 +106,8 @@ def stated_size(quantity: str, stated: str, wanted: object, where: str) -> float
 def parsed(unit: str) -> tuple[float, tuple[float, ...]] | None:
     """Size in SI and powers of length, mass, time and years of any unit; None if it is unknown."""
     text = " ".join(unit.replace("**", "").translate(_SIGNS).split())
+    if len(text) > _LONGEST:
+        return None
     text = _OF_RATIO.sub(r"\1\3/\2\3", text)
     factors = _FACTOR.findall(text)
     if PERCENT in text and text != PERCENT:

@@ -125,3 +125,12 @@ def test_times_and_records_of_files_are_refused_with_the_likely_unit(tmp_path):
         else:
             with pytest.raises(ValueError, match="the time step in SEC or MSEC"):
                 sl.read_record(path)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_no_product_of_units_is_too_large_or_small_for_a_number(name):
+    """Whatever its powers and its length: it has a size, or it is unknown."""
+    for power, times, over in product(("", "9", "9.99", "99999"), (1, 3, 9, 40, 10**5), ("", "1/")):
+        stated = parsed(over + " ".join(times * [name + power]))
+        assert stated is None or 1e-300 < stated[0] < 1e300
+    assert parsed(f"{name}99/{name}98") is None
