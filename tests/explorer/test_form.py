@@ -8,7 +8,7 @@ import pytest
 from cases import BLOCK, read_text, with_buildings
 
 from stochlin.applications.cases.examples import short_example
-from stochlin.applications.explorer.form import changed_text, form_of
+from stochlin.applications.explorer.form import MOST_TABLES, changed_text, form_of
 
 pytestmark = pytest.mark.invariant
 
@@ -119,3 +119,9 @@ def test_every_word_that_is_offered_makes_a_case(tmp_path):
         for word in entry.words if name == "ground" else ():
             case = read_text(tmp_path, changed_text(EXAMPLE, entry._replace(value=word)))
             assert case.site.ground.intensity == 0.01
+
+
+def test_a_file_of_many_tables_has_a_form_of_few():
+    """A file of a megabyte may have thirty thousand, each with fields that a browser would show."""
+    many = "".join(f"[building_{n}]\nperiod = {n}\n" for n in range(1, 20_000))
+    assert [title for title, _ in form_of(many)] == [f"Building {n}" for n in range(1, MOST_TABLES + 1)]

@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import MISSING, replace
+from itertools import islice
 from typing import Any, NamedTuple
 
 from stochlin.applications.cases.reading.case import NUMBERED, forms_of
@@ -27,6 +28,7 @@ from stochlin.solver.tables.toml import toml_tables
 
 SHOWN = "site", "motion", "separation"  # besides the buildings, tables on which the gap depends
 TIMES = 4.0  # a slider goes from the value over this to the value times this
+MOST_TABLES = 32  # with fields; the others are in the text of the file alone
 LONGEST_LINE, LONGEST_NAME = 1000, 60  # characters of a line with an entry, and of a name
 STEP = 0.025  # of a slider: a power of that number
 WRITTEN = re.compile(r'[^=#]*=\s*("[^"]*"|\[[^\]]*\]|[^\s#]+)')  # a key and its value in a line
@@ -99,8 +101,10 @@ def form_of(text: str) -> Iterator[tuple[str, list[Entry]]]:
     """Titles of the tables on which the gap depends, with the values that they have."""
     tables = toml_tables(text)  # which refuses what takes too long to be read
     lines = Lines.of(text)
-    for name, table in tables.items():
-        if isinstance(table, dict) and (name in SHOWN or NUMBERED.fullmatch(name)):
+    shown = (name for name in tables if name in SHOWN or NUMBERED.fullmatch(name))
+    for name in islice(shown, MOST_TABLES):
+        table = tables[name]
+        if isinstance(table, dict):
             called = f": {plain(table['name'], LONGEST_NAME)}" if "name" in table else ""
             yield f"{name.replace('_', ' ').capitalize()}{called}", list(_entries(name, table, lines))
 
