@@ -98,6 +98,8 @@ class Model(ByValue, metaclass=_Kind):
     @classmethod
     def check_uncertain(cls, names: Collection[str]) -> None:
         """Raise a ValueError if a parameter with one of these names cannot be uncertain."""
+        if cls.of_arguments:
+            raise ValueError(f"{', '.join(names)} is uncertain; allowed: numbers")
 
     def __post_init__(self) -> None:
         prefix = "" if self.of_arguments else f"{type(self).__name__}: "

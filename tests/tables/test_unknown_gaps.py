@@ -97,6 +97,27 @@ def test_gaps_lie_along_no_dimension_of_the_result(name, dim):
         OF_TABLES[name](axis(np.linspace(0.01, 0.4, 64)).rename(spot=dim))
 
 
+@pytest.mark.parametrize(
+    "name", ["exceedance", "pounding_estimate", "pounding_fragility", "pounding_probability"]
+)
+def test_no_dimension_of_a_gap_takes_the_place_of_the_status(name):
+    """Where it did, nothing said which of the cells are NaN and why."""
+    with pytest.raises(ValueError, match="a dimension is named 'status'"):
+        OF_TABLES[name](axis([0.05, NAN]).rename(spot="status"))
+
+
+def test_what_exceedance_cannot_name_is_refused():
+    for coordinate in ("probability", "path"):
+        with pytest.raises(ValueError, match=f"named '{coordinate}', as a part of the result"):
+            sl.exceedance(SAMPLES, axis(0.1 * np.ones(1)).isel(spot=0).assign_coords({coordinate: 3}))
+
+
+@pytest.mark.parametrize("name", OF_TABLES)
+def test_an_uncertain_gap_is_refused(name):
+    with pytest.raises((ValueError, TypeError), match=r"uncertain; allowed|± 10 %.*; allowed"):
+        OF_TABLES[name](sl.Uncertain(0.1, 0.1))
+
+
 X, Y = axis([0.05, 0.1], [1, 2]), axis([0.05, 0.1], [2, 3])
 PAIRS = {
     "exceedance": lambda: sl.exceedance(SAMPLES * X, Y),

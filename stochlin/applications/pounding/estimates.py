@@ -105,7 +105,9 @@ def pounding_estimate(
     models: tuple[Model, ...] = first, second, contact
     arrays = [*lengths, *(array for model in models for array in model.arrays().values())]
     check_alignment("gap, radii, structures and contact", *arrays)
-    check_names((name for array in arrays for name in (*array.dims, *array.coords)), OF_IMPACT)
+    check_names(
+        (name for array in arrays for name in (*array.dims, *array.coords)), {"status", *OF_IMPACT}
+    )
     valid = contact.valid() & first.valid() & second.valid()
     for length, allowed in zip(lengths, (GAP, RADIUS, RADIUS), strict=True):
         valid = valid & allowed.contains(length)

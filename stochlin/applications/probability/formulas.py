@@ -251,7 +251,7 @@ def gap_of(gap: Parameter, *names: str) -> Gap:
     """
     distance = Gap(gap)
     array = distance.arrays()["gap"]
-    check_names((*array.dims, *array.coords), {PATH, TIME, HEIGHT, *names})
+    check_names((*array.dims, *array.coords), {PATH, TIME, HEIGHT, "status", *names})
     return distance
 
 

@@ -28,6 +28,7 @@ from stochlin.solver.simulation.structures_in_motion import (
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_duration, check_work
 from stochlin.solver.tables.labels import ELEMENT, LINK, link_coordinates
+from stochlin.solver.tables.lazy import check_names
 
 TAIL = (1 - 0.95) / 2  # probability on each side of a 95 % interval
 FAR = 1e200  # [m], in place of infinity, between which and a number no quantile can be
@@ -279,6 +280,9 @@ def exceedance(samples: xr.DataArray, gap: float | xr.DataArray) -> xr.Dataset:
     if not gaps.ndim and np.isnan(gaps):
         raise ValueError("gap = nan; allowed: a number of metres, which may be infinite")
     check_alignment("samples and gap", samples, gaps)
+    columns = "status", *(f"probability{end}" for end in ("", "_lower", "_upper"))
+    check_names((*samples.dims, *samples.coords, *gaps.dims, *gaps.coords), columns)
+    check_names({*gaps.coords} - {*gaps.dims}, (PATH,))
     table = pounding_shares(samples, gaps)
     known = table.probability.notnull()
     if not known.ndim and not known:
