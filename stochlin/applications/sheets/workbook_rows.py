@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 MEMORY, SECONDS = 256 * 2**20, 2  # bytes and processor time that reading may take
 MOST_CELLS = 2**20  # of all visible sheets, with the empty ones between others
+MOST_LINES = 100_000  # of all of them; what reads the table afterwards takes longest for each line
 MOST_SIGNS = 2**24  # of the texts of all of them
 SHEET, ROW, CELL = "\x1d", "\x1e", "\x1f"  # signs between them, which no text in XML may contain
 REFUSED = 3  # exit status, with a message in place of cells
@@ -67,6 +68,9 @@ def joined(sheets: dict[str, list[list[str]]]) -> str:
     cells = sum(len(rows) * max(map(len, rows), default=0) for rows in sheets.values())
     if cells > MOST_CELLS:
         raise ValueError(f"it has {cells} cells; allowed: {MOST_CELLS}")
+    count = sum(map(len, sheets.values()))
+    if count > MOST_LINES:
+        raise ValueError(f"it has {count} lines; allowed: {MOST_LINES}")
     signs = sum(len(cell) for rows in sheets.values() for row in rows for cell in row)
     if signs > MOST_SIGNS:
         raise ValueError(f"its texts have {signs} signs; allowed: {MOST_SIGNS}")
@@ -74,7 +78,7 @@ def joined(sheets: dict[str, list[list[str]]]) -> str:
     text = SHEET.join(ROW.join([title, *rows]) for title, rows in lines.items())
     counts = {
         SHEET: max(len(sheets) - 1, 0),
-        ROW: sum(map(len, sheets.values())),
+        ROW: count,
         CELL: sum(max(len(row) - 1, 0) for rows in sheets.values() for row in rows),
     }
     if any(text.count(sign) != count for sign, count in counts.items()):
