@@ -18,9 +18,9 @@ def test_a_closure_of_the_page_lies_between_both_that_it_mixes(toy, tmp_path):
         with xr.open_dataset(tmp_path / f"{name}.nc") as table:
             spread[name] = float(table.displacement_std_1)
     assert spread["gaussian"] < spread["between"] < spread["clipped"]
-    other = toy(*PAIR.split(), "--closure", "beteen")
+    other = toy(*PAIR.split(), "--closure", "clippd")
     assert other.returncode == 2
-    known = "did you mean 'between'? allowed: gaussian, clipped, drift, between"
+    known = "did you mean 'clipped'? allowed: gaussian, clipped, drift, between"
     assert known in " ".join(other.stderr.split())
 
 
