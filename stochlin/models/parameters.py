@@ -17,6 +17,7 @@ from stochlin.messages import Named, brief, hyphenated, sentence
 from stochlin.models.descriptions import stated
 from stochlin.models.plausible import implausible, warn_caller
 from stochlin.models.uncertain import TAKERS, Uncertain, UncertainModel, as_array, median_of
+from stochlin.models.units import size_of
 from stochlin.models.values import CASE, ByValue
 
 _Number = float | np.floating | np.integer
@@ -51,6 +52,7 @@ class Range:
         return above & below & np.isfinite(value)
 
 
+WITHOUT_UNIT = "", "-", "dimensionless"  # as attributes say of a number without a unit
 POSITIVE, NOT_NEGATIVE = Range(), Range(include_lower=True)
 # Of structures and grounds in seconds, where their frequencies and those of others are of use together.
 PERIODS = Range(1e-9, 1e9, include_lower=True, include_upper=True)
@@ -241,6 +243,14 @@ def check_alignment(what: str, *arrays: xr.DataArray) -> None:
         raise ValueError(f"{what}: {sentence(error)}; {cure}") from error
 
 
+def check_units(label: str, stated: object, units: str) -> None:
+    """Raise a ValueError if an array states another unit than that in which its values are taken."""
+    known = (None, units, *WITHOUT_UNIT) if units == "1" else (None, units)
+    if stated not in known and size_of(str(stated), units) != 1.0:
+        what = f"{label} is in {brief(stated)}, by its attribute units"
+        raise ValueError(f"{what}; allowed: {units}, so convert its values")
+
+
 def check(prefix: str, name: str, value: Any, declared: Mapping[str, Any]) -> float | xr.DataArray:
     """The value of a parameter, checked against its declared range and labelled with its unit.
 
@@ -250,6 +260,8 @@ def check(prefix: str, name: str, value: Any, declared: Mapping[str, Any]) -> fl
     array = value if isinstance(value, xr.DataArray) else as_array(value)
     if array.dtype.kind not in "iuf":
         raise TypeError(f"{label} = {brief(value)} is not a real number; allowed: {allowed}")
+    if isinstance(value, xr.DataArray):
+        check_units(label, value.attrs.get("units"), declared["units"])
     if array.ndim == 0:
         number = float(array)
         if not allowed.contains(number):

@@ -16,7 +16,7 @@ from stochlin.kernels.simulation.stepping import LANES, whole_groups
 from stochlin.messages import brief
 from stochlin.models.arguments import checked, is_number
 from stochlin.models.envelopes import Envelope, envelope_at
-from stochlin.models.parameters import check_alignment
+from stochlin.models.parameters import check_alignment, check_units
 from stochlin.models.systems import AnyStructure, Arrangement
 from stochlin.solver.simulation.ensembles import SimulationRun, seconds_of
 from stochlin.solver.simulation.structures_in_motion import (
@@ -277,6 +277,7 @@ def exceedance(samples: xr.DataArray, gap: float | xr.DataArray) -> xr.Dataset:
     if not is_number(gap) and not (isinstance(gap, xr.DataArray) and gap.dtype.kind in "iuf"):
         raise TypeError(f"gap = {brief(gap)}; allowed: a number or an xarray.DataArray, in metres")
     gaps = xr.DataArray(gap)
+    check_units("gap", gaps.attrs.get("units"), "m")
     if not gaps.ndim and np.isnan(gaps):
         raise ValueError("gap = nan; allowed: a number of metres, which may be infinite")
     check_alignment("samples and gap", samples, gaps)
