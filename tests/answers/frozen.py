@@ -214,8 +214,11 @@ def without_new_extensions(old: str, new: str) -> str:
         shorter = line
         for text in texts:
             shorter = re.sub(rf"(?<!\w)['\"]?{re.escape(text)}['\"]?(?!\w)(?:[,;] )?", "", shorter)
+        if shorter == line:
+            known.append(line)
+            continue
         shorter = re.sub(r"[,;] ?$", "", shorter)
-        if shorter == line or " ".join(shorter.split()) in lines:  # else it is about them alone
+        if " ".join(shorter.split()) in lines:  # else it is about them alone
             known.append(shorter)
     return "\n".join(known) + "\n" * new.endswith("\n") if texts else new
 

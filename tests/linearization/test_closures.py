@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from stochlin.models.laws import bilinear
+from stochlin.kernels.linearization import gaussian
 
 pytestmark = [pytest.mark.oracle, pytest.mark.extreme]
 
@@ -48,7 +48,7 @@ def integrated_clipped(latent):
 
 def test_clipped_moments_and_regression_agree_with_integration():
     for latent in random_latent(80, seed=50):
-        value = bilinear.clipped(latent[:, None], NONE)
+        value = gaussian.clipped(latent[:, None], NONE)
         moments, coefficients = integrated_clipped(latent)
         np.testing.assert_allclose(value.covariance[:, 0], moments, rtol=1e-11, atol=1e-13)
         # The regression divides by the share of Var z that v leaves unexplained.
@@ -56,7 +56,7 @@ def test_clipped_moments_and_regression_agree_with_integration():
         np.testing.assert_allclose(value.coefficients[:, 0], coefficients, rtol=1e-10 / left, atol=1e-12)
 
 
-@pytest.mark.parametrize("closure", [bilinear.gaussian, bilinear.clipped])
+@pytest.mark.parametrize("closure", [gaussian.gaussian, gaussian.clipped])
 def test_slopes_are_those_of_the_values(closure):
     latent = random_latent(80, seed=51).T
     unknowns, step = np.array([*np.log(latent[:2]), np.arctanh(latent[2])]), 1e-5
