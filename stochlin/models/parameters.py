@@ -52,7 +52,6 @@ class Range:
         return above & below & np.isfinite(value)
 
 
-WITHOUT_UNIT = "", "-", "dimensionless"  # as attributes say of a number without a unit
 POSITIVE, NOT_NEGATIVE = Range(), Range(include_lower=True)
 # Of structures and grounds in seconds, where their frequencies and those of others are of use together.
 PERIODS = Range(1e-9, 1e9, include_lower=True, include_upper=True)
@@ -244,11 +243,13 @@ def check_alignment(what: str, *arrays: xr.DataArray) -> None:
 
 
 def check_units(label: str, stated: object, units: str) -> None:
-    """Raise a ValueError if an array states another unit than that in which its values are taken."""
-    known = (None, units, *WITHOUT_UNIT) if units == "1" else (None, units)
-    if stated not in known and size_of(str(stated), units) != 1.0:
+    """Raise a ValueError if an array states a unit of its quantity in which its values are not taken.
+
+    Another quantity is no reason: arithmetic with arrays keeps the attributes of the first of them.
+    """
+    if stated is not None and size_of(str(stated), units) not in (None, 1.0):
         what = f"{label} is in {brief(stated)}, by its attribute units"
-        raise ValueError(f"{what}; allowed: {units}, so convert its values")
+        raise ValueError(f"{what}; allowed: {units}, so convert its values, and state it there")
 
 
 def check(prefix: str, name: str, value: Any, declared: Mapping[str, Any]) -> float | xr.DataArray:

@@ -131,7 +131,7 @@ def test_answers_have_the_shape_of_the_question(kind):
     assert isinstance(kind.restitution(np.float32(0.5)), float)
     table = kind.restitution([0.1, np.nan, -1.0])
     np.testing.assert_array_equal(np.isnan(table), [False, True, True])
-    given_values = xr.DataArray([0, 1], dims="x", coords={"x": [3, 4]}, name="xi", attrs={"units": "%"})
+    given_values = xr.DataArray([0, 1], dims="x", coords={"x": [3, 4]}, name="xi", attrs={"units": "-"})
     found = kind.restitution(given_values)
     assert found.dims == ("x",)
     assert found.attrs == {"units": "1"}
