@@ -202,6 +202,7 @@ def registered_texts() -> list[str]:
     texts |= {
         name for registry in (*RULES, COMMANDS, CONTACTS, ENVELOPES, GROUNDS, LAWS) for name in registry
     }
+    texts |= {f"eq_3_{name}" for name in EFFECTIVE_RULES}  # of the gap by its properties
     return sorted(filter(None, texts), key=len, reverse=True)
 
 
