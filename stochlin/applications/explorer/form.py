@@ -29,7 +29,8 @@ from stochlin.solver.tables.toml import toml_tables
 SHOWN = "site", "motion", "separation"  # besides the buildings, tables on which the gap depends
 TIMES = 4.0  # a slider goes from the value over this to the value times this
 MOST_TABLES = 32  # with fields; the others are in the text of the file alone
-LONGEST_LINE, LONGEST_NAME = 1000, 60  # characters of a line with an entry, and of a name
+LONGEST_LINE = 1000  # characters of a line with an entry
+LONGEST_NAME = 60  # characters of a name in a title
 STEP = 0.025  # of a slider: a power of that number
 WRITTEN = re.compile(r'[^=#]*=\s*("[^"]*"|\[[^\]]*\]|[^\s#]+)')  # a key and its value in a line
 

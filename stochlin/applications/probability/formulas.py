@@ -244,7 +244,7 @@ def _at_all_heights(table: xr.Dataset) -> xr.Dataset:
     return table.isel({HEIGHT: -1}, drop=True).assign(worst.data_vars)
 
 
-def gap_of(gap: Parameter, *names: str) -> Gap:
+def checked_gaps(gap: Parameter, *names: str) -> Gap:
     """The gaps; a ValueError if a dimension has a name of a dimension, or of ``names``, of the result.
 
     Gaps along the motions would be those of one motion each.

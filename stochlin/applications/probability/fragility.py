@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from stochlin.applications.probability.formulas import by_formula, gap_of
+from stochlin.applications.probability.formulas import by_formula, checked_gaps
 from stochlin.applications.probability.probability import REFERENCES, PathsIfAny, simulated_columns
 from stochlin.applications.risk.rates import (
     FRAGILITY,
@@ -127,7 +127,8 @@ def pounding_fragility(
     """
     if not isinstance(gap, xr.DataArray) and (gaps := as_array(gap)).ndim == 1:
         gap = labels.axis("gap", "gap", gaps, "m")
-    distance, levels = gap_of(gap, INTENSITY), _increasing(intensity)
+    distance = checked_gaps(gap, INTENSITY)
+    levels = _increasing(intensity)
     models: dict[str, Any] = {"first": first, "second": second, "ground": ground}
     if arrays := arrays_of(models):
         raise ValueError(f"{', '.join(arrays)} is an array; allowed: the numbers of one pair at a time")

@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 
 import xarray as xr
 
-from stochlin.applications.probability.formulas import by_formula, gap_of
+from stochlin.applications.probability.formulas import by_formula, checked_gaps
 from stochlin.applications.probability.hybrid import hybrid_pounding
 from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.messages import refuse
@@ -184,7 +184,7 @@ def pounding_probability(
     >>> bool(last.confidence_of_no_pounding > last.confidence_of_no_pounding_poisson)
     True
     """
-    distance = gap_of(gap)
+    distance = checked_gaps(gap)
     if method == "hybrid":
         refuse(
             "method", method, {"envelope": envelope, "duration": duration, "scatter": scatter or None}

@@ -183,7 +183,8 @@ def table_of(sheet: Sheet, pattern: str = "") -> Table | None:
     one. The titles are the line above with the most names that have a word of the pattern, also after
     ``#``.
     """
-    below, row = sheet.without_comments().cells, sheet.row
+    below = sheet.without_comments().cells
+    row = sheet.row
     start = _first_of_numbers(sheet, below)
     if start is None:
         return None

@@ -14,7 +14,8 @@ TYPE_CHECKING = False  # without typing, whose import takes longer than a small 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-MEMORY, SECONDS = 256 * 2**20, 2  # bytes and processor time that reading may take
+MEMORY = 256 * 2**20  # bytes that reading may take
+SECONDS = 2  # of processor time that it may take
 MOST_CELLS = 2**20  # of all visible sheets, with the empty ones between others
 MOST_LINES = 100_000  # of all of them; what reads the table afterwards takes longest for each line
 MOST_SIGNS = 2**24  # of the texts of all of them
