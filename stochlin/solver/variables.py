@@ -104,6 +104,7 @@ VARIABLES = {
     "probability_in_years": ("1", "probability of pounding at least once in the given years"),
     "annual_rate": ("1/yr", "mean annual frequency of pounding"),
     "annual_rate_unseen": ("1/yr", "upper bound for intensities above the simulated ones"),
+    "annual_rate_unseen_weaker": ("1/yr", "upper bound for intensities below the table of the hazard"),
     "annual_rate_by_intensity": (
         "1/yr",
         "contribution of the intensity to the annual frequency of pounding",

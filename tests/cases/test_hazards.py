@@ -11,6 +11,8 @@ from cases import FIRM_SITE, read_text
 import stochlin as sl
 from stochlin.applications.cases.reading.case import Case
 from stochlin.applications.cases.separation import answer_case
+from stochlin.views.separation.risk import risk_blocks
+from stochlin.views.shared.words import SPACE
 
 pytestmark = pytest.mark.invariant
 
@@ -109,3 +111,12 @@ def test_risk_of_a_case_is_that_from_python(answered):
     for name in table.data_vars:
         assert whole[name].attrs["long_name"], name
     assert set(answered.table(samples=False).dims) == {"rule"}
+
+
+def test_a_hazard_that_ends_early_is_said_before_its_frequency(tmp_path):
+    """The curve ends at 0.1 g, once in 100 years: that is the least return period that it supports."""
+    early = 'intensities = ["0.05 g", "0.1 g"]\nreturn_periods = ["30 yr", "100 yr"]\n'
+    answer = answer_case(read(tmp_path, HAZARD + early, 'existing = "30 cm"\n'))
+    first, *_, table, _ = risk_blocks(answer)
+    assert first.text.startswith("The hazard curve ends at PGA 0.1")
+    assert table.rows[0].cells[3].replace(SPACE, " ") == "100 years or more"

@@ -50,6 +50,39 @@ def test_what_pounds_and_then_does_not_is_counted_where_it_does():
     assert found == pytest.approx(wanted, rel=1e-6)
 
 
+@pytest.mark.parametrize("first", [0, 2, 4, 6])
+@pytest.mark.parametrize("last", [8, 12, 16, 24])
+@pytest.mark.parametrize("gap", [0.03, 0.3, 3.0])
+def test_the_interval_contains_the_rate_of_the_whole_hazard_wherever_its_table_ends(first, last, gap):
+    """A curve that becomes flatter towards weaker shaking, from 1e-3 to 1e5, and parts of its table."""
+    intensity = np.geomspace(1e-3, 1e5, 25)
+    frequency = K0 * (1 + intensity) ** -K
+
+    def risk(part):
+        hazard = sl.HazardCurve(intensity[part], frequency[part])
+        levels = np.geomspace(*np.array(hazard.intensities)[[0, -1]], 13)
+        motions = SeparationsByIntensity(levels, lognormal_motions().separation[:, -1:] / 1e4 * levels)
+        return SimulatedRisk(motions, hazard)
+
+    whole = risk(slice(None)).rate(gap)[0]
+    ends = risk(slice(first, last + 1)).rate_with_ends(gap)
+    assert ends["_lower"] <= ends[""] <= whole * (1 + 1e-6) <= ends["_upper"] * (1 + 2e-6)
+
+
+def test_the_gap_of_an_early_end_has_an_interval_up_to_that_of_the_whole_hazard():
+    intensity = np.geomspace(0.1, 20, 12)
+    whole = sl.HazardCurve(intensity, K0 * intensity**-K)
+    early = sl.HazardCurve(whole.intensities[:6], whole.frequencies[:6])
+    risk = 1.5 * early.frequencies[-1]
+    gaps = []
+    for hazard in (whole, early):
+        levels = np.geomspace(hazard.intensities[0], hazard.intensities[-1], 13)
+        motions = SeparationsByIntensity(levels, lognormal_motions().separation[:, -1:] / 1e4 * levels)
+        gaps.append(SimulatedRisk(motions, hazard).gap_of(risk))
+    assert float(gaps[1].required_gap) < float(gaps[0].required_gap)
+    assert float(gaps[1].required_gap_upper) > float(gaps[0].required_gap)
+
+
 @pytest.mark.parametrize(
     "highest",
     [

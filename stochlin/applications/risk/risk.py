@@ -45,7 +45,7 @@ from stochlin.solver.tables.checks import check_duration, standing
 
 POINTS = 13  # number of simulated intensities
 RETURN_PERIODS = (5.0, 2e5)  # [yr] of the lowest and highest intensity of a hazard without a table
-ENDS = {"": 0.0, "_lower": -1.96, "_upper": 1.96}  # standard errors at the ends of a 95 % interval
+NORMAL = 1.96  # standard errors from a mean to the ends of its 95 % interval
 CLOSE = 1e-6  # relative tolerance of a required gap
 HIGHEST = 1e100  # intensity from which on nothing is added
 ROUNDING = 1e-12  # relative rounding error allowed at the end of a hazard curve
@@ -105,10 +105,12 @@ def pounding_risk(
     Returns
     -------
     xarray.Dataset
-        Over the dimensions of the parameters: ``annual_rate`` [1/yr] with its standard error;
-        ``annual_rate_unseen`` [1/yr], the largest possible contribution of intensities beyond the table
-        of the hazard, or beyond a return period of 200 000 years; ``probability_in_years`` [-] with its
-        95 % interval. Also over ``intensity``: ``pounding_probability`` [-] with its 95 % interval. Also
+        Over the dimensions of the parameters: ``annual_rate`` [1/yr] with its standard error and its
+        interval; ``annual_rate_unseen`` and ``annual_rate_unseen_weaker`` [1/yr], the largest possible
+        contributions of intensities above the table of the hazard, or a return period of 200 000 years,
+        and of those below it; ``probability_in_years`` [-] with its interval. The intervals are those of
+        95 % of the sampling; their upper ends include both contributions.
+        Also over ``intensity``: ``pounding_probability`` [-] with its 95 % interval. Also
         over ``from_intensity``: ``annual_rate_by_intensity`` [1/yr], the part of the rate from the
         interval of intensities that begins there.
 
@@ -121,8 +123,11 @@ def pounding_risk(
     Notes
     -----
     A motion with pounding at an intensity and without pounding at a higher one counts for the former
-    only. Shaking weaker than the lowest intensity of a `HazardCurve` is left out: the
-    ``pounding_probability`` there should be small. Motions of the same intensity differ as samples of a
+    only. Shaking beyond the ends of a `HazardCurve` is left out of the rate. A motion without pounding at
+    the highest intensity adds at most the frequency there to the upper end of the interval. For a motion
+    with pounding below the lowest intensity the first two points are extrapolated, which is an upper
+    limit for a curve that becomes flatter towards weaker shaking, as hazard curves do in logarithms.
+    Motions of the same intensity differ as samples of a
     random process; the larger difference between earthquakes is included by ``scatter``.
 
     References
@@ -176,8 +181,8 @@ def required_gap(
     Returns
     -------
     xarray.Dataset
-        Over the dimensions of the parameters: ``required_gap`` [m] with its 95 % interval,
-        ``target_rate`` [1/yr], and ``annual_rate`` [1/yr] with this gap, with its standard error.
+        Over the dimensions of the parameters: ``required_gap`` [m] with its interval, as that of
+        ``annual_rate`` in `pounding_risk`; ``target_rate`` [1/yr], and ``annual_rate`` [1/yr] with this gap, with its standard error.
 
     Raises
     ------
@@ -309,24 +314,53 @@ class SimulatedRisk(NamedTuple):
         """Mean annual frequency of pounding [1/yr], and its standard error."""
         return mean_with_error(self.rates(gap).sum(axis=1))
 
+    def unseen_rates(self, gap: float) -> tuple[Array, Array]:
+        """Largest annual frequency of pounding [1/yr] above and below the table, of each motion.
+
+        A motion without pounding at the highest intensity may pound right above it. Below the table the
+        line through its first two points is extrapolated to where the gap is reached.
+        """
+        highest = self._frequency(self.motions.intensity[-1:])
+        stronger = np.where(self.motions.separation[:, -1] <= gap, highest, 0.0)
+        if not isinstance(self.hazard, HazardCurve):
+            return stronger, np.zeros_like(stronger)
+        first, second = np.log(self.hazard.intensities[:2])
+        rate, next_rate = np.log(self.hazard.frequencies[:2])
+        begins = np.log(self.motions.crossings(gap)[0][:, 0])
+        further = (rate - next_rate) / (second - first) * np.maximum(first - begins, 0.0)
+        return stronger, np.exp(rate) * np.expm1(further)
+
+    def rate_with_ends(self, gap: float) -> dict[str, float]:
+        """Annual frequency of pounding [1/yr] and its interval, by the ends of the names of variables.
+
+        The upper end includes the largest frequencies beyond the table of the hazard.
+        """
+        mean, error = self.rate(gap)
+        stronger, weaker = self.unseen_rates(gap)
+        most, error_of_most = mean_with_error(self.rates(gap).sum(axis=1) + stronger + weaker)
+        ends = mean, max(mean - NORMAL * error, 0.0), most + NORMAL * error_of_most
+        return dict(zip(labels.VALUE_AND_ENDS, ends, strict=True))
+
     def of_gap(self, gap: float, years: float) -> xr.Dataset:
         """The result of `pounding_risk`."""
         motions, hazard = self.motions, self.hazard
-        rate, error = self.rate(gap)
-        spared = float((motions.separation[:, -1] <= gap).mean())
+        _, error = self.rate(gap)
+        rates = self.rate_with_ends(gap)
+        stronger, weaker = self.unseen_rates(gap)
         attrs = {"units": UNITS[hazard.measure], "long_name": f"intensity, {hazard.measure}"}
         axis = {"intensity": ("intensity", motions.intensity, attrs)}
         samples = xr.DataArray(motions.separation, dims=("path", "intensity"), coords=axis)
         begin = {"from_intensity": ("from_intensity", np.append(0.0, motions.intensity), attrs)}
         return xr.Dataset(
             {
-                "annual_rate": rate,
+                **{f"annual_rate{end}": rate for end, rate in rates.items()},
                 "annual_rate_standard_error": error,
-                "annual_rate_unseen": spared * float(self._frequency(motions.intensity[-1:])[0]),
+                "annual_rate_unseen": float(stronger.mean()),
+                "annual_rate_unseen_weaker": float(weaker.mean()),
                 "annual_rate_by_intensity": ("from_intensity", self.rates(gap).mean(axis=0)),
                 **{
-                    f"probability_in_years{end}": -np.expm1(-max(rate + times * error, 0.0) * years)
-                    for end, times in ENDS.items()
+                    f"probability_in_years{end}": -np.expm1(-rate * years)
+                    for end, rate in rates.items()
                 },
                 **{f"pounding_{name}": each for name, each in pounding_shares(samples, gap).items()},
             },
@@ -339,12 +373,11 @@ class SimulatedRisk(NamedTuple):
         least = 1e-3 * float(separation.min() or 1e-6)
         most = 2 * float(separation.max(where=separation < np.inf, initial=least))
 
-        def gap_at(errors: float) -> float:
-            """Gap [m] for which the rate, and so many standard errors, equal the target."""
+        def gap_at(end: str) -> float:
+            """Gap [m] for which the rate, or an end of its interval, equals the target."""
 
             def excess(log_gap: float) -> float:
-                mean, error = self.rate(float(np.exp(log_gap)))
-                return mean + errors * error - target
+                return self.rate_with_ends(float(np.exp(log_gap)))[end] - target
 
             low, high = np.log(least), np.log(most)
             if excess(high) > 0:  # of motions in which a structure falls
@@ -353,7 +386,7 @@ class SimulatedRisk(NamedTuple):
                 return 0.0
             return float(np.exp(scipy.optimize.brentq(excess, low, high, xtol=CLOSE)))
 
-        gaps = {f"required_gap{end}": gap_at(errors) for end, errors in ENDS.items()}
+        gaps = {f"required_gap{end}": gap_at(end) for end in labels.VALUE_AND_ENDS}
         mean, error = self.rate(gap) if (gap := gaps["required_gap"]) else (np.nan, np.nan)
         rate = {"annual_rate": mean, "annual_rate_standard_error": error}
         return xr.Dataset({**gaps, "target_rate": target, **rate})

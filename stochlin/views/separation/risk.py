@@ -37,7 +37,8 @@ def risk_blocks(answer: CaseAnswer) -> list[Block]:
     heads = ("gap", "[cm]", "per year", "once in", f"in {table.attrs['risk_years']:g} years", "interval")
     note = (
         f"From {table.attrs['risk_paths']} motions at each of {table.sizes['risk_intensity']} "
-        f"intensities of the hazard; the intervals, of 95{SPACE}%, are those of their sampling. "
+        f"intensities of the hazard; the intervals are those of their sampling, 95{SPACE}%, and include "
+        "what shaking beyond the ends of the hazard can add. "
         "Different years are taken as independent."
     )
     rows = [_row(answer, of_gap) for of_gap in along(table, "risk_gap")]
@@ -46,7 +47,7 @@ def risk_blocks(answer: CaseAnswer) -> list[Block]:
 
 def _row(answer: CaseAnswer, risk: xr.Dataset) -> tuple[str, ...]:
     """A gap and its risk; of the gap for the allowed risk the interval, too."""
-    gap, rate = centimetres(float(risk.risk_gap)), float(risk.risk_annual_rate)
+    gap = centimetres(float(risk.risk_gap))
     allowed = answer.case.wanted.risk
     names = {"existing": "existing", "answer": "the answer above", "target": f"for {allowed}"}
     if isinstance(allowed, float):
@@ -55,8 +56,22 @@ def _row(answer: CaseAnswer, risk: xr.Dataset) -> tuple[str, ...]:
         ends = with_interval(risk, "risk_required_gap")[1:]
         gap = f"{gap} ({' to '.join(map(centimetres, ends))})"
     share, low, high = (per_cent(value, 1) for value in with_interval(risk, "risk_probability_in_years"))
-    once = f"{float(f'{1 / rate:.2g}'):.0f}{SPACE}years" if rate else MISSING
-    return names[str(risk.risk_of.item())], gap, f"{rate:.2g}", once, share, f"{low} to {high}"
+    return names[str(risk.risk_of.item())], gap, *_frequency(risk), share, f"{low} to {high}"
+
+
+def _frequency(risk: xr.Dataset) -> tuple[str, str]:
+    """The annual frequency and its return period; as a bound where the hazard leaves out much of it."""
+    rate, _, most = with_interval(risk, "risk_annual_rate")
+    unseen = float(risk.risk_annual_rate_unseen + risk.risk_annual_rate_unseen_weaker)
+    if unseen > NOTICED * rate:
+        return f"{rate:.2g} to {most:.2g}", f"{_years(most)} or more"
+    return f"{rate:.2g}", _years(rate) if rate else MISSING
+
+
+def _years(rate: float) -> str:
+    """The return period of an annual frequency, to two digits."""
+    years = float(f"{1 / rate:.2g}")
+    return f"{years:.0f}{SPACE}years" if years >= 1 else f"{years:g}{SPACE}years"
 
 
 def risk_sentences(answer: CaseAnswer) -> list[str]:
@@ -80,12 +95,15 @@ def risk_sentences(answer: CaseAnswer) -> list[str]:
         least = f"{float(risk.risk_intensity[0]) / unit:.2g}{SPACE}{units}"
         sentences.append(
             f"The hazard begins at {name} {least}, with which {meet} in {per_cent(weakest)} of the "
-            "motions. Weaker shaking is left out, so that the true frequency is higher: start the table "
-            "at lower intensities."
+            "motions. Weaker shaking is left out, so that the true frequency is higher by up to "
+            f"{float(risk.risk_annual_rate_unseen_weaker):.2g} a year, if the hazard goes on in a straight "
+            "line in logarithms: start the table at lower intensities."
         )
     if beyond > NOTICED * rate:
-        sentences.append(
-            "Shaking stronger than that of the hazard table could add up to "
-            f"{beyond:.2g} a year: extend the table to rarer shaking."
+        highest = f"{float(risk.risk_intensity[-1]) / unit:.2g}{SPACE}{units}"
+        sentences.insert(
+            0,
+            f"The hazard curve ends at {name} {highest}. Stronger shaking could add up to {beyond:.2g} a year to "
+            "the frequency of pounding, which is in its interval: extend the table to rarer shaking.",
         )
     return sentences
