@@ -17,7 +17,7 @@ needs_records = pytest.mark.skipif(
     not FOLDER.is_dir(), reason="the folder of strong-motion records is absent"
 )
 RECORDS: dict[str, tuple[str, dict[str, Any]]] = {
-    "SCT": ("sct190985.txt", {"units": "g", "column": 2, "time_column": 0}),
+    "SCT": ("sct190985.txt", {"units": "g", "column": 3, "time_column": 1}),
     "Taft": ("RSN15_KERN_TAF111.txt", {"units": "g", "dt": 0.01}),
     "El Centro": ("elc180.AT2", {}),
     "Kobe": ("NIS090.AT2", {"units": "g", "dt": 0.01}),

@@ -18,7 +18,8 @@ UNITS: Mapping[str, tuple[str, ...]] = {
     "N": ("N", "kN", "MN", "kgf", "tonf", "lb", "kip"),
     "N/m": ("N/m", "kN/m", "MN/m", "tonf/m", "kip/in"),
     "N s/m": ("N s/m", "kN s/m", "MN s/m", "tonf s/m", "kip s/in"),
-    "m/s^2": ("g", "m/s^2", "cm/s^2", "gal", "mm/s^2"),
+    "m/s": ("cm/s", "m/s", "mm/s", "in/s", "ft/s"),
+    "m/s^2": ("g", "m/s^2", "cm/s^2", "gal", "mm/s^2", "%g", "mg"),
     "m^2/s^3": ("m^2/s^3", "cm^2/s^3"),
     "yr": ("yr", "years", "a"),
     "1": ("%",),
@@ -33,19 +34,24 @@ _SIZES: dict[tuple[float, ...], dict[str, float]] = {
     (0, 0, 0, 0): {"1": 1.0, PERCENT: 0.01},
     (1, 0, 0, 0): {"m": 1.0, "cm": 0.01, "mm": 0.001, "MM": 0.001, "in": 0.0254, "ft": 0.3048},
     (0, 1, 0, 0): {"kg": 1.0, "t": 1e3, "tonne": 1e3},
-    (0, 0, 1, 0): {"s": 1, "sec": 1, "secs": 1, "second": 1, "seconds": 1, "ms": 1e-3, "msec": 1e-3},
+    (0, 0, 1, 0): {
+        **dict.fromkeys(("s", "sec", "secs", "second", "seconds", "seg", "sek", "sn"), 1.0),
+        **dict.fromkeys(("ms", "msec"), 1e-3),
+    },
     (0, 0, 0, 1): {"yr": 1.0, "years": 1.0, "a": 1.0},
-    (1, 0, -2, 0): {"g": constants.g, "gal": 0.01},
+    (1, 0, -2, 0): {"g": constants.g, "gal": 0.01, "%g": 0.01 * constants.g, "mg": 1e-3 * constants.g},
     (1, 1, -2, 0): _FORCES,
     (-1, 1, -2, 0): {"psi": constants.psi},
 }
 # The case of letters changes the prefix of these from milli to mega; of all others it changes nothing.
-_WITH_CASE = {name.lower(): name for name in ("mm", "ms", "msec", "MN")}
-_QUANTITIES = {"length": "m", "mass": "kg", "force": "N", "acceleration": "m/s^2"}
+_WITH_CASE = {name.lower(): name for name in ("mm", "ms", "msec", "MN", "mg")}
+_TON = re.compile(r"\s*tons?\s*", re.IGNORECASE)  # of force, as in "ton s^2/m", but alone also of mass
+_QUANTITIES = {"length": "m", "mass": "kg", "force": "N", "acceleration": "m/s^2", "velocity": "m/s"}
 _KNOWN = {name: (size, powers) for powers, of in _SIZES.items() for name, size in of.items()}
 # Signs of powers and products, also a raised 2 that was read in another encoding.
 _SIGNS = str.maketrans("²³\N{REPLACEMENT CHARACTER}*·-", "232   ", "^")
 _OF_RATIO = re.compile(r"\((\w+)/(\w+)\)([\d.]+)")  # (s/m)0.5
+_OF_G = re.compile(r"% ?g", re.IGNORECASE)  # a hundredth of it
 _FACTOR = re.compile(r" ?(/?) ?(1(?=/)|[A-Za-z%]+)(\d(?:\.\d*)?)?")
 # Characters of a unit. With powers below 10, no product of factors is too large or small for a float.
 _LONGEST = 32
@@ -56,11 +62,12 @@ def size_of(unit: str, quantity: str) -> float | None:
     """The size of a unit in SI; None if it is unknown, or no unit of the quantity.
 
     ``quantity`` is the SI unit, such as ``"kg"`` or ``"N/m"``. Units are spelled as people do:
-    ``"kip-sec²/in"``, ``"cm/s/s"``, ``"KN s/m"``. A mass in ``"ton"`` is unknown, since there are
-    several; in a force it is that of 1000 kg, as programs of structural analysis have it. The case of
-    letters does not matter but in a prefix: ``"mN"`` and ``"Ms"`` are unknown.
+    ``"kip-sec²/in"``, ``"cm/s/s"``, ``"KN s/m"``. A ``"ton"`` has 1000 kg, as mass and as force, as
+    programs of structural analysis have it. The case of letters does not matter but in a prefix:
+    ``"mN"`` and ``"Ms"`` are unknown, and ``"mg"``, a thousandth of g, is no mass.
     """
-    stated, wanted = parsed(unit), parsed("s/s" if quantity == "1" else quantity)
+    known = "t" if quantity == "kg" and _TON.fullmatch(unit) else unit
+    stated, wanted = parsed(known), parsed("s/s" if quantity == "1" else quantity)
     return stated[0] / wanted[0] if stated and wanted and stated[1] == wanted[1] else None
 
 
@@ -75,14 +82,16 @@ def likely_unit(unit: str, quantity: str) -> str:
     return f"did you mean {brief(near)}? " if near else ""
 
 
-def stated_size(quantity: str, stated: str, wanted: object, where: str) -> float:
+def stated_size(quantity: str, stated: str, wanted: object, where: str, argument: str = "") -> float:
     """The size of a unit in SI, as a file states it, or as the caller does where the file does not.
 
-    ``quantity`` is ``"length"``, ``"mass"``, ``"force"`` or ``"acceleration"``, and ``where`` the place
-    in the file, for messages. Raises a ValueError if neither says it, if both contradict each other, or
+    ``quantity`` is ``"length"``, ``"mass"``, ``"force"``, ``"acceleration"`` or ``"velocity"``,
+    ``where`` the place in the file, and ``argument`` the name of what the caller states, for messages.
+    Raises a ValueError if neither says it, if both contradict each other, or
     if it is not known, and a TypeError if the unit that the caller states is no text.
     """
-    of, name = _QUANTITIES[quantity], "units" if quantity == "acceleration" else f"{quantity}_units"
+    of = _QUANTITIES[quantity]
+    name = argument or ("units" if quantity == "acceleration" else f"{quantity}_units")
     allowed = ", ".join(UNITS[of])
     size = size_of(stated, of)
     if wanted is None:
@@ -109,8 +118,9 @@ def parsed(unit: str) -> tuple[float, tuple[float, ...]] | None:
     if len(text) > _LONGEST:
         return None
     text = _OF_RATIO.sub(r"\1\3/\2\3", text)
+    text = _OF_G.sub("%g", text)
     factors = _FACTOR.findall(text)
-    if PERCENT in text and text != PERCENT:
+    if PERCENT in text and text not in (PERCENT, "%g"):
         return None
     if text[:1] in ("", "/") or "".join(map("".join, factors)) != text.replace(" ", ""):
         return None

@@ -127,7 +127,7 @@ FILES: dict[str, str | tuple[str, dict[str, Any]]] = {
     "decimal commas": "Displ [cm];Shear [MN]\n0;0\n1;0,5\n3;0,7\n6;0,75\n",
     "spaces, reactions": (
         "# roof, base\n0.0 0.0\n0.01 -500.\n0.03 -700.\n0.06 -7.5e2\n",
-        {"length_units": "m", "force_units": "kN"},
+        {"length_units": "m", "force_units": "kN", "displacement_column": 1, "force_column": 2},
     ),
     "without its origin, pushed to the left, titles in a comment": (
         "# shear [kN],roof [mm]\n500,-10\n700,-30\n750,-60\n"
@@ -160,15 +160,15 @@ UNREADABLE: dict[str, str | tuple[str, dict[str, Any]]] = {
         f"{HEAD}0,0\n1,2\n2,3\n3,3.1\n",
         {"length_units": "cm"},
     ),
-    r"push\.csv, line 1: the table has 3 columns .* shear x, shear y; allowed: one of displacements": (
+    r"push\.csv, line 1: .*, 2 'shear x': a force, 3 'shear y': a force; give force_column= .* from 1": (
         "roof,shear x,shear y\n0,0,0\n1,2,2\n2,3,3\n3,4,4\n",
         {"length_units": "m", "force_units": "N"},
     ),
-    "named roof shear, x; allowed: one of displacements": "roof shear,x\n0,0\n1,2\n2,3\n",
+    "1 'roof shear', 2 'x'; give displacement_column= .* and force_column=": "roof shear,x\n0,0\n1,2\n",
     r"push\.csv, line 4, column 2: 'collapse' is not a force": f"{HEAD}0,0\n1,2\n2,collapse\n3,3\n",
     "line 5, column 1: a second load case": f"Case,{HEAD}X,0,0\nX,10,500\nX,30,700\nY,0,0\nY,9,10\n",
     r"line 6: a second push begins; allowed: one": f"{PUSH}0,0\n10,400\n",
-    r"line 3, column 1: '1,2' is not a length": f'{HEAD}0,0\n"1,2\n2,3\n',
+    r"line 3, column 1: '1,2' is not a displacement": f'{HEAD}0,0\n"1,2\n2,3\n',
     "lines, one with 3001 columns; allowed: less": f"{HEAD}{3000 * ','}5\n" + 3000 * "1,2\n",
 }
 

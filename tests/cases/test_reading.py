@@ -32,7 +32,7 @@ def chain(masses: str, stiffnesses: str, more: str = 'storey_height = "3 m"\n') 
 # An edit of the example, and a piece of the message, of which $ is the end.
 MISTAKES = {
     "unit missing": ('period = "1.0 s"', "period = 1.0", 'units, "1 s", "1 ms"'),
-    "unit unknown": ('"1.0 s"', '"1.0 sek"', "unknown unit 'sek'; allowed: s, ms"),
+    "unit unknown": ('"1.0 s"', '"1.0 sekunde"', "unknown unit 'sekunde'; allowed: s, ms"),
     "weight for mass": ('"3200 t"', '"3200 kN"', "unknown unit 'kN'; allowed: kg, t"),
     "comma": ('"1.0 s"', '"1,0 s"', "has a comma; allowed: a decimal point"),
     "percent": ('damping = "5 %"', "damping = 5", 'for 5 % write "5 %"'),

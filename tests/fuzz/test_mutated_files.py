@@ -55,7 +55,7 @@ FORMATS = [
 OPTIONS = (
     {},
     {"dt": 0.02, "units": "g"},
-    {"units": "g", "column": 1, "time_column": 0},
+    {"units": "g", "column": 2, "time_column": 1},
     {"component": 1},
 )
 

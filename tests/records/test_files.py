@@ -55,8 +55,8 @@ def at2(header: str, units: str = "IN UNITS OF G", values=WAVE) -> str:
 @pytest.mark.parametrize(
     ("name", "options", "peak", "samples", "step"),
     [
-        ("sct190985.txt", {"units": "g", "column": 1, "time_column": 0}, 0.0995, 8171, 0.02),
-        ("sct190985.txt", {"units": "g", "column": 2, "time_column": 0, "dt": 0.02}, 0.1712, 8171, 0.02),
+        ("sct190985.txt", {"units": "g", "column": 2, "time_column": 1}, 0.0995, 8171, 0.02),
+        ("sct190985.txt", {"units": "g", "column": 3, "time_column": 1, "dt": 0.02}, 0.1712, 8171, 0.02),
         ("RSN15_KERN_TAF111.txt", {"units": "g", "dt": 0.01}, 0.1803, 5437, 0.01),
         ("elc180.AT2", {}, 0.2808, 5372, 0.01),
         ("NIS090.AT2", {"units": "g", "dt": 0.01}, 0.5027, 4096, 0.01),
@@ -72,7 +72,7 @@ def test_records_have_their_published_peaks(name, options, peak, samples, step):
 # --- What is read -----------------------------------------------------------------------------------
 
 HEADER = "NPTS=  40, DT=   .0200 SEC"
-TIMED, PLAIN = {"units": "g", "time_column": 0}, {"units": "g", "dt": 0.02}
+TIMED, PLAIN = {"units": "g", "time_column": 1}, {"units": "g", "dt": 0.02}
 COMMAS = "t [s];acc, north [g];when\n" + lines(TIMES, WAVE, ["24.12.2000"] * 40, separator=";").replace(
     ".", ","
 ).replace("24,12,2000", "24.12.2000")
@@ -105,10 +105,10 @@ READINGS = {
     "Latin": ("# México\n" + lines(TIMES, WAVE), TIMED, G),
     "Fortran": (lines([f"{10 * value:.6f}D-01" for value in WAVE]), PLAIN, G),
     "two units": (f"acc (corrected) [gal]\n{lines(WAVE)}", {"dt": 0.02}, 0.01),
-    "decimal commas": (COMMAS, {"time_column": 0, "column": 1}, G),
+    "decimal commas": (COMMAS, {"time_column": 1, "column": 2}, G),
     "milliseconds": (
         "t [ms],acc #1 [g]\n" + lines(range(0, 800, 20), WAVE, separator=","),
-        {"time_column": 0},
+        {"time_column": 1},
         G,
     ),
     "like names": (
@@ -280,27 +280,31 @@ REFUSALS = [
     (r"dt is missing .*give dt= or time_column=", SINGLE, {"units": "g"}),
     (r"say the unit .*; give units=, allowed: g, m/s\^2, cm/s\^2, gal", SINGLE, {"dt": 0.01}),
     (r"record.txt is 1e-300 s; allowed: 1e-06", SINGLE, {"dt": 1e-300, "units": "g"}),
-    (r"3 columns \(index 0 to 2\); give column=, or wrapped=True for .* 120 num", TABLE, PLAIN),
-    ("no column 'up'; .* named time, north, east", NAMED, {**TIMED, "column": "up"}),
-    ("no column 'b'; allowed: .* b .g., b .cm.", "a,b [g],b [cm]\n1,2,3\n2,3,4\n", {"column": "b"}),
-    ("column = 0 is that of the time", TABLE, {**TIMED, "column": 0}),
-    (r"has the time in .min.; allowed: s, ms", NAMED.replace("time", "t [min]"), TIMED | {"column": 1}),
-    (r"record.txt, line 8, column 2: '0.1x' is not a number", changed(8, "0.14 0.1x"), TIMED),
+    (r"3 columns, .*; give column= .*, or wrapped=True for .* 120 num", TABLE, PLAIN),
+    ("'time': a time, 2 'north', 3 'east', and column = 'up' is", NAMED, {**TIMED, "column": "up"}),
+    ("column = 'b' is the title of several", "a,b [g],b [cm]\n1,2,3\n2,3,4\n", {"column": "b"}),
+    (r"has '1 \(0, 0.02, 0.04, ...\)' as time_column and as column", TABLE, {**TIMED, "column": 1}),
+    ("column = 0 is no column; allowed: 1 to 3, since columns are counted from 1", TABLE, {"column": 0}),
+    (r"has the time in .min.; allowed: s, ms", NAMED.replace("time", "t [min]"), TIMED | {"column": 2}),
+    (r"record.txt, line 8, column 2: '0.1x' is not an acceleration", changed(8, "0.14 0.1x"), TIMED),
     ("line 3: 1 columns; allowed: 2, as in the first", "0.0,1\n0.1,2\n0.2,\n" * 9, TIMED),
     (r"does not increase: 0\.08 s is followed by 0\.08 s", changed(6, "0.08 1"), TIMED),
     (r"time is uneven: 0\.18 s is followed by 0\.22 s; fill a gap", changed(11, ""), TIMED),
     (r"dt = 0\.01 contradicts the time, .* 0\.02 s", HOURS, {**TIMED, "dt": 0.01}),
     ("record has 15 samples; allowed: at least 16", lines(WAVE[:15]), PLAIN),
     (
-        "units = 'g' contradicts record.txt, which states 'cm/s'",
+        "2 'vel .cm/s.': a velocity; allowed: a column of an acceleration, or skip=1 without titles",
         "t,vel [cm/s]\n" + lines(TIMES, WAVE, separator=","),
         TIMED,
     ),
+    ("1 'vel': a velocity; allowed: a column of an acceleration", lines(["vel", *WAVE]), PLAIN),
+    ("column = 2 is a velocity; allowed: an acc", NAMED.replace("north", "vel"), {"column": 2}),
+    (r"1 \(0, 0.02, .*\), which rises by equal steps, as a time", HOURS, {**PLAIN, "column": 1}),
     ("decimal commas, as '0,012'; allowed: points", "0,012\n-0,034\n" * 20, PLAIN),
     (
-        "'0.0' is not a number; allowed: a number, with ',' before its decimals",
+        "'0.0' is not an acceleration; allowed: a number, with ',' before its decimals",
         COMMAS.replace(";0,0;", ";0.0;"),
-        {**TIMED, "column": 1},
+        {**TIMED, "column": 2},
     ),
     ("record.txt is text in UTF-16; allowed: UTF-8", SINGLE.encode("utf-16"), PLAIN),
     ("record.txt is no text; allowed: PEER AT2", WAVE.tobytes(), PLAIN),
@@ -340,8 +344,7 @@ def test_refusals_say_what_and_where(tmp_path, message, text, options):
     [
         (lines([i * 10 for i in range(40)], WAVE), TIMED, "its time step is 10 s.*is time in seconds"),
         (lines(100 * WAVE), PLAIN, "its peak is 10 g.*are the units right"),
-        (lines(["vel", *WAVE]), PLAIN, "its column is named 'vel'; is that an acceleration"),
-        (lines(*[WAVE] * 5), {**PLAIN, "column": 0}, "its 5 columns may be rows of one series; is it"),
+        (lines(*[WAVE] * 5), {**PLAIN, "column": 1}, "its 5 columns may be rows of one series; is it"),
     ],
 )
 def test_what_is_hardly_meant_is_asked_about(tmp_path, text, options, message):

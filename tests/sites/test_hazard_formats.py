@@ -85,7 +85,11 @@ READINGS = {
         for T in (0.2, 0.21, 0.3, 1.9, 2)
     },
     "columns": (columns("pga [g],annual frequency", LEVELS, frequency()), "a.csv", {}),
-    "no names": (columns("# g", LEVELS, frequency(), separator="\t"), "a.csv", {"units": "g"}),
+    "no names": (
+        columns("# g", LEVELS, frequency(), separator="\t"),
+        "a.csv",
+        {"units": "g", "column": 1, "frequency_column": 2},
+    ),
     "among others": (
         columns("n;iml [g];rate", range(8), LEVELS, frequency(), separator=";"),
         "a.csv",
@@ -153,7 +157,7 @@ REFUSALS = {
     "line 3, column 5: the annual frequency .* follows .*; allowed: falling": samples.openquake(
         [0.1, 0.2, 0.3], {(0, 0): [0.1, 0.2, 0.01]}
     ),
-    "has 'return period .*; allowed: int": "pga [g],return period [yr]\n.1,475\n.2,100\n",
+    "2 'return period': a return period; allowed: a column": "pga [g],return period\n.1,475\n.2,100\n",
     "has 'poe', a probability; give investigation_time=": columns("pga [g],poe", LEVELS, probability()),
     "line 3: the annual frequency is 0": columns("pga [g],rate", [0.1, 0.2, 0.3], [1, 0, 0.1]),
     "site = 1 does not apply": (columns("pga [g],rate", LEVELS, frequency()), {"site": 1}),
@@ -184,16 +188,16 @@ REFUSALS = {
     ),
     r"the USGS \(an object has the key 'ys' twice\); allowed": USGS.replace('"xs"', '"ys"', 1),
     r"the USGS \(maximum recursion depth": '{"response": ' + 100_000 * "[" + 100_000 * "]" + "}",
-    "has 'iml' twice; allowed: a name for each": columns("iml [g],IML", LEVELS, frequency()),
-    "has 'iml' twice; allowed: a name for": columns("iml,iml,rate", LEVELS, LEVELS, frequency()),
-    "line 2, column 2: 'inf' is not a annual": "pga [g],rate\n0.1,inf\n0.2,0.1\n0.3,0.01\n",
-    "line 3, column 2: '1e400' is not a annual": "pga [g],rate\n0.1,1\n0.2,1e400\n0.3,0.01\n",
+    "2 'IML': an intensity; allowed: a column of an annual": columns("iml [g],IML", LEVELS, frequency()),
+    "give column= .* from 1, as column=1": columns("iml,iml,rate", LEVELS, LEVELS, frequency()),
+    "line 2, column 2: 'inf' is not an annual": "pga [g],rate\n0.1,inf\n0.2,0.1\n0.3,0.01\n",
+    "line 3, column 2: '1e400' is not an annual": "pga [g],rate\n0.1,1\n0.2,1e400\n0.3,0.01\n",
     "line 2: the annual frequency is 1e.06; allowed: 10000": "pga [g],rate\n0.1,1e6\n0.2,0.1\n",
     "the file does not say the unit of the acceleration; give units=": USGS.replace("(g)", ""),
     r"period = 0\.1 is beyond .*PGA, SA\(0\.2": (USGS, {"measure": "sa", "period": 0.1}),
     "units = 'g'; allowed with intensity: none": (USGS, {"measure": "intensity", "units": "g"}),
     "measure = 'intensity' is not in .*; allowed: PGA": (USGS, {"measure": "intensity"}),
-    "named first, second, third; allowed: such as pga": "first,second,third\n.1,5,.2\n.2,6,.1\n",
+    "1 'first', 2 .*; give column= .* and frequency_column=": "first,second,third\n.1,5,.2\n.2,6,.1\n",
     "site = 1 does not apply: .* is a response of the USGS": (USGS, {"site": 1}),
 }
 

@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 import os
-import re
 import warnings
 from collections.abc import Sequence
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 import scipy.optimize
 import xarray as xr
 
-from stochlin.applications.buildings.mode_files.csi_tables import check_one_case
-from stochlin.applications.sheets.sheets import Table, sheets_of, table_in, with_unit
+from stochlin.applications.sheets import quantities
+from stochlin.applications.sheets.columns import (
+    ColumnName,
+    Need,
+    check_one_kind,
+    chosen,
+    numbered,
+)
+from stochlin.applications.sheets.sheets import sheets_of, table_in
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import DoubtfulInput, brief, plain
 from stochlin.models.arguments import Metres, Number, checked
@@ -31,8 +37,6 @@ EQUAL = 1e-9  # difference of areas, relative to the area
 BEND = 1e-3  # least energy beyond that of a straight line, relative to it
 BEGINNING = 0.1  # share of the largest base shear up to which the curve is taken to be elastic
 REFERENCE = "ASCE/SEI 41-17 (2017), 7.4.3.2.4."
-# Words by which the titles of the columns are known, and the quantity of each column.
-TITLES = {"displacement": ("displ|roof", "length"), "force": ("shear|force", "force")}
 
 
 @checked
@@ -41,6 +45,8 @@ def read_pushover(
     *,
     length_units: str | None = None,
     force_units: str | None = None,
+    displacement_column: ColumnName | None = None,
+    force_column: ColumnName | None = None,
 ) -> xr.DataArray:
     r"""Read a pushover curve from a file: base shear over the displacement of the roof.
 
@@ -53,12 +59,15 @@ def read_pushover(
     path : str or path
         Path of the file: text in UTF-8 with ``,``, ``;``, tabs or spaces between its columns, or a
         workbook. Text after ``#`` at the start of a line is a comment. Lines of titles, and a line of
-        units below them, may come first. The columns are those whose titles have the words displacement
-        or roof, and shear or force, and without titles the first two of a file of two columns.
+        units below them, may come first. The columns are known by their titles, as ``roof`` or
+        ``displacement`` and ``base shear`` or ``force``, in several languages.
     length_units, force_units : str, optional
         Units of the displacement, ``"m"``, ``"cm"``, ``"mm"``, ``"in"`` or ``"ft"``, and of the base
         shear, ``"N"``, ``"kN"``, ``"MN"``, ``"kgf"``, ``"tonf"``, ``"lbf"`` or ``"kip"``. Not needed if
         the titles have them, as in ``base shear [kN]``, or a line below the titles.
+    displacement_column, force_column : int or str, optional
+        Columns of the displacement and of the base shear, each by its number from 1 or by its title,
+        where the titles do not say it. The attribute ``columns`` has those that are given by number.
 
     Returns
     -------
@@ -89,35 +98,31 @@ def read_pushover(
     """
     path = input_path("path", path)
     name = plain(path.name)
-    words = "|".join(words for words, _ in TITLES.values())
-    table = table_in(sheets_of(path), words, "displacements and base shears")
+    table = table_in(sheets_of(path), "displacements and base shears")
     for column in (n for n, name in enumerate(table.names) if "case" in name):
-        check_one_case(table, column)
+        check_one_kind(table, column, "load case")
+    needs = [
+        Need("displacement_column", displacement_column, (quantities.DISPLACEMENT,)),
+        Need("force_column", force_column, (quantities.FORCE,)),
+    ]
+    choices = [choice for choice in chosen(table, needs) if choice]
     series = []
-    for what, units in {"displacement": length_units, "force": force_units}.items():
-        values = table.in_si(_column(what, table), TITLES[what][1], units, None)
+    for choice, units in zip(choices, (length_units, force_units), strict=True):
+        values = choice.in_si(units)
         series.append(values * np.sign(values[np.argmax(np.abs(values))]))
     displacement, force = checked_curve(series[0], series[1], table.places())
     return xr.DataArray(
         force,
         coords=[labels.axis(DISPLACEMENT, OF_ROOF, displacement, "m")],
         name=CURVE,
-        attrs={"units": "N", "long_name": "base shear", "source": name},
+        attrs={"units": "N", "long_name": "base shear", "source": name} | numbered(choices),
     )
 
 
-def _column(what: str, table: Table) -> int:
-    """Index of the only column whose title is that of displacements, or of forces."""
-    if not table.titles and table.width == 2:
-        return [*TITLES].index(what)
-    known = [
-        [quantity for quantity, (words, _) in TITLES.items() if re.search(words, with_unit(title)[0])]
-        for title in table.title_cells
-    ]
-    if known.count([what]) != 1:
-        allowed = "one of displacements and one of forces, such as roof [mm], shear [kN]"
-        raise table.error(f"has {table.in_words}; allowed: {allowed}")
-    return known.index([what])
+def pushover_options(units: Sequence[Any] | None, columns: Sequence[Any] | None) -> dict[str, Any]:
+    """Arguments of `read_pushover` from units and columns, each of displacement and force."""
+    of_units = dict(zip(("length_units", "force_units"), units or (), strict=False))
+    return of_units | dict(zip(("displacement_column", "force_column"), columns or (), strict=False))
 
 
 @checked

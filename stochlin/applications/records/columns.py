@@ -11,14 +11,18 @@ import numpy as np
 import pandas as pd
 
 from stochlin.applications.records.formats import RecordFile, Series
+from stochlin.applications.sheets.columns import ColumnName, Need, chosen, columns_of, numbered
+from stochlin.applications.sheets.quantities import ACCELERATION, TIME
 from stochlin.applications.sheets.sheets import Table, number_in, table_of, text_sheet, with_unit
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief
 from stochlin.models.units import size_of
 
-Column = int | str
-
 MOST_TITLES = 2
+# Allowed deviation of a printed time from its even position, in time steps. Times at 1/300 s are printed
+# 0.003, 0.007, 0.010. A lost sample deviates by 0.5 at least.
+TIME_TOLERANCE = 0.25
+LONGEST_STEP = 0.5  # s; longer ones are doubtful, and no untitled column of them is known to be a time
 _HEAD = 50  # lines in which the numbers begin
 # Lines of other formats: "SAMPLING INTERVAL (sec) : 0.01", "UNITS OF ACCEL ARE SEC AND G/10".
 _STATEMENT = re.compile(r"[:=]\s*\S|\bunits?\b", re.IGNORECASE)
@@ -50,20 +54,32 @@ class Text(NamedTuple):
             return None
         return cls(lines, head, titles)
 
-    def series(self, column: Column | None, time_column: Column | None, wrapped: bool) -> Series:
+    def series(self, column: ColumnName | None, time_column: ColumnName | None, wrapped: bool) -> Series:
         """The record, from a column or from all numbers in their order."""
-        dt = self._step_above() if time_column is None else None
-        if wrapped or dt is not None:
-            values = self._numbers()[2 if dt else 0 :]
-            return Series(values, None, dt, self.units_of(0), " ".join(self.titles))
-        time = None if time_column is None else self.head.column(time_column, several=False)
-        chosen = self._chosen(column, time)
+        count, dt = self._stated_above()
+        if dt and self._rows_below() == count and (below := self._below()) is not None:
+            return below.series(column, time_column, wrapped)._replace(dt=dt)
+        in_rows = dt and time_column is None and len(self._words().split()) == count + 2
+        if wrapped or in_rows:
+            values = self._numbers()[2 if in_rows else 0 :]
+            unit = self.units_of(self.head.said_of(0).unit)
+            return Series(values, None, dt if in_rows else None, unit)
         table = self.table()
-        values = table.numbers(chosen, "number")
-        times = None if time is None else table.seconds(time, "time")
-        named = self.head.title_cells[chosen] if self.head.titles else ""
-        nameless = 0 if named or time is not None else self.head.width
-        return Series(values, times, None, self.units_of(chosen), named, nameless=nameless)
+        needs = [
+            Need("time_column", self._time(table, column, time_column), (TIME,), optional=True),
+            Need("column", column, (ACCELERATION,), left=True),
+        ]
+        time, of_values = chosen(table, needs, self._ways_out())
+        assert of_values is not None  # which is not optional
+        values = of_values.numbers()
+        if not of_values.column.said.quantities and _even_step(values):
+            what = f"has column {of_values.column.label}, which rises by equal steps, as a time"
+            raise table.error(f"{what}; allowed as column=: accelerations, or with a title that says so")
+        about = numbered([choice for choice in (time, of_values) if choice])
+        nameless = 0 if of_values.column.title or time else table.width
+        units = self.units_of(of_values.column.said.unit)
+        times = None if time is None else time.in_si()
+        return Series(values, times, None, units, about, nameless, time_column is not None)
 
     def table(self) -> Table:
         """The table of all lines, as wide as the first: numbers by pandas, or texts if it has others."""
@@ -88,9 +104,8 @@ class Text(NamedTuple):
                 raise whole.sheet.error(line, None, f"{width} columns; allowed: {allowed}")
         return whole
 
-    def units_of(self, column: int) -> str | None:
-        """Units in the name of a column, or units of acceleration in a title."""
-        stated = self.head.unit_of(column)
+    def units_of(self, stated: str) -> str | None:
+        """The units that a column states, or units of acceleration in a title."""
         units = (stated, *(with_unit(title)[1] for title in self.titles))
         return next((unit for unit in units if size_of(unit, "m/s^2")), stated) or None
 
@@ -105,26 +120,50 @@ class Text(NamedTuple):
         file = RecordFile(self.head.sheet.name, [*above, *self._words().split("\n")])
         return file.numbers(len(above) + 1, len(file.lines))
 
-    def _step_above(self) -> float | None:
-        """The time step in a first row with the number of samples and it, ``1559 0.02``."""
+    def _stated_above(self) -> tuple[int, float | None]:
+        """Number of samples and time step of a first row with both, ``1559 0.02``; None without one."""
         numbers = [number_in(cell, ".,") or 0.0 for cell in self.head.sheet.row(self.head.rows.index[0])]
         step, count = min(numbers), max(numbers)
-        if len(numbers) != 2 or not 0 < step < 1 < count == round(count):
-            return None
-        return step if len(self._words().split()) == count + 2 else None
+        known = len(numbers) == 2 and 0 < step < 1 < count == round(count)
+        return (int(count), step) if known else (0, None)
+
+    def _rows_below(self) -> int:
+        """Number of lines below the first row, if they have columns."""
+        lines = [line for line in self.lines[self.head.rows.index[0] :] if line.strip()]
+        second = self.head.sheet.row(self.head.rows.index[1]) if len(self.head.rows) > 1 else ()
+        return len(lines) if len(second) > 1 else 0
+
+    def _below(self) -> Text | None:
+        """The text without its first row."""
+        first = int(self.head.rows.index[0])
+        lines = [*self.lines[: first - 1], "", *self.lines[first:]]
+        return Text.of(self.head.sheet.name, lines, 0)
 
     def _or_wrapped(self) -> str:
         """The other cure for rows of numbers without names."""
         count = len(self._words().split())
         return "" if self.head.titles else f", or wrapped=True for one series of {count} numbers"
 
-    def _chosen(self, column: Column | None, time: int | None) -> int:
-        """The column that is asked for, or the only one but the time."""
-        left = [n for n in range(self.head.width) if n != time]
-        if column is None and len(left) != 1:
-            has = f"column is missing: {self.head.sheet.name} has {self.head.in_words}"
-            raise ValueError(f"{has}; give column={self._or_wrapped()}")
-        chosen = left[0] if column is None else self.head.column(column, several=False)
-        if chosen == time:
-            raise ValueError(f"column = {brief(column)} is that of the time; allowed: another one")
-        return chosen
+    def _ways_out(self) -> str:
+        """What else may be given for a table in which no column is known."""
+        return f", or skip={self.head.titles} without titles" if self.head.titles else self._or_wrapped()
+
+    def _time(self, table: Table, column: object, by_caller: ColumnName | None) -> ColumnName | None:
+        """The column of times that is asked for, or the only one without a title at equal steps."""
+        numbers = table.rows.dtypes.eq(float).all()
+        if by_caller is not None or table.titles or table.width == 1 or not numbers:
+            return by_caller
+        free = [each.number for each in columns_of(table) if not each.counts and each.number != column]
+        steps = [_even_step(table.numbers(number - 1, "number")) for number in free]
+        even = [n for n, step in zip(free, steps, strict=True) if 0 < step <= LONGEST_STEP]
+        return even[0] if len(even) == 1 else None
+
+
+def _even_step(values: Array) -> float:
+    """The step of numbers that rise by equal steps, as far as they are printed; 0 of others."""
+    steps = np.diff(values)
+    if steps.size < 2 or not np.isfinite(values).all() or steps.min() <= 0:
+        return 0.0
+    step = float(values[-1] - values[0]) / steps.size
+    apart = np.abs(values - values[0] - step * np.arange(values.size))
+    return step if (apart <= TIME_TOLERANCE * step).all() else 0.0

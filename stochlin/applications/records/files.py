@@ -7,8 +7,9 @@ import re
 from collections.abc import Sequence
 from itertools import islice
 
-from stochlin.applications.records.columns import Column, Text
+from stochlin.applications.records.columns import Text
 from stochlin.applications.records.formats import FORMATS, HEADER_LINES, RecordFile, Series
+from stochlin.applications.sheets.columns import ColumnName
 from stochlin.messages import brief, plain, refuse
 from stochlin.models.arguments import is_label, is_whole
 from stochlin.models.units import likely_unit, size_of
@@ -28,8 +29,8 @@ class UnknownFormatError(ValueError):
 
 def read_channels(
     path: str | os.PathLike[str],
-    column: Column | None = None,
-    time_column: Column | None = None,
+    column: ColumnName | None = None,
+    time_column: ColumnName | None = None,
     wrapped: bool = False,
     skip: int = 0,
 ) -> tuple[str, list[Series]]:
@@ -57,7 +58,7 @@ def read_channels(
     return name, channels
 
 
-def chosen(channels: Sequence[Series], component: Column | None, name: str) -> Series:
+def chosen(channels: Sequence[Series], component: ColumnName | None, name: str) -> Series:
     """The component that is asked for, or the only one, which takes the name if it states none."""
     if component is not None and not (is_whole(component) or is_label(component)):
         raise ValueError(f"component = {brief(component)}; allowed: the name or the number of one")

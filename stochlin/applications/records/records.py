@@ -13,9 +13,10 @@ import numpy.typing as npt
 import xarray as xr
 from scipy import constants
 
-from stochlin.applications.records.columns import Column
+from stochlin.applications.records.columns import LONGEST_STEP, TIME_TOLERANCE
 from stochlin.applications.records.files import chosen, letters, read_channels
 from stochlin.applications.records.formats import Series
+from stochlin.applications.sheets.columns import ColumnName
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import DoubtfulInput, brief
 from stochlin.models.arguments import Seconds, Truth, Whole, checked, is_number
@@ -25,9 +26,6 @@ from stochlin.solver.tables import labels
 
 MINIMUM_SAMPLES = 16
 
-# Allowed deviation of a printed time from its even position, in time steps. Times at 1/300 s are printed
-# 0.003, 0.007, 0.010. A lost sample deviates by 0.5 at least.
-_TIME_TOLERANCE = 0.25
 # Relative difference of two time steps that may come from rounding: 1/128 s is printed 0.0078.
 _STEP_TOLERANCE = 2e-3
 _CURE = "correct it, or leave it out"
@@ -37,8 +35,7 @@ SHORTEST_STEP = 1e-6  # s, of a file
 LARGEST_ACCELERATION = 1e9  # m/s^2
 STEPS = Range(1e-9, 1e9, include_lower=True, include_upper=True)  # s
 _ROWS_OF_A_SERIES = 5  # fewest numbers in a row; the usual components of a motion are three
-LONGEST_STEP, LARGEST_PEAK = 0.5, 3 * constants.g  # s, m/s^2; larger values give a warning
-_NO_ACCELERATION = re.compile(r"\b(vel|velocity|disp|displacement|time)\b", re.IGNORECASE)
+LARGEST_PEAK = 3 * constants.g  # m/s^2; larger ones give a warning
 
 
 @checked
@@ -47,9 +44,9 @@ def read_record(
     *,
     dt: Seconds | None = None,
     units: str | None = None,
-    column: Column | None = None,
-    time_column: Column | None = None,
-    component: Column | None = None,
+    column: ColumnName | None = None,
+    time_column: ColumnName | None = None,
+    component: ColumnName | None = None,
     wrapped: Truth = False,
     skip: Annotated[int, Whole(0)] = 0,
 ) -> xr.DataArray:
@@ -71,14 +68,15 @@ def read_record(
         Path of the file, text in UTF-8, also compressed by gzip: a regular file of at most 64 MiB and
         two million lines.
     dt : float, optional
-        Time step [s], positive. Not needed if the header states it or with a ``time_column``.
+        Time step [s], positive. Not needed if the header states it or a column has the time.
     units : str, optional
         Units of the numbers in the file, such as ``"g"``, ``"m/s^2"``, ``"gal"`` or ``"in/s^2"``. Not
         needed if the file states them.
     column, time_column : int or str, optional
         Columns of the acceleration and of the time, in seconds if its name has no other unit, each by
-        its index from 0 or by its name, also without its unit.
-        ``column`` is not needed if only one column remains.
+        its number from 1 or by its name, also without its unit. They are not needed where one name
+        says so, or one column alone remains; of columns without names, that which rises by equal steps
+        is the time. Dates such as ``2020-01-31T23:59:59.98`` are read as seconds from the first.
     component : int or str, optional
         Component of a file that holds several, by its name there, such as ``"N00E"``, or by its number
         from 1. A file of one component that states another name is refused; of one that states none it
@@ -93,7 +91,8 @@ def read_record(
     xarray.DataArray
         Ground acceleration [m/s^2] with the dimension ``time`` [s], named ``acceleration``. The
         attributes ``source`` and ``dt`` hold the file name and the time step; ``event``, ``station`` and
-        ``component`` are those that the header states. The mean is subtracted from records that are not
+        ``component`` are those that the header states, and ``columns`` has those that were asked for by
+        number. The mean is subtracted from records that are not
         corrected for their baseline: those of K-NET and KiK-net, and of ESM where the header says so.
         The attribute ``comment`` then states it.
 
@@ -103,6 +102,7 @@ def read_record(
         If there is no such file.
     ValueError
         If the time step, the units, a column or a component are missing, unknown or contradict the file;
+        if a column is another quantity, such as a velocity;
         if a header or its number of samples is not that of its format; if the file
         has text, NaN or infinity among its numbers (the message names the line), lines of unequal
         length, a time that does not increase or has a gap, fewer than 16 samples or only zeros.
@@ -110,9 +110,8 @@ def read_record(
     Warns
     -----
     UserWarning
-        If the record is implausible: a peak of more than 3 g, a time step of more than 0.5 s, a
-        column named as a velocity, a displacement or a time, or one of five or more columns without
-        names beside no ``time_column``, which may be rows of one series.
+        If the record is implausible: a peak of more than 3 g, a time step of more than 0.5 s, or one of
+        five or more columns without names beside no time, which may be rows of one series.
 
     Examples
     --------
@@ -121,7 +120,7 @@ def read_record(
     >>> path = pathlib.Path(tempfile.mkdtemp()) / "record.csv"
     >>> lines = [f"{0.02 * i:.2f},{(-1) ** i}" for i in range(100)]
     >>> _ = path.write_text("time,north\n" + "\n".join(lines), encoding="utf-8")
-    >>> record = sl.read_record(path, time_column="time", units="gal")
+    >>> record = sl.read_record(path, units="gal")
     >>> record.sizes["time"], record.attrs["dt"], float(record.max())
     (100, 0.02, 0.01)
     """
@@ -155,8 +154,6 @@ def _doubts(record: xr.DataArray, series: Series) -> Iterator[str]:
         yield f"its peak is {peak / constants.g:.4g} g, more than 3 g; are the units right?"
     if step > LONGEST_STEP:
         yield f"its time step is {step:.6g} s, and that of records a hundredth; is time in seconds?"
-    if _NO_ACCELERATION.search(series.column):
-        yield f"its column is named {brief(series.column)}; is that an acceleration?"
     if series.nameless >= _ROWS_OF_A_SERIES:
         yield f"its {series.nameless} columns may be rows of one series; is it one, with wrapped=True?"
 
@@ -232,8 +229,10 @@ def _labelled(series: Series, name: str, dt: float | None, units: str | None) ->
     if dt and series.dt and not np.isclose(dt, series.dt, rtol=_STEP_TOLERANCE, atol=0):
         raise ValueError(f"dt = {dt:g} contradicts {name}, which states {series.dt:g}; {_CURE}")
     step, start = dt or series.dt, 0.0
-    if series.time is not None:
-        step, start = _time_step(series.time, dt), float(series.time[0])
+    if series.time is not None and (series.timed or step is None):
+        step, start = _time_step(series.time, step), float(series.time[0])
+    elif series.time is not None and step is not None:
+        _check_step(step, float(np.mean(np.diff(series.time))))
     if step is None:
         raise ValueError(f"dt is missing and {name} does not state it; give dt= or time_column=")
     if not step >= SHORTEST_STEP:
@@ -260,10 +259,15 @@ def _time_step(time: npt.NDArray[np.float64], dt: float | None = None) -> float:
         raise ValueError(f"time does not increase: {time[i]:.9g} s is followed by {time[i + 1]:.9g} s")
     # Rounded to twelve digits, the mean step of printed times is 0.02, not 0.019999999999999997.
     step = float(f"{(time[-1] - time[0]) / steps.size:.12g}")
-    if dt is not None and not np.isclose(dt, step, rtol=_STEP_TOLERANCE, atol=0):
-        raise ValueError(f"dt = {dt:g} contradicts the time, whose step is {step:.6g} s; {_CURE}")
-    if (np.abs(time - time[0] - step * np.arange(time.size)) > _TIME_TOLERANCE * step).any():
+    if dt is not None:
+        _check_step(dt, step)
+    if (np.abs(time - time[0] - step * np.arange(time.size)) > TIME_TOLERANCE * step).any():
         i = int(np.argmax(np.abs(steps - np.median(steps))))
         between = f"{time[i]:.9g} s is followed by {time[i + 1]:.9g} s"
         raise ValueError(f"time is uneven: {between}; fill a gap, or resample the record evenly")
     return dt or step
+
+
+def _check_step(dt: float, of_time: float) -> None:
+    if not np.isclose(dt, of_time, rtol=_STEP_TOLERANCE, atol=0):
+        raise ValueError(f"dt = {dt:g} contradicts the time, whose step is {of_time:.6g} s; {_CURE}")

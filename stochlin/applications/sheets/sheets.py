@@ -15,12 +15,12 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
+from stochlin.applications.sheets.titles import Said, said_by
 from stochlin.applications.sheets.workbooks import rows_of
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief, listed, plain
-from stochlin.models.arguments import is_whole
 from stochlin.models.parameters import Range
-from stochlin.models.units import likely_unit, parsed, size_of, stated_size
+from stochlin.models.units import parsed, stated_size
 from stochlin.solver.tables.inputs import read_input, read_text
 
 _WORKBOOKS = b"PK\x03\x04", b"\xd0\xcf\x11\xe0"  # signatures of .xlsx, and of .xls or with a password
@@ -78,7 +78,8 @@ class Sheet(NamedTuple):
             text, signs = self.cells.at[line, column], " or ".join(map(repr, self.decimal))
             if not np.isnan(values[n]):
                 raise self.error(line, column, f"the {what} is {values[n]:g}; allowed: {allowed}")
-            what = f"{brief(text)} is not a {what}" if text else f"the {what} is missing"
+            article = "an" if what[0] in "aeiou" else "a"
+            what = f"{brief(text)} is not {article} {what}" if text else f"the {what} is missing"
             what += f"; allowed: a number, with {signs} before its decimals"
             raise self.error(line, column, what)
         return values.reshape(texts.shape)
@@ -119,12 +120,6 @@ class Table(NamedTuple):
         """Number of columns."""
         return max(len(self.sheet.row(self.rows.index[0])), len(self.title_cells))
 
-    @property
-    def in_words(self) -> str:
-        """The columns, for messages."""
-        named = f" named {listed(self.title_cells)}" if self.titles else ""
-        return f"{self.width} columns (index 0 to {self.width - 1}){named}"
-
     def places(self) -> list[str]:
         """Name of file and line of each row, for messages."""
         return [self.sheet.where(line) for line in self.rows.index]
@@ -135,53 +130,43 @@ class Table(NamedTuple):
         names = [spelled(with_unit(title)[0]) for title in self.title_cells]
         return [self.alike.get(name, name) for name in names]
 
-    def column(self, name: str | int, several: bool = True) -> int:
-        """The column of an index or a title, the last of ``several``; a ValueError if there is none."""
-        wanted = spelled(with_unit(name)[0]) if isinstance(name, str) else None
-        exact = [n for n, title in enumerate(self.title_cells) if wanted is not None and title == name]
-        fitting = exact or [n for n, other in enumerate(self.names) if other == wanted]
-        if is_whole(name) and 0 <= name < self.width:
-            return name
-        if not fitting or (fitting[1:] and not several):
-            raise self.error(f"has no column {brief(name)}; allowed: {self.in_words}")
+    def column(self, name: str) -> int:
+        """The last column of a name that a program writes, from 0; a ValueError if there is none."""
+        fitting = [n for n, other in enumerate(self.names) if other == spelled(with_unit(name)[0])]
+        if not fitting:
+            raise self.error(f"has no column {brief(name)}; allowed: columns {listed(self.title_cells)}")
         return fitting[-1]
 
-    def texts(self, name: str | int) -> pd.Series:
+    def texts(self, name: str) -> pd.Series:
         """The texts of a column."""
         return self.rows[self.column(name)]
 
     def numbers(self, name: str | int, what: str, allowed: Range | None = None) -> Array:
-        """The numbers of a column, each of them ``what`` in messages."""
-        if self.rows[self.column(name)].dtype.kind == "f":
-            return self.rows[self.column(name)].to_numpy()
-        return self.sheet.numbers(self.rows[[self.column(name)]], what, allowed)[:, 0]
+        """The numbers of a column, by its name or from 0, each of them ``what`` in messages."""
+        column = self.column(name) if isinstance(name, str) else name
+        if self.rows[column].dtype.kind == "f":
+            return self.rows[column].to_numpy()
+        return self.sheet.numbers(self.rows[[column]], what, allowed)[:, 0]
 
-    def unit_of(self, column: int) -> str:
-        """The unit in the title of a column or in the line of units; empty if there is none."""
-        cells = [self.sheet.cells.at[line, column] for line in (self.titles, self.units) if line]
-        stated = max((with_unit(cell)[1] for cell in cells), default="", key=len)
-        return stated or (cells[-1] if self.units else "")
+    def said_of(self, column: int) -> Said:
+        """What the title of a column says, with the cell of units below it."""
+        lines = [self.sheet.row(line) if line else () for line in (self.titles, self.units)]
+        title, below = ((*row, *[""] * self.width)[column] for row in lines)
+        return said_by(title, below)
 
-    def seconds(self, column: int, what: str) -> Array:
-        """The numbers of a column of times [s], which are in seconds where no other unit is stated."""
-        unit = self.unit_of(column) or "s"
-        if (size := size_of(unit, "s")) is None:
-            raise self.error(f"has the {what} in {brief(unit)}; {likely_unit(unit, 's')}allowed: s, ms")
-        return size * self.numbers(column, what)
-
-    def in_si(self, name: str | int, quantity: str, unit: str | None, allowed: Range | None) -> Array:
+    def in_si(self, name: str, quantity: str, unit: str | None, allowed: Range | None) -> Array:
         """The numbers of a column in SI, by the unit of its title, of the line of units, or this one."""
         column, line = self.column(name), self.units or self.titles or self.rows.index[0]
-        size = stated_size(quantity, self.unit_of(column), unit, self.sheet.where(line, column))
+        stated = self.said_of(column).unit
+        size = stated_size(quantity, stated, unit, self.sheet.where(line, column))
         return size * self.numbers(column, quantity, allowed)
 
 
-def table_of(sheet: Sheet, pattern: str = "") -> Table | None:
+def table_of(sheet: Sheet) -> Table | None:
     """The table below titles; None if there are no numbers.
 
     They begin in the first line of numbers alone, or with a number in a column where the next line has
-    one. The titles are the line above with the most names that have a word of the pattern, also after
-    ``#``.
+    one. The titles are the line above with the most names of known quantities, also after ``#``.
     """
     below = sheet.without_comments().cells
     row = sheet.row
@@ -191,7 +176,7 @@ def table_of(sheet: Sheet, pattern: str = "") -> Table | None:
     above = [n for n in sheet.cells.index if n < start and (n in below.index or len(row(n)) > 1)]
 
     def known(line: int) -> tuple[int, int]:
-        return sum(re.search(pattern, cell, re.IGNORECASE) is not None for cell in row(line)), line
+        return sum(bool(said_by(cell).quantities) for cell in row(line)), line
 
     wide = [line for line in above if len(row(line)) >= len(row(start))]
     if wide[1:] and all(parsed(cell.strip("()[]")) for cell in row(wide[-1]) if cell):
@@ -221,9 +206,9 @@ def _without_empty_end(row: Array) -> tuple[str, ...]:
     return tuple(cells[: max((n for n, cell in enumerate(cells, 1) if cell), default=0)])
 
 
-def table_in(sheets: Sequence[Sheet], pattern: str, what: str) -> Table:
+def table_in(sheets: Sequence[Sheet], what: str) -> Table:
     """The only table of numbers in a file; a ValueError if there is none, or if there are several."""
-    tables = [table for sheet in sheets if (table := table_of(sheet, pattern))]
+    tables = [table for sheet in sheets if (table := table_of(sheet))]
     if not tables:
         raise ValueError(f"{sheets[0].name} has no line of numbers; allowed: {what}")
     check_alone([table.sheet for table in tables], "lines of numbers")

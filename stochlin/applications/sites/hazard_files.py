@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from stochlin.applications.sheets.columns import ColumnName
 from stochlin.applications.sites.hazard_formats import (
     S0,
     AskedHazard,
@@ -37,6 +38,8 @@ def read_hazard(
     period: float | None = None,
     site: Site | None = None,
     investigation_time: Years | None = None,
+    column: ColumnName | None = None,
+    frequency_column: ColumnName | None = None,
 ) -> HazardCurve:
     r"""Read a hazard curve from a file.
 
@@ -48,8 +51,7 @@ def read_hazard(
     ----------
     path : str, path, or list of them
         Path of the file. Columns of intensities and annual frequencies of exceedance [1/yr] are known by
-        their names, as ``iml`` and ``annual rate``, or are the first and the second of two. Several
-        files may be given, for several periods.
+        their names, as ``iml`` and ``annual rate``. Several files may be given, for several periods.
     measure : {"pga", "sa", "intensity"}
         As in `HazardCurve`.
     units : str, optional
@@ -64,8 +66,11 @@ def read_hazard(
         Site in a table of sites: its number, from 1, or its longitude and latitude [degrees], within
         0.01 degrees. Not needed if there is only one.
     investigation_time : float, optional
-        Time [yr] in which the probabilities of a file hold, if its second column has probabilities of
-        exceedance. The annual frequencies are those of a Poisson process. OpenQuake states it.
+        Time [yr] in which the probabilities of exceedance of a file hold, if it has these. The annual
+        frequencies are those of a Poisson process. OpenQuake states it.
+    column, frequency_column : int or str, optional
+        Columns of the intensities, and of the frequencies or probabilities, each by its number from 1 or
+        by its name, where the names of a file of columns do not say it.
 
     Returns
     -------
@@ -78,10 +83,10 @@ def read_hazard(
     FileNotFoundError
         If there is no such file.
     ValueError, TypeError
-        If units are missing or contradict the file; if there are fewer than two points, a number is not
-        positive, the intensities do not increase or the frequencies do not decrease (the message names
-        the row); if the measure is unknown, or not in the file; if a period is missing, not allowed, or
-        beyond those of the file; or if a site is missing or not in the file.
+        If units or a column are missing or contradict the file; if there are fewer than two points, a
+        number is not positive, the intensities do not increase or the frequencies do not decrease (the
+        message names the row); if the measure is unknown, or not in the file; if a period is missing,
+        not allowed, or beyond those of the file; or if a site is missing or not in the file.
 
     Examples
     --------
@@ -99,7 +104,7 @@ def read_hazard(
         raise ValueError(f"path = {brief(path)}; allowed: one file, or several")
     if of.measure == "intensity" and units is not None:
         raise ValueError(f"units = {units!r}; allowed with intensity: none, it is in m^2/s^3")
-    choice = AskedHazard(site, investigation_time)
+    choice = AskedHazard(site, investigation_time, column, frequency_column)
     ordinates = [ordinate for file in paths for ordinate in _ordinates(file, of, choice)]
     return _of_ordinates(ordinates, listed(file.name for file in paths), of, units)
 

@@ -12,7 +12,9 @@ import xarray as xr
 from scipy import constants
 
 from stochlin.applications.records.records import checked_array
-from stochlin.applications.sheets.sheets import sheets_of, table_in
+from stochlin.applications.sheets.columns import ColumnName
+from stochlin.applications.sites.hazard_formats import Site
+from stochlin.applications.sites.spectrum_files import AskedSpectrum, points_in
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import DoubtfulInput, brief, listed, plain
 from stochlin.models.arguments import DampingRatio, checked, is_number
@@ -23,7 +25,6 @@ USUAL_DAMPING = 0.05
 SHORTEST = 0.05  # shortest period for which a spectrum is fitted or compared [s]
 BAND, BAND_POINTS = (0.2, 2.0), 40  # [s] of usual buildings, in which spectra are compared; periods
 FEWEST = 4  # smallest number of points
-_WORDS = r"period|\bt\b|\bs?a\b|s\(t\)|acc|spectr"  # of titles
 WIDEST = 2.0  # ratio of two consecutive periods, beyond which it matters what is between them
 Between = Literal["logarithmic", "linear"]
 BETWEEN: tuple[Between, ...] = get_args(Between)
@@ -128,10 +129,12 @@ def read_spectrum(
     *,
     units: str | None = None,
     damping: DampingRatio = USUAL_DAMPING,
-    column: int | str | None = None,
+    period_column: ColumnName | None = None,
+    column: ColumnName | None = None,
+    site: Site | None = None,
     between: Between | None = None,
 ) -> xr.DataArray:
-    r"""Read an elastic response spectrum from a file with columns of text.
+    r"""Read an elastic response spectrum from a file with columns, or with a row for each site.
 
     Parameters
     ----------
@@ -143,9 +146,14 @@ def read_spectrum(
         ``Sa [g]``.
     damping : float
         Damping ratio [-] of the spectrum, between 0 and 1.
-    column : int or str, optional
-        Column of the acceleration, by its index from 0 or by its name; not needed in a file of two. The
-        first column is the period [s].
+    period_column, column : int or str, optional
+        Columns of the period and of the acceleration, each by its number from 1 or by its name. They are
+        not needed where the names say it, in several languages: ``T (s)``, ``Period``, ``Sa [g]``. A
+        frequency [Hz], an angular frequency [rad/s], a pseudo-velocity, a spectral displacement, and
+        ``log10`` or ``ln`` of these, are converted.
+    site : int or tuple of two floats, optional
+        Site in a table of uniform hazard spectra of OpenQuake, as in `read_hazard`. Of several
+        probabilities ``column`` names one, as ``"0.1"``.
     between : {"logarithmic", "linear"}, optional
         What the ordinates and periods between two points are, which the code says: linear in their
         logarithms (default), or linear, as for the few points of the code of Canada.
@@ -154,14 +162,16 @@ def read_spectrum(
     -------
     xarray.DataArray
         Pseudo-acceleration [m/s^2] over ``period`` [s], with the attributes ``damping`` and ``source``;
-        of a linear one also at periods between the points.
+        of a linear one also at periods between the points. The attribute ``comment`` says what is
+        converted, and ``columns`` which columns were asked for by number.
 
     Raises
     ------
     FileNotFoundError
         If there is no such file.
     ValueError
-        If units are missing or contradict the file; if the periods do not increase, an
+        If units or a column are missing or contradict the file, or the title of a column states another
+        damping ratio or the period of one ordinate; if the periods do not increase, an
         ordinate is not positive, or there are fewer than 4 points; or if the spectrum seems to be
         divided by a behaviour factor, since it hardly rises above its value at a period of zero, or is
         constant at long periods.
@@ -185,14 +195,9 @@ def read_spectrum(
     """
     path = input_path("path", path)
     name = plain(path.name)
-    table = table_in(sheets_of(path), _WORDS, "periods and accelerations")
-    left = 1 if table.width == 2 else 0
-    of_values = left if column is None else table.column(column, several=False)
-    if of_values == 0:
-        raise table.error(f"has {table.in_words}; give column=, another than that of the periods")
-    period = table.seconds(0, "period")
-    values = table.in_si(of_values, "acceleration", units, None)
-    check_ordinates(period, values, damping, table.places())
+    request = AskedSpectrum(units, damping, period_column, column, site)
+    period, values, places, about = points_in(path, request)
+    check_ordinates(period, values, damping, places)
     largest = values.max() / constants.g
     wide = between is None and (period[1:] > WIDEST * period[:-1])[period[:-1] > 0].any()
     doubts = {
@@ -204,4 +209,4 @@ def read_spectrum(
     if between == "linear":
         finer = np.unique(np.linspace(period[:-1], period[1:], FINER))
         period, values = finer, np.interp(finer, period, values)
-    return labelled(period, values, damping, name)
+    return labelled(period, values, damping, name).assign_attrs(about)

@@ -13,10 +13,10 @@ from typing import Annotated, Any
 import numpy as np
 import xarray as xr
 
-from stochlin.applications.records.columns import Column
 from stochlin.applications.records.files import UnknownFormatError, chosen, is_record, read_channels
 from stochlin.applications.records.records import checked_record, is_horizontal, recorded
 from stochlin.applications.records.response import response_spectrum
+from stochlin.applications.sheets.columns import ColumnName
 from stochlin.applications.sheets.sheets import number_in, text_sheet
 from stochlin.applications.sites.spectra import (
     BAND,
@@ -58,9 +58,9 @@ def read_records(
     *,
     dt: Seconds | None = None,
     units: str | None = None,
-    column: Column | None = None,
-    time_column: Column | None = None,
-    component: Column | None = None,
+    column: ColumnName | None = None,
+    time_column: ColumnName | None = None,
+    component: ColumnName | None = None,
     wrapped: Truth = False,
     skip: Annotated[int, Whole(0)] = 0,
 ) -> Suite:
@@ -115,7 +115,7 @@ def read_records(
     >>> folder = pathlib.Path(tempfile.mkdtemp())
     >>> for name, motion in zip("ab", sl.simulated_motions(sl.WhiteNoise(0.01), 5.0, paths=2)):
     ...     motion.to_series().to_csv(folder / f"{name}.csv")
-    >>> list(sl.read_records(folder, units="m/s^2", time_column=0, column=1))
+    >>> list(sl.read_records(folder, units="m/s^2"))
     ['a.csv', 'b.csv']
     """
     path = input_path("path", path)
@@ -153,7 +153,12 @@ def read_records(
 
 
 def _components(
-    path: Path, name: str, dt: float | None, units: str | None, component: Column | None, **reading: Any
+    path: Path,
+    name: str,
+    dt: float | None,
+    units: str | None,
+    component: ColumnName | None,
+    **reading: Any,
 ) -> Iterator[tuple[str, xr.DataArray]]:
     """The components of a file with their names: the one that is asked for, or both horizontal ones."""
     source, channels = read_channels(path, **reading)
@@ -218,7 +223,7 @@ def _options(row: Row, where: str) -> dict[str, Any]:
     if of_columns[-1]:
         options["units"] = of_columns[-1]
     if len(of_columns) == 2 and of_columns[0].split() == ["t", "s"]:
-        options |= {"time_column": 0, "column": 1, "dt": None}
+        options |= {"time_column": 1, "column": 2, "dt": None}
     elif len(of_columns) > 1:
         raise ValueError(f"{where}: units = {brief(units)}; allowed: one unit, or 't s, ' before it")
     if step:

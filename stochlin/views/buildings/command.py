@@ -38,6 +38,10 @@ USUAL_DAMPING = 0.05  # which changes nothing that is shown
     "--pushover-units",
     help="Units of displacement and base shear in that file, if it does not say them: mm,kN.",
 )
+@click.option(
+    "--pushover-columns",
+    help="Columns of displacement and base shear in that file, by title or number from 1: 1,2.",
+)
 @click.option("--example", is_flag=True, help="Print a table of modes to start from, and stop.")
 @click.option("--out", type=FILE, help="Save the modes as .nc, or as .csv.")
 def building(
@@ -45,6 +49,7 @@ def building(
     points: str | None,
     pushover: Path | None,
     pushover_units: str | None,
+    pushover_columns: str | None,
     example: bool,
     out: Path | None,
     **options: Any,
@@ -64,7 +69,7 @@ def building(
     with bad_input():
         from stochlin.applications.buildings.mode_files.plain import EXAMPLE
         from stochlin.applications.buildings.modes import read_modes, with_masses
-        from stochlin.applications.buildings.pushover import bilinear_of, read_pushover
+        from stochlin.applications.buildings.pushover import bilinear_of, pushover_options, read_pushover
         from stochlin.models.buildings.modal import ModalBuilding
         from stochlin.solver.tables.storage import FORMATS
         from stochlin.views.buildings.words import building_sections
@@ -80,17 +85,19 @@ def building(
         of_modes = ModalBuilding.from_table(table, damping=USUAL_DAMPING)
         ideal: Any = None
         if pushover is not None:
-            names = dict(zip(("length_units", "force_units"), _pair(pushover_units), strict=True))
-            ideal = bilinear_of(read_pushover(pushover, **names))
+            units = _pair("--pushover-units", pushover_units, "mm,kN")
+            columns = _pair("--pushover-columns", pushover_columns, "1,2")
+            numbers = [int(name) if name.isdigit() else name for name in columns]
+            ideal = bilinear_of(read_pushover(pushover, **pushover_options(units, numbers)))
             of_modes = of_modes.with_pushover(ideal)
         table = with_masses(table, of_modes)
         show(lines(building_sections(table, of_modes, ideal)))
         write(table, out)
 
 
-def _pair(units: str | None) -> list[str | None]:
-    """The units of displacement and base shear; None where they are not given."""
-    pair: list[str | None] = [None, None] if units is None else [*map(str.strip, units.split(","))]
-    if len(pair) != 2:
-        raise ValueError(f"--pushover-units {brief(units)}; allowed: two of them, such as mm,kN")
+def _pair(option: str, texts: str | None, example: str) -> list[str]:
+    """The two texts of an option, of displacement and base shear; none without it."""
+    pair = [] if texts is None else [*map(str.strip, texts.split(","))]
+    if len(pair) not in (0, 2):
+        raise ValueError(f"{option} {brief(texts)}; allowed: two of them, such as {example}")
     return pair

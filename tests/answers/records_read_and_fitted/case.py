@@ -19,7 +19,7 @@ Path("peer.at2").write_text(
     "NPTS=   50, DT=   .0200 SEC\n" + "\n".join(f"{a:.6E}" for a in values[:50]) + "\n",
     encoding="utf-8",
 )
-columns = sl.read_record("two.csv", column="acc [gal]", time_column=0)
+columns = sl.read_record("two.csv")
 peer = sl.read_record("peer.at2")
 Path("two.csv").unlink()
 xr.Dataset({"whole": record, "columns": columns, "peer": peer}).to_netcdf("records.nc")

@@ -29,7 +29,7 @@ motions[:, ::50].to_netcdf("motions.nc")
 Path("suite").mkdir()
 for name, each in zip("ab", motions, strict=True):
     each.to_series().to_csv(f"suite/{name}.csv")
-read = sl.read_records("suite", units="m/s^2", time_column=0, column=1)
+read = sl.read_records("suite", units="m/s^2")
 suite = sl.scale_records(read, sa=5.0, period=0.5)
 print({name: f"{record.attrs['scale']:.5f}" for name, record in suite.items()})
 one, two = (sl.Bilinear(T, 0.05) for T in (0.5, 0.8))

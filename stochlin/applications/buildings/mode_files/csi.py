@@ -26,10 +26,10 @@ from stochlin.applications.buildings.mode_files.csi_tables import (
     PLACES,
     RATIOS,
     STORY_DATA,
-    check_one_case,
     keyed,
     needed_tables,
 )
+from stochlin.applications.sheets.columns import check_one_kind
 from stochlin.applications.sheets.sheets import Table, spelled
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief, listed
@@ -86,9 +86,9 @@ def read(content: Mapping[str, Table], choice: AskedModes) -> ModesOfFile:
     groups += [[OF_JOINTS]] if choice.points else []
     ratios, *others = needed_tables(content, *groups)
     axis = _axis(ratios, choice.direction)
-    check_one_case(ratios, "case")
+    check_one_kind(ratios, ratios.column("case"), "load case")
     column = ratios.column("period")
-    check_seconds(ratios.unit_of(column), ratios.sheet.where(ratios.units or ratios.titles, column))
+    check_seconds(ratios.said_of(column).unit, ratios.sheet.where(ratios.units or ratios.titles, column))
     periods = keyed(ratios, [MODE], "period", "period", PERIODS)
     shares = keyed(ratios, [MODE], axis.lower(), axis, SHARE)
     moving = shares[shares >= LEAST_SHARE]

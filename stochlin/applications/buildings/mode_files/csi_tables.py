@@ -79,15 +79,6 @@ def needed_tables(tables: Mapping[str, Table], *groups: Sequence[str]) -> list[T
     return [known[0] for known in chosen]
 
 
-def check_one_case(table: Table, name: str | int) -> None:
-    """Raise a ValueError for the first line of a second load case in the column."""
-    column = table.column(name)
-    cases = table.rows[column].drop_duplicates()
-    if len(cases) > 1 and not any(table.sheet.columns_of_numbers(n) & {column} for n in cases.index):
-        what = f"a second load case, {brief(cases.iloc[1])} beside {brief(cases.iloc[0])}"
-        raise table.sheet.error(cases.index[1], column, f"{what}; export one of them")
-
-
 def keyed(
     table: Table,
     keys: Sequence[str],

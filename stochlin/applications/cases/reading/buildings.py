@@ -13,8 +13,9 @@ import numpy as np
 import xarray as xr
 
 from stochlin.applications.buildings.modes import DIRECTIONS, read_modes
-from stochlin.applications.buildings.pushover import bilinear_of, read_pushover
+from stochlin.applications.buildings.pushover import bilinear_of, pushover_options, read_pushover
 from stochlin.applications.cases.reading.kinds import (
+    COLUMN,
     TEXT,
     TRUTH,
     Integer,
@@ -106,14 +107,18 @@ class Oscillator(OfBuilding):
         return self.table.made(laws_in_numbers()[self.law], **values)
 
 
+OF_PUSHOVER = ("pushover_units", "pushover_columns")
+
+
 class WithFloors(OfBuilding):
     """Keys of every building whose floors are known."""
 
-    goes_with: ClassVar[Any] = (*OfBuilding.goes_with, ("pushover_units", "pushover"))
+    goes_with: ClassVar[Any] = (*OfBuilding.goes_with, *((name, "pushover") for name in OF_PUSHOVER))
 
     storeys: int | None = key(Integer(1, MOST_STOREYS), "Storeys", None)
     pushover: str = key(TEXT, "File of its pushover curve", "")
     pushover_units: Any = key(ListOf(TEXT, length=2), "Units of displacement and force in it", None)
+    pushover_columns: Any = key(ListOf(COLUMN, length=2), "Columns of both in it", None)
 
     def described(self) -> Any:
         """The structure without what a pushover curve changes."""
@@ -124,9 +129,9 @@ class WithFloors(OfBuilding):
         structure = self.described()
         if not self.pushover:
             return structure
-        units, path = self.pushover_units or (None, None), self.table.path("pushover")
+        path = self.table.path("pushover")
         with self.table.naming("pushover"):
-            curve = read_pushover(path, length_units=units[0], force_units=units[1])
+            curve = read_pushover(path, **pushover_options(self.pushover_units, self.pushover_columns))
             ideal = bilinear_of(curve, hardening=self.hardening)
             median_of(structure).with_pushover(ideal)  # with its warnings
         return applied(partial(_pushed, ideal=ideal), structure)

@@ -10,6 +10,7 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
+from stochlin.applications.sheets.columns import COUNTED
 from stochlin.messages import brief, hint
 from stochlin.models.arguments import A_LABEL, Whole, is_label, is_number, is_whole
 from stochlin.models.parameters import Model, Range
@@ -133,6 +134,16 @@ class Integer(Whole):
         return int(written)
 
 
+class _Column(Integer):
+    """The number of a column."""
+
+    def read(self, written: Any, warn: Warn) -> int:
+        """The number."""
+        if not self.contains(written):
+            raise ValueError(f"is no column; allowed: a title, or a number, since {COUNTED}")
+        return int(written)
+
+
 def text_or(other: Any, words: str) -> Kind:
     """A text, or what another kind accepts."""
     return Kind(lambda value, warn: (TEXT if isinstance(value, str) else other).read(value, warn), words)
@@ -140,7 +151,8 @@ def text_or(other: Any, words: str) -> Kind:
 
 TEXT = Kind(_text, "a text")
 TRUTH = Kind(_truth, "true or false")
-COLUMN = text_or(Integer(0), "a column, by its title or number")
+COMPONENT = text_or(Integer(1), "a component, by its name or its number from 1")
+COLUMN = text_or(_Column(1), "a column, by its title or its number from 1")
 
 
 @dataclass(frozen=True)

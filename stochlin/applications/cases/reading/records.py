@@ -11,10 +11,12 @@ import xarray as xr
 
 from stochlin.applications.cases.reading.kinds import (
     COLUMN,
+    COMPONENT,
     TEXT,
     TRUTH,
     Integer,
     Key,
+    Kind,
     ListOf,
     Quantity,
     Word,
@@ -40,6 +42,10 @@ FACTOR, TWO_TIMES = Quantity("1", POSITIVE), ListOf(TIME, length=2)
 FACTOR_OF_RECORD = Quantity("1", POSITIVE, SCALE)
 PEAK, RESPONSE = (Quantity("m/s^2", POSITIVE, PLAUSIBLE[name]) for name in ("pga", "sa"))
 PLACE = ListOf(Quantity("1", Range(-360.0, 360.0, True, True)), length=2)
+SITE = Kind(
+    lambda value, warn: (PLACE if isinstance(value, list) else Integer(1)).read(value, warn),
+    "its number from 1, or its longitude and latitude",
+)
 INTENSITIES: dict[str, Quantity] = dict.fromkeys(MEASURES, Quantity("m/s^2", POSITIVE))
 INTENSITIES["intensity"] = Quantity("m^2/s^3", POSITIVE)
 READING = ("units", "dt", "column", "time_column", "component", "wrapped", "skip")
@@ -53,7 +59,7 @@ class Reading(Form):
     dt: float | None = key(TIME, "Time step", None)
     column: str | int | None = key(COLUMN, "Column of the accelerations", None)
     time_column: str | int | None = key(COLUMN, "Column of the times, in place of the time step", None)
-    component: str | int | None = key(COLUMN, "Component, by its name or number from 1", None)
+    component: str | int | None = key(COMPONENT, "Component, by its name or number from 1", None)
     wrapped: bool = key(TRUTH, "Read all numbers as one series, written in rows", False)
     skip: int = key(Integer(0), "Number of lines at the beginning that are left out", 0)
 
@@ -140,11 +146,14 @@ class OfFile(OfHazard):
     site: int | None = key(Integer(1), "Number of the site in a file of OpenQuake", None)
     coordinates: list[float] | None = key(PLACE, "Its longitude and latitude, in its place", None)
     investigation_time: float | None = key(YEARS, "Time in which probabilities of the file hold", None)
+    column: str | int | None = key(COLUMN, "Column of the intensities", None)
+    frequency_column: str | int | None = key(COLUMN, "Column of the frequencies, or probabilities", None)
 
     def hazard(self) -> Hazard:
         """The curve of the file."""
         paths = self.table.paths("file", self.file)
-        options = self.given("units", "investigation_time") | {"site": self.coordinates or self.site}
+        options = self.given("units", "investigation_time", "column", "frequency_column")
+        options["site"] = self.coordinates or self.site
         with self.table.naming("file"):
             return read_hazard(paths, **self.of, **options)
 

@@ -28,6 +28,7 @@ from stochlin.applications.cases.reading.records import (
     HAZARDS,
     PEAK,
     RESPONSE,
+    SITE,
     TIME,
     YEARS,
     Record,
@@ -224,7 +225,9 @@ class SpectrumFile(Spectrum):
     """A spectrum from a file, with a factor."""
 
     units: str | None = key(TEXT, "Unit of the accelerations in the file", None)
+    period_column: str | int | None = key(COLUMN, "Column of the periods", None)
     column: str | int | None = key(COLUMN, "Column of the accelerations", None)
+    site: Any = key(SITE, "Site in a file of OpenQuake, its number or its coordinates", None)
     between: str | None = key(Word(BETWEEN), "What the spectrum is between its points", None)
     scale: float = key(FACTOR, "Scale of the spectrum", 1.0)
     damping: float | None = key(DAMPING, "Damping ratio", None)
@@ -235,7 +238,7 @@ class SpectrumFile(Spectrum):
         if not path.exists():
             known = f"{hint(path.name, CODES)}allowed: {', '.join(CODES)}, or such a file"
             raise self.table.error("spectrum", f"is neither a code nor a file beside this one; {known}")
-        options = self.given("units", "column", "between", "damping")
+        options = self.given("units", "period_column", "column", "site", "between", "damping")
         with self.table.naming("spectrum"):
             spectrum = read_spectrum(path, **options)
         return (self.scale * spectrum).assign_attrs(spectrum.attrs)

@@ -24,9 +24,9 @@ class Series(NamedTuple):
     time: Array | None
     dt: float | None
     units: str | None
-    column: str = ""  # name of the column
     about: Mapping[str, str] = MappingProxyType({})  # event, station and component, if stated
     nameless: int = 0  # number of columns without names, none of which is known to be the time
+    timed: bool = True  # whether the time holds beside a time step of the caller, who asked for it
 
 
 class RecordFile(NamedTuple):

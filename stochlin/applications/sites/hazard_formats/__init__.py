@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from stochlin.applications.sheets.columns import ColumnName
 from stochlin.kernels.basics.arrays import Array
 
 S0 = "m^2/s^3"
@@ -30,6 +31,8 @@ class AskedHazard(NamedTuple):
 
     site: Site | None
     years: float | None  # for which a file gives probabilities
+    column: ColumnName | None = None  # of the intensities
+    frequency_column: ColumnName | None = None
 
 
 def annual_frequencies(probabilities: Array, years: float) -> Array:

@@ -11,12 +11,21 @@ exceedance, in a folder named by the measure.
 from __future__ import annotations
 
 import re
-from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
+from stochlin.applications.sheets.columns import Need, chosen
+from stochlin.applications.sheets.quantities import (
+    ACCELERATION,
+    LEVEL,
+    PEAK,
+    PROBABILITY,
+    RATE,
+    SPECTRAL,
+    Quantity,
+)
 from stochlin.applications.sheets.sheets import Sheet, Table, number_in, sheets_of, table_in
 from stochlin.applications.sites.hazard_formats import (
     S0,
@@ -31,11 +40,14 @@ from stochlin.messages import brief, listed, refuse
 from stochlin.models.arguments import is_number, is_whole
 from stochlin.models.hazards import Hazard
 from stochlin.models.parameters import Range
+from stochlin.models.units import size_of
 
-_INTENSITY = r"\b(pga|p?sa|iml?|level|intensity|acceleration|s0)\b"
-_FREQUENCY = r"freq|rate|prob|poe|annual|per year|\bafe\b|\b1/yr"
-_NO_CURVE = re.compile(r"\b(depth|site|return|tr)\b", re.IGNORECASE)
 _ALONG = ("lon", "longitude", "lat", "latitude")
+_LEVELS: dict[str, tuple[Quantity, ...]] = {
+    "pga": (PEAK, ACCELERATION, LEVEL),
+    "sa": (SPECTRAL, ACCELERATION, LEVEL),
+    "intensity": (LEVEL,),
+}
 _SITES = re.compile(rf"({'|'.join(_ALONG)}|custom_site_id|imt)\b", re.IGNORECASE)
 _YEARS = re.compile(r"investigation_time\s*=\s*([\d.eE+-]+)")
 _MEASURE = re.compile(r"\bimt\s*=\s*[\"']*([A-Za-z]\w*(?:\([^)]*\))?)")
@@ -47,42 +59,46 @@ _NEAR = 0.01  # degrees, about 1 km: largest distance of a site that is named by
 def read(path: Path, of: Hazard, choice: AskedHazard) -> Ordinate:
     """The curve at the site that is asked for, or the one in columns."""
     sheets = sheets_of(path)
-    content = sheets[0].without_comments().cells
-    if len(sheets) == 1 and len(content) and content.iloc[0].map(_SITES.match).any():
-        line = content.index[0]
-        return _of_sites(Table("the table", sheets[0], line, 0, content.iloc[1:]), path, choice)
+    if (table := table_of_sites(sheets)) is not None:
+        columns = {"column": choice.column, "frequency_column": choice.frequency_column}
+        refuse(table.sheet.name, "a table of sites", columns)
+        return _of_sites(table, path, choice)
     return _of_columns(sheets, of, choice)
 
 
+def table_of_sites(sheets: Sequence[Sheet]) -> Table | None:
+    """The table with a row for each site, whose titles are those of OpenQuake or nshmp-haz."""
+    content = sheets[0].without_comments().cells
+    if len(sheets) > 1 or not len(content) or not content.iloc[0].map(_SITES.match).any():
+        return None
+    return Table("the table", sheets[0], content.index[0], 0, content.iloc[1:])
+
+
 def _of_columns(sheets: Sequence[Sheet], of: Hazard, choice: AskedHazard) -> Ordinate:
-    """The curve in columns, which are known by their names or else the first two."""
-    table = table_in(sheets, f"{_INTENSITY}|{_FREQUENCY}", "intensities and annual frequencies")
+    """The curve in columns of intensities and of annual frequencies, or of probabilities."""
+    table = table_in(sheets, "intensities and annual frequencies")
     refuse(table.sheet.name, "a file of one site", {"site": choice.site})
-    if wrong := next(filter(_NO_CURVE.search, table.title_cells), None):
-        raise table.error(f"has {brief(wrong)}; allowed: intensities and annual frequencies")
-    counts = Counter(filter(None, table.names))
-    if twice := next((name for name, count in counts.items() if count > 1), None):
-        raise table.error(f"has {brief(twice)} twice; allowed: a name for each column")
-    second = _named(table, _FREQUENCY, 1)
-    first = _named(table, _INTENSITY, 0 if second else 1)
-    title = table.title_cells[second] if table.titles else ""
-    if choice.years is not None:
-        others = annual_frequencies(table.numbers(second, "probability", SHARE), choice.years)
-    elif re.search("prob|poe", title, re.IGNORECASE):
-        raise table.error(f"has {brief(title)}, a probability; give investigation_time=")
-    else:
-        others = table.numbers(second, "annual frequency")
-    unit = S0 if of.measure == "intensity" else table.unit_of(first)
-    intensities = table.numbers(first, "intensity")
-    return Ordinate(of.period or 0.0, intensities, others, table.places(), unit)
-
-
-def _named(table: Table, words: str, usual: int) -> int:
-    """The column whose title has the words, or the usual one of two."""
-    named = [n for n, title in enumerate(table.title_cells) if re.search(words, title, re.IGNORECASE)]
-    if len(named) != 1 and table.width != 2:
-        raise table.error(f"has {table.in_words}; allowed: such as pga [g], annual rate")
-    return named[0] if len(named) == 1 else usual
+    wanted = (RATE, PROBABILITY) if choice.years is None else (PROBABILITY,)
+    needs = [
+        Need("column", choice.column, _LEVELS[of.measure], True, logarithms=True, period=of.period),
+        Need("frequency_column", choice.frequency_column, wanted, logarithms=True),
+    ]
+    level, other = chosen(table, needs)
+    assert level is not None
+    assert other is not None  # neither is optional
+    values = other.in_si()
+    if other.quantity is PROBABILITY:
+        if choice.years is None:
+            title = brief(other.column.title)
+            raise table.error(f"has {title}, a probability; give investigation_time=")
+        for n in np.flatnonzero(~SHARE.contains(values))[:1]:
+            what = f"the probability is {values[n]:g}; allowed: {SHARE}"
+            raise table.sheet.error(table.rows.index[n], other.column.number - 1, what)
+        values = annual_frequencies(values, choice.years)
+    intensities, unit = level.numbers(), level.column.said.unit
+    if of.measure == "intensity":
+        intensities, unit = (size_of(unit, S0) or 1.0) * intensities, S0
+    return Ordinate(of.period or 0.0, intensities, values, table.places(), unit)
 
 
 def _of_sites(table: Table, path: Path, choice: AskedHazard) -> Ordinate:
@@ -104,9 +120,7 @@ def _of_sites(table: Table, path: Path, choice: AskedHazard) -> Ordinate:
     if (period := period_of(measure)) is None:
         shown = brief(measure) if measure else "no imt"
         raise table.error(f"has {shown}; allowed: imt='PGA' or imt='SA(0.5)', or a folder SA0P5")
-    along = [n for n, title in enumerate(titles) if title in _ALONG]
-    places = sheet.numbers(table.rows[along], "coordinate").tolist()
-    line = table.rows.index[_chosen(sheet.name, places, choice.site)]
+    line = line_of_site(table, choice.site)
     what, allowed = ("probability", SHARE) if years else ("annual frequency", None)
     values = sheet.numbers(table.rows.loc[[line], columns], what, allowed)[0]
     frequencies = annual_frequencies(values, years) if years else values
@@ -122,6 +136,13 @@ def _years(table: Table, comments: str, known: float | None) -> float:
     if known is not None and not np.isclose(years, known, rtol=1e-9):
         raise table.error(f"states {years:g} years, which investigation_time = {known:g} contradicts")
     return years
+
+
+def line_of_site(table: Table, site: Site | None) -> int:
+    """The line of the site that is asked for, or of the only one."""
+    along = [n for n, title in enumerate(table.title_cells) if title.lower() in _ALONG]
+    coordinates = table.sheet.numbers(table.rows[along], "coordinate").tolist()
+    return int(table.rows.index[_chosen(table.sheet.name, coordinates, site)])
 
 
 def _chosen(name: str, coordinates: Sequence[Sequence[float]], site: Site | None) -> int:

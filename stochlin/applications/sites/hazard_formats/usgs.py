@@ -32,7 +32,8 @@ TOTAL = "Total"
 def read(path: Path, text: str, choice: AskedHazard) -> list[Ordinate]:
     """The total curves of all measures that are accelerations."""
     name = plain(path.name)
-    of_one = {"site": choice.site, "investigation_time": choice.years}
+    of_one: dict[str, Any] = {"site": choice.site, "investigation_time": choice.years}
+    of_one |= {"column": choice.column, "frequency_column": choice.frequency_column}
     refuse(name, "a response of the USGS, of annual frequencies at one site", of_one)
     curves: list[tuple[float, Sequence[Any], Sequence[Any]]] = []  # period, xs and ys
     try:

@@ -1,0 +1,173 @@
+"""Points of response spectra in files: in columns, or in a row for each site as OpenQuake writes them.
+
+GEM, OpenQuake Engine manual, Uniform hazard spectra, ``hazard_uhs-mean_20.csv``: the columns
+``lon,lat,0.1~PGA,0.1~SA(0.2),...``, whose names have a probability of exceedance and the period [s], and
+a row for each site with accelerations in g.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from stochlin.applications.sheets.columns import (
+    Choice,
+    Column,
+    ColumnName,
+    Need,
+    check_one_kind,
+    chosen,
+    columns_of,
+    numbered,
+)
+from stochlin.applications.sheets.quantities import (
+    ACCELERATION,
+    ANGULAR,
+    DAMPING,
+    FREQUENCY,
+    NAME,
+    PERIOD,
+    PSEUDO_VELOCITY,
+    SPECTRAL,
+    SPECTRAL_DISPLACEMENT,
+)
+from stochlin.applications.sheets.sheets import Table, sheets_of, table_in
+from stochlin.applications.sites.hazard_formats import Site, period_of
+from stochlin.applications.sites.hazard_formats.tables import line_of_site, table_of_sites
+from stochlin.kernels.basics.arrays import Array
+from stochlin.messages import brief, listed, refuse
+from stochlin.models.units import stated_size
+
+ABSCISSAE = (PERIOD, FREQUENCY, ANGULAR)
+ORDINATES = (SPECTRAL, ACCELERATION, PSEUDO_VELOCITY, SPECTRAL_DISPLACEMENT)
+_POWERS = {PSEUDO_VELOCITY: 1, SPECTRAL_DISPLACEMENT: 2}  # of the frequency, in the acceleration
+_TURNS = {FREQUENCY: 1.0, ANGULAR: 2 * np.pi}
+_OF_PROBABILITY = "~"
+
+
+class AskedSpectrum(NamedTuple):
+    """What the caller says of a file."""
+
+    units: str | None
+    damping: float
+    period_column: ColumnName | None
+    column: ColumnName | None
+    site: Site | None
+
+
+class Points(NamedTuple):
+    """Periods [s] and accelerations [m/s^2] of a spectrum, the place of each, and attributes."""
+
+    period: Array
+    values: Array
+    places: list[str]
+    about: dict[str, str]
+
+
+def points_in(path: Path, request: AskedSpectrum) -> Points:
+    """The points in a file; a ValueError says what is missing or wrong."""
+    sheets = sheets_of(path)
+    of_sites = table_of_sites(sheets)
+    if of_sites is not None and any(map(_measure, of_sites.title_cells)):
+        return _at_site(of_sites, request)
+    table = table_in(sheets, "periods and accelerations")
+    refuse(table.sheet.name, "a file of one spectrum", {"site": request.site})
+    columns = columns_of(table)
+    _check_one_spectrum(table, columns)
+    needs = [
+        Need("period_column", request.period_column, ABSCISSAE, logarithms=True),
+        Need(
+            *("column", request.column, ORDINATES, True),
+            units=request.units,
+            logarithms=True,
+            damping=request.damping,
+        ),
+        Need("", None, (DAMPING,), optional=True),
+    ]
+    abscissa, ordinate, damping = chosen(table, needs)
+    assert abscissa is not None
+    assert ordinate is not None  # only that of the damping is optional
+    if damping is not None:
+        _check_damping(damping, request.damping)
+    return _converted(table, abscissa, ordinate, request.units)
+
+
+def _converted(table: Table, abscissa: Choice, ordinate: Choice, units: str | None) -> Points:
+    """Periods and accelerations from what the file has."""
+    period, places = abscissa.in_si(), table.places()
+    values = ordinate.in_si(units, "units")
+    if abscissa.quantity is not PERIOD:
+        for n in np.flatnonzero(~(period > 0))[:1]:
+            what = f"{abscissa.quantity.name} is {period[n]:g} {abscissa.quantity.unit}"
+            raise ValueError(f"{places[n]}: {what}; allowed: positive")
+        period = _TURNS[abscissa.quantity] / period
+    if power := _POWERS.get(ordinate.quantity, 0):
+        for n in np.flatnonzero(~(period > 0))[:1]:
+            what = f"no acceleration follows from {ordinate.quantity.name} at {period[n]:g} s"
+            raise ValueError(f"{places[n]}: {what}; allowed: positive periods")
+        values = values * (2 * np.pi / period) ** power
+    if abscissa.quantity is not PERIOD and (np.diff(period) < 0).all():
+        period, values, places = period[::-1], values[::-1], places[::-1]
+    changed = [
+        choice
+        for choice in (abscissa, ordinate)
+        if choice.quantity in {**_TURNS, **_POWERS} or choice.column.said.base is not None
+    ]
+    comment = "; ".join(f"{choice.comment}, converted" for choice in changed)
+    about = numbered([abscissa, ordinate]) | ({"comment": comment} if comment else {})
+    return Points(period, values, places, about)
+
+
+def _check_one_spectrum(table: Table, columns: Sequence[Column]) -> None:
+    """Raise a ValueError if a column of names, as ETABS exports it, has those of several spectra."""
+    for column in columns:
+        names = table.rows[column.number - 1]
+        if NAME in column.said.quantities and names.nunique() < len(names):
+            check_one_kind(table, column.number - 1, "spectrum")
+
+
+def _check_damping(choice: Choice, damping: float) -> None:
+    """Raise a ValueError unless a column of damping ratios has that which is asked for."""
+    stated = choice.table.rows[choice.column.number - 1] != ""
+    rows = choice.table.rows[stated]
+    if rows.empty:
+        return
+    values = choice._replace(table=choice.table._replace(rows=rows)).in_si()
+    for n in np.flatnonzero(~np.isclose(values, damping, rtol=1e-6, atol=0))[:1]:
+        where = choice.table.sheet.where(rows.index[n])
+        what = f"the damping ratio is {values[n]:g}, which damping = {damping:g} contradicts"
+        raise ValueError(f"{where}: {what}; give damping={values[n]:g}")
+
+
+def _measure(title: str) -> tuple[str, float] | None:
+    """The probability in a title such as ``0.1~SA(0.2)``, and the period; None of another title."""
+    probability, _, measure = title.rpartition(_OF_PROBABILITY)
+    period = period_of(measure.strip())
+    return None if period is None else (probability.strip(), period)
+
+
+def _at_site(table: Table, request: AskedSpectrum) -> Points:
+    """The spectrum of a site and a probability of exceedance."""
+    refuse(table.sheet.name, "a table of sites", {"period_column": request.period_column})
+    table.sheet.check_width(table.rows.index, len(table.title_cells))
+    measures = {n: of for n, title in enumerate(table.title_cells) if (of := _measure(title))}
+    probabilities = [*dict.fromkeys(probability for probability, _ in measures.values())]
+    wanted = request.column
+    if wanted is None and len(probabilities) == 1:
+        wanted = probabilities[0]
+    if wanted not in probabilities:
+        shown = "column is missing" if wanted is None else f"column = {brief(wanted)}"
+        known = f"has the probabilities {listed(probabilities)}, and {shown}"
+        raise table.error(f"{known}; give one, such as column={brief(probabilities[0])}")
+    periods = {n: period for n, (probability, period) in measures.items() if probability == wanted}
+    columns = sorted(periods, key=lambda n: periods[n])
+    line = line_of_site(table, request.site)
+    place = table.sheet.where(line)
+    values = table.sheet.numbers(table.rows.loc[[line], columns], "acceleration")[0]
+    size = stated_size("acceleration", "g", request.units, place)
+    places = [table.sheet.where(line, column) for column in columns]
+    about = {"comment": f"uniform hazard spectrum of {place}, probability {wanted}"} if wanted else {}
+    return Points(np.array([periods[n] for n in columns]), size * values, places, about)
