@@ -61,6 +61,7 @@ _PROBES = np.concatenate(
 # Moments of v and z for which expectations are checked.
 _LATENT = np.array([[0.1, 1.0, 2.0, 50.0], [2.5, 0.4, 0.9, 1.2], [0.7, 0.0, 0.3, 0.5]])
 _V, _Z = sympy.symbols("v z", real=True)
+_FORWARD = sympy.Symbol("v", positive=True)  # half of the plane; a law is odd
 
 Sets = tuple[tuple[float, ...], ...]
 """Values of the parameters of a law, one set after another."""
@@ -273,13 +274,17 @@ def _is_rate_independent(rates: Callable[[Array], Array]) -> bool:
 
 
 def _kinks(expression: sympy.Expr) -> set[sympy.Expr]:
-    """Values of ``z`` where the law may jump or bend: zeros of arguments that do not depend on ``v``."""
+    """Values of ``z`` where the law may jump or bend for ``v > 0``, and which do not depend on ``v``.
+
+    The quadrature takes no others: where ``v`` is positive, the kinks of ``1 - z*sign(v)`` are at 1.
+    """
+    expression = expression.subs(_V, _FORWARD)
     arguments = [node.args[0] for node in expression.atoms(sympy.Heaviside, sympy.sign, sympy.Abs)]
     compared = [node.args for node in expression.atoms(sympy.Max, sympy.Min, Relational)]
     arguments += [a - b for each in compared for a, b in combinations(each, 2)]
     kinks: set[sympy.Expr] = set()
     for factor in {f for each in arguments for f in sympy.Mul.make_args(sympy.factor(each))}:
-        if _Z in factor.free_symbols and _V not in factor.free_symbols:
+        if _Z in factor.free_symbols and _FORWARD not in factor.free_symbols:
             with contextlib.suppress(NotImplementedError):  # no formula for the zeros
                 kinks.update(sympy.solve(factor, _Z))
     return kinks

@@ -1,14 +1,28 @@
 """A package from outside that extends stochlin: installed into a folder, used from the command line."""
 
 import os
-import re
 import sys
-from pathlib import Path
 
 import pytest
 from commands import process
+from extending import examples
 
-PAGE = Path(__file__).parents[2] / "docs" / "extending.md"
+
+@pytest.fixture
+def example():
+    """``example(title, registry)`` runs the example of a section here, until the test is over."""
+    added = []
+
+    def registered(title, registry):
+        known = set(registry)
+        names = {"__name__": "toy_example"}
+        exec(compile(examples()[title], "toy_example", "exec"), names)
+        added.extend((registry, name) for name in set(registry) - known)
+        return registry[added[-1][1]]
+
+    yield registered
+    for registry, name in added:
+        del registry._things[name], registry._places[name]
 
 
 @pytest.fixture
@@ -31,6 +45,4 @@ def install(tmp_path):
 @pytest.fixture
 def toy(install):
     """A runner of ``stochlin`` with all examples of the page, as a reader would copy them."""
-    sections = re.split(r"^## ", PAGE.read_text(encoding="utf-8"), flags=re.MULTILINE)[1:]
-    code = (re.search(r"^```py\n(.*?)^```", each, re.DOTALL | re.MULTILINE) for each in sections)
-    return install("\n".join(found[1] for found in code if found))
+    return install("\n".join(examples().values()))

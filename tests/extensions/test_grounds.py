@@ -1,26 +1,54 @@
-"""A ground from outside, that of the documentation: in case files."""
+"""A ground from outside, that of the documentation: its spectrum and response, and in case files."""
 
+import numpy as np
 import pytest
+import scipy.linalg
 from cases import FIRM_SITE, KIOSK
 
-pytestmark = pytest.mark.cli
+import stochlin as sl
+from stochlin.models.grounds import GROUNDS
 
-GROUND = """"two_layers"
+GROUND = """"hu_zhou"
 period = "0.4 s"
 damping = 0.6
-layer_period = "1.1 s"
-layer_damping = 0.2"""
+corner_period = "4 s\""""
 CASE = FIRM_SITE.replace('"firm"', GROUND) + KIOSK.format(n=1) + KIOSK.format(n=2)
 CASE += "[separation]\nconfidence = 0.9\n[simulation]\npaths = 128\n"
 
 
+@pytest.mark.oracle
+def test_the_ground_of_the_page_has_the_spectrum_of_its_formula(example):
+    ground = example("A ground", GROUNDS)(0.4, 0.6, 4.0, 0.02)
+    w = np.geomspace(1e-2, 1e3, 61)
+    ratio, spread = (w * 0.4 / (2 * np.pi)) ** 2, (2 * 0.6 * w * 0.4 / (2 * np.pi)) ** 2
+    removed = w**6 / (w**6 + (2 * np.pi / 4.0) ** 6)
+    density = 0.02 * (1 + spread) / ((1 - ratio) ** 2 + spread) * removed
+    np.testing.assert_allclose(ground.psd(w), density, rtol=1e-10)
+
+
+@pytest.mark.oracle
+def test_a_structure_on_the_ground_of_the_page_has_the_covariance_of_both(example):
+    """By the Lyapunov equation of structure and filter, whose white noise is 2 pi S0 strong."""
+    ground = example("A ground", GROUNDS)(0.4, 0.6, 4.0, 0.02)
+    filtered = ground.lone_filter().arrays
+    w = 2 * np.pi / 1.3
+    system = scipy.linalg.block_diag([[0, 1], [-(w**2), -2 * 0.05 * w]], filtered.matrix)
+    system[1, 2:] = -filtered.output
+    noise = np.concatenate([[0, 0], filtered.noise])
+    strength = 2 * np.pi * 0.02 * np.outer(noise, noise)
+    covariance = scipy.linalg.solve_continuous_lyapunov(system, -strength)
+    table = sl.linearize(sl.Bilinear(1.3, 0.05), ground)
+    assert float(table.displacement_std) == pytest.approx(np.sqrt(covariance[0, 0]), rel=1e-9)
+
+
+@pytest.mark.cli
 @pytest.mark.slow
 def test_a_case_file_takes_the_ground_by_its_name(toy, tmp_path):
     (tmp_path / "case.toml").write_text(CASE, encoding="utf-8")
     done = toy("gap", "case.toml")
     assert done.returncode == 0, done.stderr
     assert "should stand" in done.stdout
-    (tmp_path / "case.toml").write_text(CASE.replace("two_layers", "moon"), encoding="utf-8")
+    (tmp_path / "case.toml").write_text(CASE.replace("hu_zhou", "moon"), encoding="utf-8")
     wrong = toy("gap", "case.toml")
     assert wrong.returncode == 2
-    assert "two_layers" in wrong.stderr
+    assert "hu_zhou" in wrong.stderr

@@ -6,13 +6,13 @@ from pathlib import Path
 
 import pytest
 from commands import process
+from extending import PAGE, examples
 
 import stochlin as sl
 
 pytestmark = [pytest.mark.cli, pytest.mark.slow]
 
 TESTS = Path(__file__).parents[1]
-PAGE = TESTS.parent / "docs" / "extending.md"
 KIND = re.compile(r"^\| \[[^]]*\]\(#([\w-]+)\).*?`stochlin/([\w/]+)/[`<]", re.MULTILINE)
 # What lists extensions, or compares what all of them give with frozen answers.
 LISTED = (
@@ -23,26 +23,27 @@ LISTED = (
 OURS = "not independent and not manual"  # of other programs, and of the page that is made of them
 
 
-def examples() -> dict[str, str]:
+def files() -> dict[str, str]:
     """The code of the page by the file of the package in which a contributor writes it."""
-    page = PAGE.read_text(encoding="utf-8")
-    folders = dict(KIND.findall(page))
-    files = {}
-    for section in re.split(r"^## ", page, flags=re.MULTILINE)[1:]:
-        anchor = section.partition("\n")[0].lower().replace(" ", "-")
-        code = re.search(r"^```py\n(.*?)^```", section, re.DOTALL | re.MULTILINE)
-        if code and anchor in folders:
-            place = folders[anchor]
-            files["views/added/command.py" if place == "views" else f"{place}/added.py"] = code[1]
-    return files
+    folders = {anchor.replace("-", " "): place for anchor, place in KIND.findall(PAGE.read_text())}
+    code = {title.lower(): text for title, text in examples().items()}
+    assert code.keys() >= folders.keys()
+    return {
+        "views/added/command.py" if place == "views" else f"{place}/added.py": code[title]
+        for title, place in folders.items()
+    }
+
+
+def test_the_page_has_an_example_for_every_registry() -> None:
+    """As a link in its row, which `KIND` finds."""
+    rows = re.findall(r"^\| .*? \| `stochlin\..*$", PAGE.read_text(), re.MULTILINE)
+    assert len(rows) == len(files()) >= 11
 
 
 def test_a_package_with_every_example_passes_the_tests_of_what_is_listed(tmp_path: Path) -> None:
     package = tmp_path / "stochlin"
     shutil.copytree(Path(sl.__file__).parent, package, ignore=shutil.ignore_patterns("__pycache__"))
-    files = examples()
-    assert len(files) >= 8
-    for name, code in files.items():
+    for name, code in files().items():
         path = package / name
         path.parent.mkdir(exist_ok=True)
         path.write_text(f'"""An example."""\n\n{code}', encoding="utf-8")

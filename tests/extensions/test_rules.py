@@ -1,4 +1,4 @@
-"""Rules from outside: a code rule and one for effective properties, in the tables of every command."""
+"""Rules from outside: a code rule, one for effective properties and a peak factor, in every table."""
 
 import math
 import re
@@ -8,8 +8,8 @@ import pytest
 import xarray as xr
 
 import stochlin as sl
-
-pytestmark = pytest.mark.cli
+from stochlin.models.rules.codes import CODE_RULES, rules_of
+from stochlin.models.rules.peak_factors import PEAK_FACTORS
 
 CASE = f"""\
 {cases.FIRM_SITE}[building_1]
@@ -17,10 +17,12 @@ period = "0.7 s"
 damping = "5 %"
 hardening = "10 %"
 reduction_factor = 12
+height = "12 m"
 [building_2]
 period = "1.1 s"
 damping = "5 %"
 elastic = true
+height = "15 m"
 [separation]
 confidence = 0.9
 [simulation]
@@ -28,6 +30,7 @@ paths = 128
 """
 
 
+@pytest.mark.cli
 @pytest.mark.slow
 def test_both_rules_are_in_the_table_of_gaps(toy, tmp_path):
     (tmp_path / "case.toml").write_text(CASE)
@@ -35,22 +38,22 @@ def test_both_rules_are_in_the_table_of_gaps(toy, tmp_path):
     assert done.returncode == 0, done.stderr
     with xr.open_dataset(tmp_path / "gap.nc") as table:
         rules = table.rule.values.tolist()
-        chosen = table.sel(rule="atlantis")
+        chosen = table.sel(rule="nch_433")
         root = table.sel(rule="eq_3_root")
-        assert chosen.reference == "Building regulations of Atlantis, 7.3"
+        assert chosen.reference == "NCh 433.Of1996, modified in 2009, Chile, 5.10"
         assert chosen.kind == "code"
-        total = float(table.peak_1 + table.peak_2)
-        # floors do not align: twice half the sum and 2 cm
-        assert float(chosen.gap) == pytest.approx(total + 0.04, rel=1e-12)
+        both = (table.peak_1, 12.0), (table.peak_2, 15.0)
+        distances = [max(float(peak) * 2 / 3, 0.002 * height, 0.015) for peak, height in both]
+        assert float(chosen.gap) == pytest.approx(sum(distances), rel=1e-12)
         mu = float(table.ductility_1)
         assert mu > 1
         rho = eq_4(0.7 * math.sqrt(mu), 1.1, 0.05 + 0.04 * (mu - 1), 0.05)
         assert float(root.rho) == pytest.approx(rho, rel=1e-12)
     builtin = (*sl.rules.effective_rule_names(), *sl.rules.code_rule_names())
-    ours = [name for name in rules if name.removeprefix("eq_3_") in {*builtin, "root", "atlantis"}]
+    ours = [name for name in rules if name.removeprefix("eq_3_") in {*builtin, "root", "nch_433"}]
     expected = [f"eq_3_{n}" for n in (*sl.rules.effective_rule_names(), "root")]
-    assert ours == [*expected, *sl.rules.code_rule_names(), "atlantis"]  # ours first, in their order
-    assert re.search(r"^atlantis +[\d.]+ .* M$", done.stdout, re.MULTILINE)
+    assert ours == [*expected, *sl.rules.code_rule_names(), "nch_433"]  # ours first, in their order
+    assert re.search(r"^nch_433 +[\d.]+ .* M$", done.stdout, re.MULTILINE)
 
 
 def eq_4(period_1, period_2, damping_1, damping_2):
@@ -62,6 +65,7 @@ def eq_4(period_1, period_2, damping_1, damping_2):
     return above / (below + 4 * (damping_1**2 + damping_2**2) * (one * two) ** 2)
 
 
+@pytest.mark.cli
 def test_rho_takes_the_rule(toy, tmp_path):
     given = "--hardening .1 --reduction-factor 4 --method effective --rule root --out table.nc"
     done = toy("rho", "--period-1", "0.7s", "--period-2", "1.1s", *given.split())
@@ -73,3 +77,26 @@ def test_rho_takes_the_rule(toy, tmp_path):
         assert min(mu) > 1
         assert float(table.rho) == pytest.approx(eq_4(*periods, *dampings), rel=1e-12)
         assert table.attrs["rule"] == "root: Some author (2031), Some journal 4 [M]"
+
+
+@pytest.mark.oracle
+def test_the_code_rule_of_the_page_keeps_the_largest_of_three_distances(example):
+    rule = example("A code rule", CODE_RULES)
+    for peak, height, distance in ((0.06, 12.0, 0.04), (0.03, 12.0, 0.024), (0.01, 5.0, 0.015)):
+        assert float(rule.gap(peak, None, height)) == pytest.approx(distance, rel=1e-12)
+        both = rule.gap(peak, 0.3, height, 30.0)
+        assert float(both) == pytest.approx(distance + 0.2, rel=1e-12)
+    assert rule in rules_of("chile")
+
+
+@pytest.mark.oracle
+def test_the_peak_factor_of_the_page_has_the_moments_of_the_largest_amplitude(example):
+    """``E = sqrt(pi/2) sum (-1)^(k+1) C(N, k)/sqrt(k)``, and of squares ``2 sum 1/k``."""
+    factor = example("A peak factor", PEAK_FACTORS)
+    for n in (1, 2, 5, 20):
+        terms = [(-1) ** (k + 1) * math.comb(n, k) / math.sqrt(k) for k in range(1, n + 1)]
+        mean = math.sqrt(math.pi / 2) * math.fsum(terms)
+        square = 2 * sum(1 / k for k in range(1, n + 1))
+        assert float(factor.mean(n, 0.3)) == pytest.approx(mean, rel=1e-9)
+        assert float(factor.std(n, 0.3)) == pytest.approx(math.sqrt(square - mean**2), rel=1e-9)
+        assert float(factor.mean(2 * n, 0.3, sides=1)) == pytest.approx(mean, rel=1e-9)
