@@ -1,8 +1,10 @@
 """Units and long names of the variables of all tables."""
 
-from functools import cache
+from collections.abc import Mapping
 
-VARIABLES = {
+Variables = Mapping[str, tuple[str, str]]
+NONE: Variables = {}
+VARIABLES: Variables = {
     # Response of one structure
     "displacement": ("m", "displacement relative to the ground"),
     "velocity": ("m/s", "velocity relative to the ground"),
@@ -207,15 +209,14 @@ ENDINGS = {
 RECORD = "record_"
 
 
-@cache
-def unit_and_long_name(name: str) -> tuple[str, str] | None:
+def unit_and_long_name(name: str, special: Variables = NONE) -> tuple[str, str] | None:
     """Unit and long name of a variable; None if it has none.
 
-    A name that is not in `VARIABLES` may end as in `ENDINGS` or in the number of a structure, or begin
-    with ``record_``, also in several ways at once.
+    A name that is neither ``special`` nor in `VARIABLES` may end as in `ENDINGS` or in the number of a
+    structure, or begin with ``record_``, also in several ways at once.
     """
-    if name in VARIABLES:
-        return VARIABLES[name]
+    if known := special.get(name) or VARIABLES.get(name):
+        return known
     rest, text = name.removeprefix(RECORD), "{}, in the record"
     if rest == name:
         for ending, words in ENDINGS.items():
@@ -224,7 +225,7 @@ def unit_and_long_name(name: str) -> tuple[str, str] | None:
         stem, _, number = name.rpartition("_")
         if number.isdigit():
             rest, text = stem, f"{{}}, structure {number}"
-    if rest == name or (known := unit_and_long_name(rest)) is None:
+    if rest == name or (known := unit_and_long_name(rest, special)) is None:
         return None
     units, long_name = known
     return units, text.format(long_name)

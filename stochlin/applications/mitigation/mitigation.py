@@ -38,13 +38,13 @@ from stochlin.models.systems import AnyStructure, Arrangement, arrangement_of, f
 from stochlin.models.uncertain import applied, median_of
 from stochlin.solver.linearization.strength import strength_in_metres
 from stochlin.solver.simulation.finite_motions import (
-    LINK_PEAKS,
     enough_motions,
     keeping_apart,
     pair_separation,
     quantiles_of,
     required_gaps,
 )
+from stochlin.solver.simulation.results.peaks import LINK_PEAKS
 from stochlin.solver.simulation.simulation import check_repeated, simulate
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_duration

@@ -37,7 +37,7 @@ from stochlin.models.systems import (
 )
 from stochlin.solver.correlation.correlation import correlate
 from stochlin.solver.linearization.systems.systems import linearized_motion
-from stochlin.solver.simulation.finite_motions import HEIGHT
+from stochlin.solver.simulation.finite_motions import ABOVE_GROUND
 from stochlin.solver.simulation.structures_in_motion import at_height, meeting_heights
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_scalars
@@ -177,7 +177,7 @@ def spectral_peaks(
     if np.isnan(heights).any():  # of oscillators
         *peaks, correlation = (array.squeeze("height") for array in arrays)
     else:
-        site, axis = of_storeys(site, structures), labels.axis("height", HEIGHT, heights, "m")
+        site, axis = of_storeys(site, structures), labels.axis("height", ABOVE_GROUND, heights, "m")
         *peaks, correlation = (array.assign_coords(height=axis) for array in arrays)
         site = site.with_arrays({f"height_{n}": axis for n, _ in enumerate(peaks, start=1)})
     return site.with_arrays({f"peak_{n}": peak for n, peak in enumerate(peaks, 1)}), correlation

@@ -193,7 +193,8 @@ class Extremes(NamedTuple):
     """Largest and smallest value of each function in each motion, including 0 at the start.
 
     Both are NaN where the function is not finite at the end, since a law has run away. With links also
-    those of `LinkPeaks`.
+    those of `LinkPeaks`. ``last`` are all displacements at the end, and ``plastic`` what is plastic of
+    them, or of the drifts of storeys.
     """
 
     highest: Array  # (motions, m)
@@ -201,6 +202,8 @@ class Extremes(NamedTuple):
     force: Array  # (motions, l)
     stroke: Array  # (motions, l)
     energy: Array  # (motions, l)
+    last: Array  # (motions, n)
+    plastic: Array  # (motions, n)
 
 
 class Sums(NamedTuple):
@@ -352,7 +355,8 @@ def finite_extremes(
                 watch_links(extensions, links.parameters, crowd.plan.dt, peaks)
         lost = ~np.isfinite(functions_of(out[-1:], rows)[0])
         highest[lost] = lowest[lost] = np.nan
-        return Extremes(highest, lowest, peaks.force, peaks.stroke, peaks.energy)
+        ends = out[-1].copy(), motion.plastic()
+        return Extremes(highest, lowest, peaks.force, peaks.stroke, peaks.energy, *ends)
 
     groups = list(crowd.over_groups(of_group, progress))
     return Extremes(*(np.concatenate(each, axis=1).T for each in zip(*groups, strict=True)))

@@ -65,6 +65,11 @@ class SimulationRun(NamedTuple):
         matrix[:, self.order[:count]] = functions * self.scale[:count]
         return rows_of(matrix)
 
+    def watched(self, values: Array) -> Array:
+        """Values (motions, w) [m] of all that is watched, from those of the crowd."""
+        in_metres: Array = values[:, self.order] * self.scale
+        return in_metres
+
 
 def drift_time_of(structure: Structure, ground: Ground) -> float:
     """Time [s] in which the plastic drift of an oscillator decays, by linearization; 0 if elastic.

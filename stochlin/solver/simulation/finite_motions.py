@@ -19,30 +19,29 @@ from stochlin.models.envelopes import Envelope, envelope_at
 from stochlin.models.parameters import check_alignment, check_units
 from stochlin.models.systems import AnyStructure, Arrangement
 from stochlin.solver.simulation.ensembles import SimulationRun, seconds_of
+from stochlin.solver.simulation.results import RESULTS, Column, EndedMotions, columns_of
 from stochlin.solver.simulation.structures_in_motion import (
+    HEIGHT,
     PATH,
     STRUCTURE,
     StructuresInMotion,
-    pairs_of,
 )
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_duration, check_work
-from stochlin.solver.tables.labels import ELEMENT, LINK, link_coordinates
+from stochlin.solver.tables.labels import ELEMENT, link_coordinates
 from stochlin.solver.tables.lazy import check_names
 
 TAIL = (1 - 0.95) / 2  # probability on each side of a 95 % interval
 FAR = 1e200  # [m], in place of infinity, between which and a number no quantile can be
 PRECISION, MARGIN = 0.1, 1.2  # half of an interval over a gap, and motions over those that it needs
 BLOCK = 256  # time steps that are computed at once
-HEIGHT = "height above the ground"
-LINK_PEAKS = "peak_link_force", "peak_link_stroke", "link_energy"
+ABOVE_GROUND = "height above the ground"
 RUNS_AWAY = (
     "the rates of its law grow without end: give a law in which z and all other states stay bounded, "
     "such as v - abs(v)*z, or weaker motions"
 )
-Column = tuple[Sequence[str], Array]  # dimensions, and values over them
 Columns = dict[str, Column]
-ENVELOPES, RESULTS = 6, 6  # numbers that are in memory at once for each step, and for each peak
+OF_STEPS, OF_PEAKS = 6, 6  # numbers that are in memory at once for each step, and for each peak
 
 
 def check_motion(
@@ -70,7 +69,7 @@ def check_finite(run: SimulationRun, duration: float, functions: int, times: int
     check_work(
         f"duration = {duration:g} s, in steps of {run.plan.dt:.2g} s and on {paths} paths, would take",
         "shorten it, lower paths, or leave out the shortest period",
-        numbers=ENVELOPES * steps + RESULTS * 2.0 * paths * functions,
+        numbers=OF_STEPS * steps + OF_PEAKS * 2.0 * paths * functions,
         seconds=seconds_of(run, times * steps, 2.0 * functions),
         cores=cores(),
     )
@@ -96,36 +95,22 @@ def simulate_finite(
     levels = np.asarray(quantiles, float)
     run, system, functions = moving.run, moving.system, moving.functions
     extremes = extremes_of(run, [*functions.values()], (duration, envelope), progress, links_of(system))
-    highest, fallen = _with_falls(moving, functions, extremes)
-    check_response(system, ~np.isnan(highest["floors"][0]))
-    either = {name: highest[name].max(axis=0) for name in functions}
-    over = "path", moving.dimensions[0]
-    samples: Columns = {
-        "peak_positive": (over, highest["floors"][0]),
-        "peak_negative": (over, highest["floors"][1]),
-        "peak": (over, either["floors"]),
-    }
-    heights = np.unique([height for _, height in moving.places])
-    samples |= _separations(system, highest["pairs"])
+    motions = _ended(moving, functions, extremes)
+    check_response(system, ~np.isnan(motions.largest["floors"][0]))
+    samples = columns_of(motions)
     names = [f"{number}" for number in range(1, len(system.stacks) + 1)]
     coords = moving.coords | {STRUCTURE: names, f"{STRUCTURE}_2": names}
-    if moving.system.has_storeys:
-        samples["peak_drift"] = ("path", ELEMENT), either["drifts"]
     if moving.places:
-        samples["peak_at_height"] = _at_heights(moving, heights, either["places"])
-        coords["height"] = labels.axis("height", HEIGHT, heights, "m").height
+        coords[HEIGHT] = labels.axis(HEIGHT, ABOVE_GROUND, moving.heights, "m").height
     if system.ties:
         coords |= link_coordinates([tie.number for tie in system.ties])
-        of_links = extremes.force, extremes.stroke, extremes.energy
-        for name, each in zip(LINK_PEAKS, of_links, strict=True):
-            samples[name] = ("path", LINK), np.where(fallen.any(axis=1, keepdims=True), np.inf, each)
     means = _means(samples)
     if moving.system.has_storeys:
         means["ductility"] = [ELEMENT], means["peak_drift_mean"][1] / system.watched_strength
     (_, *over_pairs), apart_most = samples["separation"]
     quantile = quantile_columns("separation", over_pairs, apart_most, levels)
     if np.isfinite(moving.limits).any():
-        means |= share_columns("collapse_probability", [STRUCTURE], fallen)
+        means |= share_columns("collapse_probability", [STRUCTURE], motions.fallen)
     coords["quantile"] = "quantile", levels, {"units": "1", "long_name": "quantile"}
     # Made at once, because each addition to a dataset takes a millisecond.
     columns = samples | means | quantile | moving.input_factors()
@@ -161,13 +146,10 @@ def extremes_of(
     return finite_extremes(crowd, run.rows(matrix), envelope_at(envelope, middle), progress, watched)
 
 
-def _with_falls(
+def _ended(
     moving: StructuresInMotion, functions: Mapping[str, Array], extremes: Extremes
-) -> tuple[dict[str, Array], Array]:
-    """Largest values of all functions to both sides (2, paths, m), and whether structures fall.
-
-    A structure that falls (paths, s) moves beyond any gap.
-    """
+) -> EndedMotions:
+    """All that is known of the motions; a structure that falls moves beyond any gap."""
     system, matrix = moving.system, np.concatenate([*functions.values()])
     largest = np.stack([extremes.highest, -extremes.lowest])
     ends = np.cumsum([len(rows) for rows in functions.values()])[:-1]
@@ -177,15 +159,18 @@ def _with_falls(
     members = np.arange(len(system.stacks)) == system.owners[:, None]
     lost = fallen @ (np.abs(matrix) @ members > 0).T
     largest[:, lost] = np.inf
-    return blocks, fallen
+    peaks = {"force": extremes.force, "stroke": extremes.stroke, "energy": extremes.energy}
+    falls = fallen.any(axis=1, keepdims=True)
+    links = {name: np.where(falls, np.inf, each) for name, each in peaks.items() if system.ties}
+    ends_at, plastic = (moving.run.watched(each) for each in (extremes.last, extremes.plastic))
+    return EndedMotions(moving, blocks, fallen, links, ends_at, plastic)
 
 
 def _means(samples: Columns) -> Columns:
     """Means over the motions, and their standard errors."""
     means: Columns = {}
-    for name in ("peak", "peak_positive", "peak_drift", "separation", *LINK_PEAKS):
-        if name in samples:
-            (_, *over), values = samples[name]
+    for name, ((_, *over), values) in samples.items():
+        if RESULTS[name].mean:
             means |= mean_columns(name, over, values)
     return means
 
@@ -202,32 +187,6 @@ def finite_attributes(
         "envelope": "none" if envelope is None else envelope.describe(),
         **labels.of_scatter(run.plan.scatter),
     }
-
-
-def _at_heights(moving: StructuresInMotion, heights: Array, peaks: Array) -> Column:
-    """Peaks [m] of the structures at the heights at which they could meet another."""
-    values = np.full((len(peaks), len(moving.system.stacks), heights.size), np.nan)
-    structures, levels = zip(*moving.places, strict=True)
-    values[:, structures, np.searchsorted(heights, levels)] = peaks
-    return ("path", STRUCTURE, "height"), values
-
-
-def _separations(system: Arrangement, largest: Array) -> Columns:
-    """Peak relative displacements [m], over all heights and, with storeys, at each height.
-
-    ``largest`` (2, paths, p) are those of all pairs, to both sides.
-    """
-    count, over = len(system.stacks), ("path", STRUCTURE, f"{STRUCTURE}_2")
-    *both, height = np.reshape(pairs_of(system), (-1, 3)).T
-    heights = np.unique(height)  # with NaN, of oscillators, at the end
-    (i, j), place = np.array(both, int), np.searchsorted(heights, height)
-    at_height = np.full((largest.shape[1], count, count, heights.size), np.nan)
-    at_height[:, i, j, place], at_height[:, j, i, place] = largest
-    known = int(np.isfinite(heights).sum())
-    columns: Columns = {"separation": (over, np.fmax.reduce(at_height, axis=-1, initial=0.0))}
-    if known:
-        columns["separation_at_height"] = (*over, "height"), at_height[..., :known]
-    return columns
 
 
 @checked
@@ -317,9 +276,9 @@ def pair_separation(motions: xr.Dataset) -> xr.DataArray:
 def separation_at(motions: xr.Dataset, heights: Array) -> xr.DataArray:
     """`pair_separation` [m] over (path, height): heights of contact of two, or floors of one."""
     if _is_alone(motions):
-        axis = labels.axis("height", HEIGHT, heights, "m")
+        axis = labels.axis(HEIGHT, ABOVE_GROUND, heights, "m")
         at_floors = motions.peak_positive.values
-        return xr.DataArray(at_floors, dims=("path", "height"), coords={"height": axis.height})
+        return xr.DataArray(at_floors, dims=(PATH, HEIGHT), coords={"height": axis.height})
     return _of_pair(motions.separation_at_height).sel(height=heights)
 
 

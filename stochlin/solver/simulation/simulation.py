@@ -29,6 +29,7 @@ from stochlin.models.systems import STRUCTURES, AnyStructure, floor_count
 from stochlin.models.uncertain import median_of
 from stochlin.solver.simulation.ensembles import check_memory, seconds_of
 from stochlin.solver.simulation.finite_motions import check_finite, check_motion, simulate_finite
+from stochlin.solver.simulation.results import descriptions
 from stochlin.solver.simulation.stationary_motions import stationary_moments
 from stochlin.solver.simulation.structures_in_motion import StructuresInMotion, structures_in_motion
 from stochlin.solver.tables import labels
@@ -188,7 +189,7 @@ def simulate(
     lone = isinstance(link, Link)
     models = labels.named_models(structures, ground, () if lone else moving.links)
     return labels.with_run_information(
-        labels.label(table, last=labels.NOT_RESOLVED),
+        labels.label(table, descriptions(), last=labels.NOT_RESOLVED),
         f"Simulation of {len(structures)} structures in {state}, {median_of(ground).name} ground",
         f"simulate(paths={paths}, seed={seed}{more})",
         models | ({"link": link} if lone else {}),

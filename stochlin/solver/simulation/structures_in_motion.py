@@ -43,7 +43,7 @@ from stochlin.solver.tables.labels import (
 )
 
 STRUCTURE = "structure"
-PATH, INPUT, GROUND = "path", "input", "ground"
+PATH, INPUT, GROUND, HEIGHT = "path", "input", "ground", "height"
 Samples = Mapping[str, Sequence[Any]]  # by uncertain model: stacks or grounds, one for each motion
 NONE: Samples = {}
 STREAM = 2  # stream of random numbers, different from those of the motions with the same seed
@@ -105,6 +105,7 @@ class StructuresInMotion(NamedTuple):
     run: SimulationRun  # whose duration is still open
     factors: Mapping[str, Mapping[str, Array]]  # by model and parameter: samples (motions,) over median
     samples: Samples
+    arrangements: Sequence[Arrangement]  # the system alone, or its samples, one for each motion
 
     @property
     def dimensions(self) -> tuple[str, str]:
@@ -127,6 +128,11 @@ class StructuresInMotion(NamedTuple):
         """Structures, each with the heights [m] at which it could meet another; none of oscillators."""
         known = [pair for pair in pairs_of(self.system) if not np.isnan(pair.height)]
         return sorted({(n, pair.height) for pair in known for n in (pair.first, pair.second)})
+
+    @property
+    def heights(self) -> Array:
+        """Heights [m] at which structures could meet, in increasing order; none of oscillators."""
+        return np.unique([height for _, height in self.places])
 
     @property
     def functions(self) -> dict[str, Array]:
@@ -194,15 +200,17 @@ def structures_in_motion(
         role: made.get(role) or _samples(models[role], own, usual) for role, own in factors.items()
     }
     rows: list[Any] = []  # structures of each motion
+    arrangements = [system]
     if samples:
         named = zip(models, system.stacks, strict=False)  # without the ground
         columns = [samples.get(role, [stack] * whole_groups(paths)) for role, stack in named]
         rows = [*zip(*columns, strict=True)]
-        limits = np.array([system._replace(stacks=row).limits for row in rows])
+        arrangements = [system._replace(stacks=row) for row in rows]
+        limits = np.array([each.limits for each in arrangements])
     groups = connected_groups(system, rows) if samples else stepped_groups(system)
     options |= {"drift_times": drift_times, "grounds": samples.get(GROUND, [])}
     run = prepare(groups, usual, paths=paths, seed=seed, **options)
-    return StructuresInMotion(system, groups, links, limits, run, factors, samples)
+    return StructuresInMotion(system, groups, links, limits, run, factors, samples, arrangements)
 
 
 def _drift_times(

@@ -12,7 +12,7 @@ from stochlin._version import __version__
 from stochlin.models.parameters import Model
 from stochlin.models.systems import Arrangement
 from stochlin.solver.tables.lazy import cellwise
-from stochlin.solver.variables import unit_and_long_name
+from stochlin.solver.variables import NONE, Variables, unit_and_long_name
 
 PAPER = (
     "Valles-Mattox, R. E. and Reinhorn, A. M. (1996). Evaluation, prevention and mitigation of "
@@ -49,8 +49,6 @@ STATUS_MEANINGS = (
 )
 ENDS = "lower", "upper"
 VALUE_AND_ENDS = ("", *(f"_{end}" for end in ENDS))  # endings of the names of a number and its interval
-Variables = Mapping[str, tuple[str, str]]
-NONE: Variables = {}
 CAUTION = "caution"  # end of the names of the caution flags
 CAUTION_MEANINGS = ("within_10_percent", "off_by_more_than_10_percent", "outside_of_the_map")
 CURES = {
@@ -84,7 +82,7 @@ def label(dataset: xr.Dataset, special: Variables = NONE, last: int = TOO_STRONG
             continue
         if name.rpartition("_")[2] == CAUTION:
             every[name].attrs = _flags("caution flag of the linearization", CAUTION_MEANINGS)
-        if described := special.get(name) or unit_and_long_name(name):
+        if described := unit_and_long_name(name, special):
             every[name].attrs.update(zip(("units", "long_name"), described, strict=True))
     return dataset
 
