@@ -355,3 +355,26 @@ def test_correction_has_no_steps_at_the_ends_of_the_map():
         sides = [replace(building(), **{name: edge * f}) for f in (1 - 1e-7, 1 + 1e-7)]
         low, high = (float(sl.linearize(side, LAKEBED, "drift").ductility_std) for side in sides)
         assert low == pytest.approx(high, rel=1e-5)
+
+
+@pytest.mark.parametrize("factor", [1e-3, 7.0])
+def test_time_intensity_and_strength_are_only_scales(factor):
+    table = sl.correlate(building(0.7), building(1.2), LAKEBED, closure="drift")
+    slow_ground = sl.KanaiTajimi(factor, 0.05)
+    slow = sl.correlate(building(0.7 * factor), building(1.2 * factor), slow_ground, closure="drift")
+    louder = replace(LAKEBED, intensity=factor)
+    strong = sl.correlate(building(0.7), building(1.2), louder, closure="drift")
+    for other in (slow, strong):
+        assert float(other.rho) == pytest.approx(float(table.rho), abs=1e-9)
+        assert float(other.ductility_std_1) == pytest.approx(float(table.ductility_std_1), rel=1e-8)
+    std = float(table.displacement_std_1) * np.sqrt(factor)
+    assert float(strong.displacement_std_1) == pytest.approx(std, rel=1e-8)
+
+
+def test_order_of_the_structures_does_not_matter():
+    first, second = building(0.4, 6.0, 0.02), building(1.3, 2.0, 0.3)
+    there, back = (
+        float(sl.correlate(*pair, LAKEBED, closure="drift").rho)
+        for pair in ((first, second), (second, first))
+    )
+    assert there == pytest.approx(back, abs=1e-12)

@@ -367,3 +367,37 @@ def test_the_loop_ends_for_random_buildings():
     drawn = [draw_building(rng) for _ in range(500)]
     rounds = [rounds_of(*drawn[n]) for n in (*range(20), 24, 72, 126, 317, 434)]
     assert np.mean(rounds[:20]) < 12
+
+
+# --- Scales and symmetry ------------------------------------------------------------------------------
+
+
+def test_lengths_and_masses_have_no_scale():
+    """Half the yield drifts under a quarter of the intensity; ten times the mass and stiffness."""
+    half = replace(TALL, yield_drifts=TALL.yield_drifts / 2)
+    big = replace(TALL, masses=TALL.masses * 10, stiffnesses=TALL.stiffnesses * 10)
+    usual = sl.linearize_system([TALL], GROUND)
+    small = sl.linearize_system([half], replace(GROUND, intensity=GROUND.intensity / 4))
+    np.testing.assert_allclose(small.ductility_std, usual.ductility_std, rtol=1e-11)
+    np.testing.assert_allclose(small.k_eq, usual.k_eq, rtol=1e-10)
+    np.testing.assert_allclose(sl.linearize_system([big], GROUND).drift_std, usual.drift_std, rtol=1e-11)
+
+
+def test_order_of_the_structures_does_not_matter():
+    one, other = (sl.linearize_system(each, GROUND) for each in ([TALL, LOW], [LOW, TALL]))
+    turned = [4, 5, 0, 1, 2, 3]
+    for name in ("drift_std", "c_eq", "k_eq", "velocity_std"):
+        np.testing.assert_allclose(one[name].values[turned], other[name].values, rtol=1e-10)
+    np.testing.assert_allclose(one.rho.values[np.ix_(turned, turned)], other.rho.values, atol=1e-11)
+
+
+def test_a_link_to_what_does_not_move_is_a_spring_to_the_ground():
+    """To a rock: so stiff and heavy that it stands still."""
+    rock = sl.Bilinear(period=0.001, damping=0.5, mass=1e14)
+    stiffness, storey, mass = 5e7, 8e7, 2e5
+    lone = sl.ShearBuilding([mass], [storey], [3.0], 0.05)
+    table = sl.linearize_system([lone, rock], GROUND, [sl.Link(stiffness)])
+    w = np.sqrt((storey + stiffness) / mass)
+    damping = 0.05 * np.sqrt(storey / mass) / w
+    spring = sl.linearize(sl.Bilinear(2 * np.pi / w, damping), GROUND)
+    assert float(table.drift_std[0]) == pytest.approx(float(spring.displacement_std), rel=1e-5)

@@ -225,3 +225,54 @@ def test_estimate_of_one_elastic_hit_is_what_the_history_does():
     assert apart.isnull().all()
     radii = np.abs([hit.contact_displacement_1.values, hit.contact_displacement_2.values]).max(axis=1)
     np.testing.assert_allclose(radii, [0.05, 0.04], rtol=1e-12)  # the ends of what both reach
+
+
+# --- Scales and limits --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", CONTACTS)
+def test_identical_buildings_never_pound(name):
+    assert sl.pound([soft(), soft()], 1e-6, CONTACTS[name], synthetic()).sizes["impact"] == 0
+
+
+@pytest.mark.parametrize(
+    ("kind", "stiffness", "exponent"), [(sl.Kelvin, 5e7, 1.0), (sl.HertzDamp, 1e9, 1.5)]
+)
+def test_masses_have_no_scale_and_lengths_go_with_the_motion(kind, stiffness, exponent):
+    heavier, longer = 16.0, 2.5
+    contact = kind(stiffness, restitution=0.65)
+    other_contact = kind(heavier * longer ** (1 - exponent) * stiffness, restitution=0.65)
+    usual = sl.pound([soft(), stiff()], 0.01, contact, synthetic())
+    pair = [
+        soft(mass=heavier * 2e5, yield_displacement=longer * 0.03),
+        stiff(mass=heavier * 3e5, yield_displacement=longer * 0.015),
+    ]
+    longer_motion = (longer * synthetic()).assign_attrs(synthetic().attrs)
+    other = sl.pound(pair, longer * 0.01, other_contact, longer_motion)
+    assert usual.sizes["impact"] == other.sizes["impact"] > 3
+    size = float(usual.peak.max())
+    np.testing.assert_allclose(other.displacement / longer, usual.displacement, atol=1e-6 * size)
+    np.testing.assert_allclose(
+        other.largest_force, heavier * longer * usual.largest_force, rtol=1e-5, atol=1.0
+    )
+
+
+def test_a_neighbour_that_is_very_heavy_does_not_feel_the_blows():
+    record, wall = synthetic(300), stiff(mass=1e12)
+    table = sl.pound([soft(), wall], 0.005, sl.Stereomechanical(0.5), record, steps_per_contact=128)
+    assert table.sizes["impact"] >= 2
+    alone = sl.respond(wall, record).displacement
+    assert_near(table.displacement[:, 1], alone, 1e-5)
+
+
+def test_a_motion_with_silence_in_it_is_the_same_sampled_more_densely():
+    shaken = synthetic(200, size=3.0).values
+    quiet = np.concatenate([shaken, np.zeros(300), shaken[::-1], np.zeros(300)])
+    fine = np.interp(np.arange(2 * quiet.size - 1) / 2, np.arange(quiet.size), quiet)
+    pair = [soft(), stiff()]
+    coarse, dense = (
+        sl.pound(pair, 0.01, CONTACTS["kelvin"], each) for each in (motion(quiet), motion(fine, 0.01))
+    )
+    assert coarse.sizes["impact"] == dense.sizes["impact"] > 0
+    allowed = 4 * float(coarse.step_error) * float(coarse.peak.max())
+    np.testing.assert_allclose(coarse.displacement, dense.displacement[::2], rtol=0, atol=allowed)

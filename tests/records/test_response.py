@@ -1,6 +1,6 @@
 """Response to records: against adaptive integration, matrix exponentials, closed forms and energy."""
 
-from itertools import pairwise
+from itertools import combinations, pairwise
 
 import numpy as np
 import pytest
@@ -313,3 +313,42 @@ def test_time_of_a_history_is_that_of_the_record():
     found = sl.respond(sl.Bilinear(0.5, 0.05), record, refine=3)
     np.testing.assert_array_equal(found.time[::3], record.time)
     np.testing.assert_allclose(np.diff(found.time), 0.02 / 3, rtol=1e-9)
+
+
+def test_very_long_periods_integrate_the_ground_twice():
+    """The structure stands still, so that it moves as the ground does, in the other direction."""
+    record = synthetic()
+    ground, dt = record.to_numpy(), 0.02
+    v = -np.append(0, np.cumsum((ground[1:] + ground[:-1]) / 2)) * dt
+    u = np.append(0, np.cumsum(v[:-1] * dt - (2 * ground[:-1] + ground[1:]) / 6 * dt**2))
+    found = sl.respond(sl.Bilinear(1e9, 0.05), record)
+    assert_near(found.displacement, u, 1e-8)
+    assert_near(found.velocity, v, 1e-8)
+
+
+@pytest.mark.parametrize("case", YIELDING)
+@pytest.mark.parametrize("factor", [1e-5, 300.0])
+def test_strength_and_motion_scale_together(case, factor):
+    period, damping, hardening, uy = YIELDING[case]
+    record = synthetic(samples=150)
+    one, other = (
+        sl.response_spectrum(a * record, period, damping, hardening=hardening, yield_displacement=a * uy)
+        for a in (1.0, factor)
+    )
+    for name in (*PEAKS, "permanent_set"):
+        size = float(one["displacement_max"]) if name == "permanent_set" else float(one[name])
+        assert float(other[name]) / factor == pytest.approx(float(one[name]), abs=1e-6 * size)
+
+
+@pytest.mark.parametrize(("first", "second"), [*combinations(YIELDING, 2)])
+def test_a_gap_is_at_most_the_sum_of_both_peaks_and_that_of_the_mirrored_pair(first, second):
+    pair = [
+        sl.Bilinear(period, damping, hardening, yield_displacement=uy)
+        for period, damping, hardening, uy in (YIELDING[first], YIELDING[second])
+    ]
+    record = synthetic(samples=150)
+    table = sl.recorded_gap(*pair, record)
+    assert 0 <= float(table.separation) <= float(table.peak_1 + table.peak_2) * (1 + 1e-9)
+    mirrored = sl.recorded_gap(*pair[::-1], -record)
+    assert float(mirrored.separation) == pytest.approx(float(table.separation), rel=1e-12)
+    assert float(mirrored.rho) == pytest.approx(float(table.rho), abs=1e-12)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import stochlin as sl
@@ -292,3 +292,39 @@ REFUSED = {
 def test_what_cannot_be_is_refused(message):
     with pytest.raises((ValueError, TypeError), match=message):
         REFUSED[message]()
+
+
+@pytest.mark.parametrize("name", EFFECTIVE)
+def test_effective_rules_are_continuous_where_yielding_begins(name):
+    """Iwan's damping begins like the power 0.371 of the distance: 1e-12 of it is 3e-5 of 0.0587."""
+    rule = rules.effective_rule(name)
+    assert float(rule.period_ratio(1 + 1e-12, 0.05)) == pytest.approx(1, abs=1e-10)
+    assert float(rule.damping(1 + 1e-12, 0.05, 0.05)) == pytest.approx(0.05, abs=3e-6)
+
+
+@pytest.mark.parametrize("name", EFFECTIVE)
+@given(st.floats(1, 20), st.floats(1.0001, 3), st.floats(0.001, 0.5), st.floats(0.01, 0.2))
+def test_more_ductility_is_a_longer_period_and_no_less_damping(name, mu, factor, alpha, xi):
+    """But for a step of FEMA 440 between two pieces of its fit."""
+    rule = rules.effective_rule(name)
+    low, high = (float(rule.period_ratio(m, alpha)) for m in (mu, mu * factor))
+    assert high >= low * (1 - (0.104 / 1.774 if name == "fema_440" else 1e-14))
+    assert float(rule.damping(mu, alpha, xi)) >= xi
+
+
+@settings(max_examples=30)
+@given(*2 * [st.floats(1e-3, 1)], *2 * [st.floats(3, 100)], *3 * [st.booleans()])
+def test_codes_do_not_ask_which_building_is_first(one, two, h_1, h_2, aligned, lot, system):
+    """Nor for less where a peak grows, or where less is known to be favourable."""
+    storeys = round(1 + h_1 / 4), round(1 + h_2 / 4)
+    here = {"storeys_1": storeys[0], "storeys_2": storeys[1], "importance_1": 1.2, "design_pga": 2.0}
+    there = {"storeys_1": storeys[1], "storeys_2": storeys[0], "importance_2": 1.2, "design_pga": 2.0}
+    facts = "III", lot, system
+    for name in rules.code_rule_names():
+        rule = rules.code_rule(name)
+        gap = float(rule.gap(one, two, h_1, h_2, aligned, *facts, **here))
+        mirrored = float(rule.gap(two, one, h_2, h_1, aligned, *facts, **there))
+        assert gap == pytest.approx(mirrored, rel=1e-14), name
+        assert float(rule.gap(1.5 * one, two, h_1, h_2, aligned, *facts, **here)) >= gap, name
+        for safer in ((False, *facts), (aligned, "III", False, system), (aligned, "III", lot, False)):
+            assert float(rule.gap(one, two, h_1, h_2, *safer, **here)) >= gap * (1 - 1e-14), name

@@ -122,3 +122,14 @@ def test_cells_records_and_grounds_are_taken_one_by_one():
     for name in ("least_added_damping", "least_added_damping_recorded", "critical_gap"):
         cell = table[name].isel(record=1, period=1, soil=1, missing_dims="ignore")
         np.testing.assert_allclose(cell, alone[name], rtol=1e-12)
+
+
+@pytest.mark.invariant
+def test_it_goes_with_the_motion_and_does_not_ask_which_building_is_first():
+    usual = sl.energy_gap(FIRST, SECOND, noise())
+    louder = sl.energy_gap(FIRST, SECOND, 2 * noise())
+    assert float(louder.critical_gap) == pytest.approx(2 * float(usual.critical_gap), rel=1e-12)
+    turned = sl.energy_gap(SECOND, FIRST, -noise())
+    for name in ("critical_gap", "separation"):
+        assert float(turned[name]) == pytest.approx(float(usual[name]), rel=1e-12)
+    assert float(sl.energy_gap(FIRST, FIRST, noise()).critical_gap) == pytest.approx(0, abs=1e-12)

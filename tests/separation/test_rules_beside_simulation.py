@@ -126,3 +126,11 @@ def test_rules_that_need_linearization_are_not_available_far_beyond_yield():
         assert np.isnan(gap[rule])
     assert "shaking too strong" in str(table.missing.sel(rule="eq_3_linearized").values)
     assert table.missing.sel(rule="eq_3_paper").item()
+
+
+def test_gaps_go_with_the_motion(table):
+    louder = sl.named_ground("firm", intensity=0.04)
+    pair = building(0.6), building(1.0)
+    other = sl.separation(*pair, louder, 30.0, confidence=0.8, codes=OF_SITE, **SHORT)
+    for rule in ("simulation", "srss", "linearization", "eq_3_iwan_1980", "eq_3_paper"):
+        assert float(row(other, rule).gap / row(table, rule).gap) == pytest.approx(2, rel=1e-9), rule

@@ -131,3 +131,12 @@ def test_the_risk_of_crossing_a_line_is_that_of_the_peaks_of_a_linear_building()
     needed = sl.required_gap(linear, None, GROUND, hazard, risk=by_hand, **quake)
     assert float(needed.required_gap) == pytest.approx(gap, rel=0.01)
     assert "crossing its property line" in table.attrs["title"]
+
+
+@pytest.mark.invariant
+def test_its_peak_is_that_beside_a_neighbour_on_the_same_motions() -> None:
+    """A softer neighbour leaves the time steps as they are."""
+    beside = sl.separation(OFFICE, sl.Bilinear(1.7, 0.05), GROUND, **QUAKE)
+    alone = sl.separation(OFFICE, None, GROUND, **QUAKE)
+    for name in ("peak_1", "peak_mean_1", "ductility_1", "yield_displacement_1", "reduction_factor_1"):
+        assert float(alone[name]) == float(beside[name]), name
