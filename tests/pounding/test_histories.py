@@ -276,3 +276,27 @@ def test_a_motion_with_silence_in_it_is_the_same_sampled_more_densely():
     assert coarse.sizes["impact"] == dense.sizes["impact"] > 0
     allowed = 4 * float(coarse.step_error) * float(coarse.peak.max())
     np.testing.assert_allclose(coarse.displacement, dense.displacement[::2], rtol=0, atol=allowed)
+
+
+@pytest.mark.slow
+def test_a_law_with_memory_pounds_and_forgets_nothing():
+    """Without wear it is the law of Bouc and Wen; with it, the energy is accounted for, too."""
+    v, z, e = sympy.symbols("v z e")
+    slip = (sympy.Abs(v) * z + v * sympy.Abs(z)) / 2
+    parts = [{"mass": 2e5, "yield_displacement": 0.03}, {"mass": 3e5, "yield_displacement": 0.015}]
+    periods = 1.1, 0.5
+
+    def worn(wear):
+        law = {"z": (v - (1 + wear * e) * slip) / (1 + wear * e), "e": z * v}
+        return [sl.Hysteretic(T, 0.05, 0.1, law=law, **p) for T, p in zip(periods, parts, strict=True)]
+
+    plain = [sl.BoucWen(T, 0.05, 0.1, **part) for T, part in zip(periods, parts, strict=True)]
+    record = synthetic(300, size=3.0)
+    known, same, less = (
+        sl.pound(each, 0.01, CONTACTS["kelvin"], record) for each in (plain, worn(0.0), worn(0.05))
+    )
+    assert known.sizes["impact"] == same.sizes["impact"] > 3
+    assert_near(same.displacement, known.displacement, 1e-5)
+    assert float(abs(less.displacement - known.displacement).max()) > 0.01 * float(known.peak.max())
+    for table in (same, less):
+        check_energy(table)

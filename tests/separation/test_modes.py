@@ -1,5 +1,7 @@
 """CQC of the difference of two buildings: exact for linear ones, its limits, and beside codes."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -148,3 +150,12 @@ def test_the_same_structural_system_counts_where_roofs_are_level():
             for same in (False, True)
         )
         np.testing.assert_allclose(alike, share * usual, rtol=1e-14)
+
+
+def test_order_units_of_mass_and_strength_of_shaking_do_not_matter():
+    here = by_codes(TALL, SKEW).cqc.sel(rule="srss")
+    in_tonnes = replace(TALL, masses=TALL.masses / 1e3, stiffnesses=TALL.stiffnesses / 1e3)
+    for same in (by_codes(SKEW, TALL), by_codes(in_tonnes, SKEW)):
+        np.testing.assert_allclose(same.cqc.sel(rule="srss"), here, rtol=1e-11)
+    thrice = sl.code_gaps(modes_1=TALL, modes_2=SKEW, spectrum=3 * SPECTRUM)
+    np.testing.assert_allclose(thrice.cqc.sel(rule="srss"), 3 * here, rtol=1e-11)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
+from motions import shaking
 
 import stochlin as sl
 
@@ -140,3 +141,22 @@ def test_its_peak_is_that_beside_a_neighbour_on_the_same_motions() -> None:
     alone = sl.separation(OFFICE, None, GROUND, **QUAKE)
     for name in ("peak_1", "peak_mean_1", "ductility_1", "yield_displacement_1", "reduction_factor_1"):
         assert float(alone[name]) == float(beside[name]), name
+
+
+@pytest.mark.oracle
+@pytest.mark.parametrize(
+    "structure",
+    [
+        sl.Bilinear(1.0, 0.05, 0.05, yield_displacement=0.02),
+        sl.BoucWen(1.0, 0.05, 0.05, yield_displacement=0.02),
+        TOWER,
+    ],
+    ids=["bilinear", "bouc_wen", "tower"],
+)
+def test_in_a_record_it_is_the_largest_displacement_of_respond(structure: sl.Bilinear) -> None:
+    record = shaking(300, 0, 2.0)
+    motion = sl.respond(structure, record, refine=8).displacement
+    table = sl.recorded_gap(structure, None, record)
+    assert float(table.separation) == pytest.approx(float(motion.max()), rel=1e-3)
+    roof = motion if motion.ndim == 1 else motion[:, -1]
+    assert float(table.peak_1) == pytest.approx(float(abs(roof).max()), rel=1e-3)

@@ -9,6 +9,7 @@ import xarray as xr
 
 import stochlin as sl
 from stochlin.kernels.simulation.ensemble import MotionGroup
+from stochlin.solver.simulation.finite_motions import quantile_intervals
 from stochlin.solver.simulation.structures_in_motion import structures_in_motion
 
 pytestmark = pytest.mark.oracle
@@ -120,3 +121,18 @@ def test_a_motion_has_the_same_bits_among_few_and_many_and_beside_other_structur
     turned = sl.simulate(OF_ALL_LAWS[::-1], FIRM, paths=32, duration=6.0, seed=4, steps_per_period=40)
     np.testing.assert_array_equal(turned.peak[:, ::-1], few.peak)
     np.testing.assert_array_equal(turned.separation[:, 2, 0], few.separation[:, 0, 2])
+
+
+@pytest.mark.parametrize("count", [32, 256, 2048])
+def test_an_interval_of_a_quantile_contains_it_as_often_as_it_says(count):
+    """By the binomial distribution of how many samples are below the quantile."""
+    levels = np.array([0.02, 0.5, 0.84, 0.95, 0.999])
+    ranks = np.arange(1, count + 1)
+    _, low, high = quantile_intervals(ranks.astype(float), levels)
+    below = np.array([scipy.stats.binom.pmf(np.arange(count + 1), count, level) for level in levels])
+    covered = [
+        p[int(a) : int(min(b, count + 1))].sum() for p, a, b in zip(below, low, high, strict=True)
+    ]
+    assert (np.array(covered) >= 0.95).all()
+    inside = (low > 0) & (high < np.inf)
+    assert (np.array(covered)[inside] < 0.99).all()
