@@ -102,8 +102,11 @@ def test_a_fit_that_misses_duration_or_spectrum_says_so(start, message):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (lambda r: [r, r[:-5]], "have the sample counts 3001, 2996; allowed: equal"),
-        (lambda r: [r, r.assign_attrs(event="Kobe")], "have the events Duzce, Kobe"),
+        (lambda r: [r, r[:-5]], "have the sample counts 3001 and 2996; allowed: equal"),
+        (
+            lambda r: [r, r.assign_attrs(event="Kobe")],
+            "events .Duzce. and .Kobe.; allowed: equal",
+        ),
         (lambda r: [r, r, r], "record has 3 components; allowed: one, or"),
         (lambda r: r[:150], "record lasts 1.5 s; allowed: 2 s or more"),
     ],

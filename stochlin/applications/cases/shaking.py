@@ -8,7 +8,8 @@ import numpy as np
 import xarray as xr
 from scipy import constants
 
-from stochlin.applications.records.cells import ends_of_events, events_of
+from stochlin.applications.records.cells import ends_of_events
+from stochlin.applications.records.components import events_of
 from stochlin.applications.records.gaps import quantiles_of_records
 from stochlin.applications.records.records import strong_part
 from stochlin.applications.records.response import response_spectrum
@@ -47,7 +48,7 @@ def over_records(case: Case, separations: xr.DataArray, gap: float) -> xr.Datase
     The intervals are those of `ends_of_events`.
     """
     levels = np.unique([*LEVELS, case.wanted.confidence])
-    events = events_of(case.site.records.values())
+    events = events_of(case.site.records, [*case.site.records.values()])
     table = quantiles_of_records("record_gap", separations, events, levels)
     smallest, largest = ends_of_events(separations, events)
     # Most events are within the gap by the smallest values.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Annotated, NamedTuple
 
 import numpy as np
@@ -79,12 +79,6 @@ def checked_motions(record: Records) -> RecordedMotions:
         except (TypeError, ValueError) as error:
             raise type(error)(f"record {name}: {error}") from error
     return RecordedMotions(records, grounds, names)
-
-
-def events_of(records: Iterable[xr.DataArray]) -> list[object]:
-    """What is equal for the components of a station in one earthquake, for each record."""
-    stated = [(each.attrs.get("event"), each.attrs.get("station")) for each in records]
-    return [pair if all(pair) else n for n, pair in enumerate(stated)]
 
 
 def ends_of_events(values: xr.DataArray, events: Sequence[object]) -> list[xr.DataArray]:

@@ -15,8 +15,8 @@ from stochlin.applications.records.cells import (
     Records,
     checked_motions,
     ends_of_events,
-    events_of,
 )
+from stochlin.applications.records.components import events_of
 from stochlin.applications.records.stepped import gap_columns, stepped_gap
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
@@ -112,8 +112,8 @@ def recorded_gap(
         table = _exactly(list(roles.values()), motions, progress)
     else:
         table = over_cells(lambda **roles: stepped_gap(list(roles.values()), motions, progress), roles)
-    if RECORD in table.dims:
-        events = events_of(motions.records)
+    if motions.names is not None:
+        events = events_of(motions.names, motions.records)
         table = table.merge(quantiles_of_records("separation", table.separation, events, QUANTILES))
     title = "Gap of two structures in recorded motions" if second is not None else SET_BACK
     table = labels.label(table.assign_attrs(records=motions.describe()))

@@ -14,7 +14,8 @@ import xarray as xr
 from scipy import constants
 
 from stochlin.applications.records.columns import LONGEST_STEP, TIME_TOLERANCE
-from stochlin.applications.records.files import chosen, letters, read_channels
+from stochlin.applications.records.components import identifies
+from stochlin.applications.records.files import chosen, read_channels
 from stochlin.applications.records.formats import Series
 from stochlin.applications.sheets.columns import ColumnName
 from stochlin.kernels.basics.arrays import Array
@@ -136,17 +137,6 @@ def recorded(series: Series, name: str, dt: float | None, units: str | None) -> 
     return record
 
 
-_UPWARD = re.compile(r"UP|DN|DWN|DOWN|UD|DU|UPDOWN|V|VT|VER|VERT|VERTICAL|[A-Z]{0,2}Z")
-_BELOW = {"BOREHOLE", "DOWNHOLE", "UNDERGROUND"}
-
-
-def is_horizontal(record: xr.DataArray, name: str) -> bool:
-    """Whether a record is of a horizontal component at the surface, by its component or file name."""
-    component = record.attrs.get("component", "")
-    words = re.split(r"[\s,;()]+", component or re.sub(r"^.*[-_]|\..*", "", name))
-    return not any(_UPWARD.fullmatch(word) or word in _BELOW for word in map(letters, words))
-
-
 def _doubts(record: xr.DataArray, series: Series) -> Iterator[str]:
     """Texts of warnings on an implausible record, each as a question."""
     peak, step = float(np.abs(record).max()), record.attrs["dt"]
@@ -238,7 +228,9 @@ def _labelled(series: Series, name: str, dt: float | None, units: str | None) ->
     if not step >= SHORTEST_STEP:
         raise ValueError(f"the time step of {name} is {step:g} s; allowed: {SHORTEST_STEP:g} s or more")
     time = start + step * np.arange(series.values.size)
-    about = {key: text for key, text in series.about.items() if text}
+    about = {key: " ".join(text.split()) for key, text in series.about.items() if text}
+    if not identifies(about.get("event", "")):  # a region, which has many earthquakes
+        about.pop("event", None)
     record = xr.DataArray(
         series.values * size,
         coords=[labels.axis("time", "time", time, "s")],

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated, Any, NamedTuple
 
@@ -11,14 +11,16 @@ import numpy as np
 import xarray as xr
 
 from stochlin.applications.records.cells import Records, checked_motions
+from stochlin.applications.records.components import PLACE, FileNames, is_below, is_vertical
 from stochlin.applications.records.envelope_fit import FittedEnvelope, fit_envelope
-from stochlin.applications.records.records import checked_record, is_horizontal, strong_samples
+from stochlin.applications.records.files import is_record
+from stochlin.applications.records.records import checked_record, strong_samples
 from stochlin.applications.records.response import response_spectrum
 from stochlin.applications.sites.ground_fit import LONGEST, POINTS, Wanted, deliver
 from stochlin.applications.sites.spectra import BAND, BAND_POINTS, SHORTEST, USUAL_DAMPING, check_band
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.messages import DoubtfulInput, listed, plain
+from stochlin.messages import DoubtfulInput, plain
 from stochlin.models.arguments import (
     Duration,
     Scatter,
@@ -36,7 +38,6 @@ FILTERS, PATHS = 2, 512
 CYCLES = 4.0  # smallest number of cycles of a fitted period in a record
 SHORTEST_RECORD = 2.0  # s
 LIKE_DURATION, LIKE_SPECTRUM = 1.5, 1.3  # largest factors between motions and record without a doubt
-PLACE = ("event", "station")  # attributes that both components of a station share
 
 
 class UsualScatter(NamedTuple):
@@ -101,20 +102,33 @@ def checked_components(record: Records) -> Components:
     records = motions.records
     if len(records) > 2:
         raise ValueError(f"record has {len(records)} components; allowed: one, or both of a station")
-    for name, each in zip(names, records, strict=True):
-        if len(records) == 2 and not is_horizontal(each, ""):
-            raise ValueError(f"record: {plain(name)} is vertical or below; allowed: horizontal")
-    both = " and ".join(plain(name, 40) for name in names)
+    about = [each.attrs for each in records]
+    if len(records) == 2:
+        _check_horizontal(names, about)
     alike = {
+        **{f"{key}s": [repr(of[key]) for of in about if of.get(key)] for key in PLACE},
         "sample counts": [str(ground.acceleration.size) for ground in motions.grounds],
         "steps [s]": [f"{ground.dt:.9g}" for ground in motions.grounds],
-        **{f"{key}s": [each.attrs[key] for each in records if each.attrs.get(key)] for key in PLACE},
     }
+    both = " and ".join(plain(name, 40) for name in names)
     for what, values in alike.items():
         if len(set(values)) > 1:
-            raise ValueError(f"record: {both} have the {what} {listed(values)}; allowed: equal ones")
+            which = " and ".join(map(plain, values))
+            raise ValueError(f"record: {both} have the {what} {which}; allowed: equal ones")
     accelerations = np.array([ground.acceleration for ground in motions.grounds])
     return Components(records, accelerations, motions.grounds[0].dt)
+
+
+def _check_horizontal(names: Sequence[str], about: Sequence[Mapping[str, Any]]) -> None:
+    """Raise a ValueError if a record with such attributes is vertical or in a borehole."""
+    sources = [str(of.get("file") or of.get("source", "")) for of in about]
+    files = [source if is_record(source) else "" for source in sources]
+    in_names = FileNames(files)
+    for name, of, file in zip(names, about, files, strict=True):
+        component = str(of.get("component", ""))
+        if is_vertical(component, "", in_names.component(file)) or is_below(component):
+            cure = "of another direction, stated by its attribute component"
+            raise ValueError(f"record: {plain(name)} is vertical or below; allowed: horizontal, {cure}")
 
 
 @dataclass(frozen=True)

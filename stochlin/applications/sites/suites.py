@@ -5,16 +5,25 @@ from __future__ import annotations
 import os
 import re
 import warnings
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from itertools import zip_longest
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
+from stochlin.applications.records.components import (
+    PLACE,
+    USUAL,
+    FileNames,
+    events_of,
+    is_below,
+    is_vertical,
+)
 from stochlin.applications.records.files import UnknownFormatError, chosen, is_record, read_channels
-from stochlin.applications.records.records import checked_record, is_horizontal, recorded
+from stochlin.applications.records.records import checked_record, recorded
 from stochlin.applications.records.response import response_spectrum
 from stochlin.applications.sheets.columns import ColumnName
 from stochlin.applications.sheets.sheets import number_in, text_sheet
@@ -126,30 +135,35 @@ def read_records(
     usual: dict[str, Any] = {"dt": dt, "units": units, "component": component}
     usual |= {"column": column, "time_column": time_column, "wrapped": wrapped, "skip": skip}
     listed_files = _of_folder(path) if path.is_dir() else _of_table(path)
-    suite: Suite = {}
-    upward: list[str] = []
+    read: dict[str, _Read] = {}
     folder = path if path.is_dir() else path.parent
     for name, where, options, about in listed_files:
         try:
-            for label, record in _components(folder / name, name, **usual | options):
-                if label in suite:
+            for label, each in _components(folder / name, name, **usual | options):
+                if label in read:
                     raise ValueError("it is listed twice; allowed: each file once")
-                if component is not None or is_horizontal(record.assign_attrs(about), name):
-                    suite[label] = record.assign_attrs(about, file=name)
-                else:
-                    upward.append(label)
+                read[label] = each._replace(record=each.record.assign_attrs(about, file=name))
         except (OSError, ValueError) as error:
             if not (path.is_dir() and isinstance(error, UnknownFormatError)):
                 raise ValueError(f"{where}: {sentence(error, LONGEST_MESSAGE)}") from error
             what = f"{where} is left out: no record can be seen in it"
             warnings.warn(what, DoubtfulInput, stacklevel=3)
-    if upward:
-        which = f"{listed(upward)} {'is' if len(upward) == 1 else 'are'} left out"
-        why = "vertical or in a borehole; read_record reads such components"
-        warnings.warn(f"{plain(path.name)}: {which}: {why}", DoubtfulInput, stacklevel=3)
+    level = read if component is not None else _horizontal(read, plain(path.name))
+    suite = {label: each.record for label, each in level.items()}
+    for doubt in _without_earthquake(suite):
+        warnings.warn(f"{plain(path.name)}: {doubt}", DoubtfulInput, stacklevel=3)
     if not suite:
-        raise ValueError(f"{plain(path.name)} holds no record that can be read; allowed: one at least")
+        what = "vertical ones alone, which component= reads" if read else "no record that can be read"
+        raise ValueError(f"{plain(path.name)} holds {what}; allowed: one horizontal record at least")
     return suite
+
+
+class _Read(NamedTuple):
+    """A record that is read, the title of its file or column, and whether the file has no other."""
+
+    record: xr.DataArray
+    title: str
+    alone: bool
 
 
 def _components(
@@ -159,15 +173,56 @@ def _components(
     units: str | None,
     component: ColumnName | None,
     **reading: Any,
-) -> Iterator[tuple[str, xr.DataArray]]:
-    """The components of a file with their names: the one that is asked for, or both horizontal ones."""
+) -> Iterator[tuple[str, _Read]]:
+    """The components of a file with their names: the one that is asked for, or all of up to three."""
     source, channels = read_channels(path, **reading)
     if component is None and 1 < len(channels) <= 3:
         for channel in channels:
             label = f"{name}, {channel.about.get('component', '')}"
-            yield label, recorded(channel, source, dt, units)
+            yield label, _Read(recorded(channel, source, dt, units), channel.title, False)
     else:
-        yield name, recorded(chosen(channels, component, source), source, dt, units)
+        channel = chosen(channels, component, source)
+        title = channel.title or channel.column
+        yield name, _Read(recorded(channel, source, dt, units), title, len(channels) == 1)
+
+
+def _horizontal(read: dict[str, _Read], folder: str) -> dict[str, _Read]:
+    """The records that are horizontal and at the surface, with warnings on the others."""
+    names = FileNames({each.record.attrs["file"] for each in read.values() if each.alone})
+    level: dict[str, _Read] = {}
+    contradicted = []
+    for label, each in read.items():
+        component = each.record.attrs.get("component", "")
+        in_name = names.component(each.record.attrs["file"]) if each.alone else None
+        vertical = is_vertical(component, each.title, in_name)
+        if in_name is not None and in_name.weight >= USUAL and in_name.vertical != vertical:
+            contradicted.append(label)
+        if not vertical and not is_below(component):
+            level[label] = each
+    if upward := [label for label in read if label not in level]:
+        which = f"{listed(upward)} {'is' if len(upward) == 1 else 'are'} left out"
+        why = "vertical or in a borehole; read_record reads such components"
+        warnings.warn(f"{folder}: {which}: {why}", DoubtfulInput, stacklevel=4)
+    if contradicted:
+        what = "another direction in the name of the file than in the file, which is believed"
+        warnings.warn(f"{folder}: {listed(contradicted)}: {what}", DoubtfulInput, stacklevel=4)
+    return level
+
+
+def _without_earthquake(suite: Suite) -> Iterator[str]:
+    """Sentences on records of a station, or of an earthquake, that may belong together or not."""
+    events = events_of(suite, [*suite.values()])
+    single = [event for event, count in Counter(events).items() if count == 1]
+    for known, missing in (PLACE, PLACE[::-1]):
+        alike: dict[str, list[str]] = {}
+        for event, (label, record) in zip(events, suite.items(), strict=True):
+            if event in single and record.attrs.get(known) and not record.attrs.get(missing):
+                alike.setdefault(record.attrs[known], []).append(label)
+        for text, labels in alike.items():
+            if len(labels) > 1:
+                what = f"{listed(labels)} state the {known} {brief(text)} and no {missing}"
+                cure = f"the columns {FILE}, event and station of a table say which belong together"
+                yield f"{what}: each counts as an earthquake; {cure}"
 
 
 # A file of a suite: its name, its name for messages, options of reading, and attributes.

@@ -42,7 +42,8 @@ def _read(file: RecordFile) -> list[Series]:
     count, dt = stated
     values = file.counted(last + 1, len(lines), count, number)
     units = next((unit[1] for line in lines[:last] if (unit := _UNITS.search(line))), None)
-    return [Series(values, None, dt, units, about=_title(file))]
+    title = lines[1] if number > 2 else lines[0] if number > 1 else ""
+    return [Series(values, None, dt, units, about=_title(file), title=title)]
 
 
 def _stated(text: str) -> tuple[int, float] | None:

@@ -8,13 +8,16 @@ Both are delivered by https://www.strongmotioncenter.org.
 Accelerations stand below lines such as ``15050 points of accel data equally spaced at .020 sec, in
 cm/sec2. (8f10.6)`` of CSMIP, and ``42000 acceleration pts, approx 210 secs,
 units=cm/sec2(04),Format=(8F10.5)`` of COSMOS. There real value 62 is the time step [ms] and 63 the
-length [s]; -999 is what is not known.
+length [s]; -999 is what is not known. The earthquake is known by its origin time, or else by the line
+``Rcrd of Tue Dec 20, 2022 02:34:01.0 PST``, the time of the first sample, or the number of the record.
 """
 
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 
+from stochlin.applications.records.components import stated_as_vertical
 from stochlin.applications.records.formats import FORMATS, Format, RecordFile, Series, field_width
 from stochlin.applications.sheets.sheets import number_in
 
@@ -25,6 +28,18 @@ _CHANNEL = re.compile(
     r"|\s*sta cha\w*\s*:?\s*[^:]*:\s*([^(:]*?)\s*\(",
     re.IGNORECASE,
 )
+# Of the header above a channel: what identifies the earthquake, by rank, the station, and the channel.
+_EVENTS = [
+    re.compile(pattern, re.IGNORECASE)
+    for pattern in (
+        r"\borigin\s*(?:\(\w+\))?\s*:\s*(\d+/\d+/\d+[,\s]+\d+\s*:\s*\d+[\d:.\s]*)",
+        r"^(?!.*\bprocessed\b)(?=.*\b(?:19|20)\d\d\b)\s*(.*?[a-z]{3}.*\d:\d\d(?:[:.\s]*\d)*(?:\s[A-Z]{3}\b)?)",
+        r"\bstart time\s*:\s*(\d+/\d+/\d+[,\s]+\d+\s*:\s*\d+[\d:.\s]*)",
+        r"(?:^\s*corrected accelerogram|rcrdid:)\s*(\w+-\w+-\d{5}\.\d+|\d{6,}\.\w+\.\w+)",
+    )
+]
+_STATION = re.compile(r"^\s*stat(?:io)?n no\b.*\bcode:\s*(\S+)|^\s*station no\.?\s*(\S+)", re.IGNORECASE)
+_SCNL = re.compile(r"<SCNL>\w*\.(\w+)")
 _REALS = re.compile(r"\s*\d+\s+real-header values follow on\s+(\d{1,6})\s+lines", re.IGNORECASE)
 _DATA = re.compile(
     r"\s*(\d{1,9})\s+"
@@ -35,15 +50,18 @@ _UNITS = re.compile(r"(?:\bin\s|units:|units\s*=)\s*([a-z/^*\d]+)", re.IGNORECAS
 _END = re.compile(r"points of|end.of.data|/&", re.IGNORECASE)
 _WIDTH = 10  # of fields where it is not stated
 _EXAMPLE = "15050 points of accel data equally spaced at .020 sec, in cm/sec2. (8f10.6)"
+_MOST_HEADS, _WIDEST = 100, 200  # lines and signs of the header above a channel
 _STEP, _LENGTH = 61, 62  # numbers of real values, from 0
 
 
 def _read(file: RecordFile) -> list[Series]:
     channels: list[Series] = []
-    name, reals, end = "", 0, 0
+    name, reals, end, top = "", 0, 0, 0
     for number, line in enumerate(file.lines, 1):
         if number <= end:
             continue
+        if _CSMIP.match(line) or _COSMOS.match(line):
+            top = number - 1
         if match := _CHANNEL.match(line):
             name = match[match.lastindex or 1].strip()
         elif _REALS.match(line):
@@ -55,10 +73,21 @@ def _read(file: RecordFile) -> list[Series]:
             if step is not None and not 0 < (dt or 0.0) < 1e9:
                 raise file.wrong(number, repr(_EXAMPLE))
             units = _UNITS.search(rest)
-            about = {"component": name}
+            about = _about(file.lines[top : min(number - 1, top + _MOST_HEADS)], name)
             channels.append(Series(values, None, dt, units[1] if units else None, about=about))
             name, reals = "", 0
     return channels
+
+
+def _about(header: Sequence[str], name: str) -> dict[str, str]:
+    """Component, earthquake and station in the lines above a channel of this name."""
+    lines = [line[:_WIDEST] for line in header]
+    quake = lines[1].strip() if len(lines) > 1 and _COSMOS.match(lines[0]) else ""
+    events = (match[1] for pattern in _EVENTS for line in lines if (match := pattern.search(line)))
+    stations = (match[match.lastindex or 1] for line in lines if (match := _STATION.search(line)))
+    if stated_as_vertical(name) is None:
+        name = next((match[1] for line in lines if (match := _SCNL.search(line))), name)
+    return {"component": name, "event": next(events, quake).strip(), "station": next(stations, "")}
 
 
 def _width(line: str) -> int:

@@ -24,6 +24,7 @@ _OF_KNET, _LAST = re.compile(r"(.{0,18})(.*)"), "Memo."
 _SCALE, _DURATION = "Scale Factor", "Duration Time(s)"
 _FRACTION = re.compile(r"([\d.]+)\s*\(\s*gal\s*\)\s*/\s*([\d.]+)", re.IGNORECASE)
 _OF_ESM = re.compile(r"([A-Z][A-Z0-9_/^]*)\s*:\s*(.*)")
+_DATE, _TIME = "EVENT_DATE_YYYYMMDD", "EVENT_TIME_HHMMSS"
 _HERTZ = re.compile(r"\s*Hz$", re.IGNORECASE)
 # KiK-net has numbers of channels for the directions of K-NET; those of three are in a borehole.
 _CHANNELS = {"4": "N-S", "5": "E-W", "6": "U-D"}
@@ -94,7 +95,10 @@ def _read_esm(file: RecordFile) -> list[Series]:
         raise file.wrong(number, repr(example))
     dt = header.positive("SAMPLING_INTERVAL_S", "SAMPLING_INTERVAL_S: 0.005000")
     values = header.values(header.positive("NDATA", "NDATA: 19128"), "NDATA")
-    about = header.texts(event="EVENT_NAME", station="STATION_CODE", component="STREAM")
+    about = header.texts(station="STATION_CODE", component="STREAM")
+    name, *of_event = header.texts(n="EVENT_NAME", i="EVENT_ID", d=_DATE, t=_TIME).values()
+    identifier = of_event[0] or " ".join(of_event[1:])
+    about["event"] = ", ".join(filter(None, [name, identifier.strip()]))
     units, baseline = header.texts(units="UNITS", baseline="BASELINE_CORRECTION").values()
     if "NOT REMOVED" in baseline.upper():
         values, about["comment"] = _centred(values, units)

@@ -25,6 +25,7 @@ _MOST_HEADS = 10  # lines from the title of the data to the data
 _INTERVAL = r"INTERVALO DE MUESTREO", "INTERVALO DE MUESTREO, C1-C6 (s) : /0.005/0.005/0.005"
 _COUNT = r"NUM\. TOTAL DE MUESTRAS", "NUM. TOTAL DE MUESTRAS, C1-C6 : /35600/35600/35600"
 _LENGTH = r"DURACI.N DEL REGISTRO", "DURACION DEL REGISTRO (s), C1-C6 : /178.00/178.00/178.00"
+_HOUR = r"HORA EPICENTRO"
 _NAMES = r"ORIENTACI.N", "ORIENTACION C1-C6 (rumbo;orientacion) : /V/N00E/N90E"
 
 
@@ -45,7 +46,7 @@ def _read(file: RecordFile) -> list[Series]:
     values = file.counted(start + 1, end, rows * len(names), _values(header, *_COUNT)[0], width)
     about = {
         "comment": f"{more} rows beyond the stated {rows} are left out" if more > 0 else "",
-        "event": _text(header, "FECHA DEL SISMO"),
+        "event": f"{_text(header, 'FECHA DEL SISMO')} {_text(header, _HOUR)}".strip(),
         "station": _text(header, "CLAVE DE LA ESTACI.N"),
     }
     units, channels = _text(header, "UNIDADES DE LOS DATOS").partition(" ")[0] or None, []
