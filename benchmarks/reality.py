@@ -45,12 +45,15 @@ from reality_tables import (
 )
 
 import stochlin as sl
-from stochlin.applications.sites.motion_fit import OTHER_COMPONENT, Components
+from stochlin.applications.sites.elastic_spectra import marked
+from stochlin.applications.sites.motion_fit import Components
 from stochlin.applications.sites.spectra import labelled
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import DoubtfulInput
+from stochlin.models.grounds import OTHER_COMPONENT
 from stochlin.solver.tables.storage import save_table, whole_file
 
+OF_RECORDS = "elastic, of records"
 DAMPING, HARDENING, STOREY_HEIGHT, MASS = 0.05, 0.05, 3.2, 4e5
 # Period [s] and storeys of the left and of the right building; one storey: an oscillator.
 OSCILLATORS = ((0.3, 0.45), (0.5, 0.8), (1.0, 0.6), (1.0, 1.4), (1.8, 1.2), (2.5, 1.5))
@@ -264,7 +267,12 @@ def mean_spectrum(records: Mapping[str, xr.DataArray]) -> xr.DataArray:
         np.exp(np.mean(found, axis=0)),
         dims="period",
         coords={"period": period},
-        attrs={"units": "m/s^2", "damping": DAMPING, "source": "mean spectrum of a suite"},
+        attrs={
+            "units": "m/s^2",
+            "damping": DAMPING,
+            "source": "mean spectrum of a suite",
+            "elastic": OF_RECORDS,
+        },
     )
 
 
@@ -407,7 +415,7 @@ def spectrum_of(components: Sequence[xr.DataArray]) -> xr.DataArray:
     """Geometric mean of the spectra of components."""
     period = np.geomspace(0.05, LONGEST, 80)
     values = Components(components, np.empty((0, 0)), np.nan).spectrum(period)
-    return labelled(period, values, DAMPING, "a record")
+    return marked(labelled(period, values, DAMPING, "a record"), OF_RECORDS)
 
 
 def from_both(kept: Kept, records: Mapping[str, Recorded], place: str) -> xr.Dataset:

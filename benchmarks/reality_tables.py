@@ -11,8 +11,8 @@ import numpy as np
 import scipy.stats
 import xarray as xr
 
-from stochlin.applications.sites.motion_fit import OF_SPECTRUM, OTHER_COMPONENT
 from stochlin.kernels.basics.arrays import Array
+from stochlin.models.grounds import OF_SPECTRUM, OTHER_COMPONENT
 
 NOMINAL = (0.5, 0.84, 0.9, 0.95)
 CURVE = np.union1d(NOMINAL, np.arange(0.05, 0.99, 0.05).round(2))

@@ -50,7 +50,7 @@ PLAUSIBLE: Mapping[str, Plausible] = {
     **dict.fromkeys(("mass", "masses"), Plausible(5e3, 2e9, "2e4 to 1e9 kg", "is it in t?")),
     **dict.fromkeys(("heights", "storey_height"), Plausible(0.5, 50.0, "2 to 6 m", "", "is it in mm?")),
     "gap": Plausible(1e-3, 3.0, "0.01 to 1 m", "", "is it in cm?"),
-    **dict.fromkeys(("behaviour", "deflection"), Plausible(0.0, 12.0, "1.5 to 8")),
+    **dict.fromkeys(("behaviour", "deflection", "divided_by"), Plausible(0.0, 12.0, "1.5 to 8")),
     "height": Plausible(1.0, 1000.0, "3 to 500 m"),
     "displacements": Plausible(0.0, 1.0, "0.001 to 0.5 m", "", "is it in cm?"),
     "yield_displacement": Plausible(0.0, 2.0, "0.005 to 1 m", "", "is it in cm?"),

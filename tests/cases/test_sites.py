@@ -17,7 +17,7 @@ from stochlin.applications.cases.reading.case import Case
 from stochlin.applications.cases.rows import motion_of
 from stochlin.applications.cases.separation import answer_case
 from stochlin.applications.cases.shaking import doubts, recorded_shaking, shaking_of
-from stochlin.views.shared.words import scatter
+from stochlin.views.shared.words import scatter, spectrum_taken
 
 pytestmark = pytest.mark.invariant
 
@@ -91,9 +91,9 @@ def test_a_suite_is_scaled_to_the_spectrum_of_a_file(suite):
     code = sl.eurocode_8(0.25 * G, "B")[5::5]
     rows = [f"{float(one.period):g},{float(one) / G:.6f}" for one in code]
     (suite / "site.csv").write_text("\n".join(["T,Sa [g]", *rows]), encoding="utf-8")
-    site = 'spectrum = "site.csv"\nscale = 1.5\n[site.suite]\npath = "records"\n'
+    site = 'spectrum = "site.csv"\nelastic = true\nscale = 1.5\n[site.suite]\npath = "records"\n'
     case = read(suite, f'{site}scale_to = "spectrum"\nband = ["0.3 s", "1.5 s"]\n', SHORT)
-    spectrum = sl.read_spectrum(suite / "site.csv")
+    spectrum = sl.read_spectrum(suite / "site.csv", elastic=True)
     np.testing.assert_allclose(case.site.spectrum, 1.5 * spectrum)
     records = {f"m{n:02d}.at2": sl.read_record(suite / f"records/m{n:02d}.at2") for n in range(12)}
     expected = sl.scale_records(records, spectrum=case.site.spectrum, band=(0.3, 1.5))
@@ -199,6 +199,66 @@ def test_the_ground_delivers_the_spectrum_in_the_motion_of_the_file(tmp_path):
     motion = {"duration": case.site.course.duration, "envelope": case.site.course.envelope}
     assert case.site.ground == sl.fit_ground(sl.eurocode_8(0.25 * G, "C"), filters=1, **motion)
     assert case.site.name == "eurocode_8"
+    assert case.site.ground.scatter == case.site.scatter
+
+
+STATEMENTS = {
+    "elastic = true": (1.0, "elastic as stated"),
+    "divided_by = 4": (4.0, "divided by 4, multiplied back"),
+    'divided_by = {periods = ["0 s", "5 s"], factors = [2, 4]}': (
+        lambda period: 2 + 0.4 * period,
+        "divided by 2 to 3.5 over the period, multiplied back",
+    ),
+}
+
+
+def spectrum_file(folder, divided):
+    """Elastic, from 0 to 3.75 s, and divided by a factor."""
+    code = sl.eurocode_8(0.25 * G, "B")[0:376:5]
+    period = code.period.values
+    values = code.values / G / (divided(period) if callable(divided) else divided)
+    rows = [f"{t:.12g},{sa:.12g}" for t, sa in zip(period, values, strict=True)]
+    (folder / "site.csv").write_text("\n".join(["T,Sa [g]", *rows]), encoding="utf-8")
+    return code
+
+
+@pytest.mark.cli
+@pytest.mark.parametrize("line", STATEMENTS)
+def test_the_spectrum_of_a_file_is_taken_as_the_case_file_says(line, tmp_path):
+    divided, said = STATEMENTS[line]
+    elastic = spectrum_file(tmp_path, divided)
+    case = read(tmp_path, f'spectrum = "site.csv"\n{line}\n', SHORT)
+    np.testing.assert_allclose(case.site.spectrum, elastic, rtol=1e-9)
+    assert spectrum_taken(case) == f"The spectrum of site.csv: PGA 0.3 g, plateau 0.75 g, {said}."
+
+
+@pytest.mark.cli
+@pytest.mark.parametrize(
+    ("lines", "message"),
+    [
+        ("", "does not say whether it is elastic; allowed: the line elastic = true, or divided_by = 4"),
+        ("elastic = false\n", "does not say whether it is elastic; allowed: the line"),
+        ("elastic = true\ndivided_by = 4\n", "as well as elastic; allowed: one of elastic, divided_by"),
+        ("divided_by = 0.5\n", r"divided_by = 0\.5 is out of range; allowed: 1 <= value"),
+        ('divided_by = {periods = ["0 s"], factors = [1, 2]}\n', "factors = .* as many as periods, 1"),
+        (
+            'divided_by = {periods = ["0 s", "1 s"], factors = [1, 2]}\n',
+            "0 to 1 s; allowed: a table",
+        ),
+    ],
+)
+def test_a_spectrum_of_a_file_says_whether_it_is_elastic(lines, message, tmp_path):
+    spectrum_file(tmp_path, 1.0)
+    with pytest.raises(ValueError, match=message):
+        read(tmp_path, f'spectrum = "site.csv"\n{lines}', SHORT)
+
+
+@pytest.mark.invariant
+def test_a_design_acceleration_above_the_plateau_is_doubted(tmp_path):
+    spectrum_file(tmp_path, 4.0)
+    wanted = SHORT.replace("[separation]", '[separation]\ndesign_pga = "0.3 g"', 1)
+    with pytest.warns(sl.DoubtfulInput, match=r"design_pga = '0\.3 g' is above the plateau .* 0\.188 g"):
+        read(tmp_path, 'spectrum = "site.csv"\nelastic = true\n', wanted)
 
 
 @pytest.mark.parametrize(
@@ -211,7 +271,12 @@ def test_the_ground_delivers_the_spectrum_in_the_motion_of_the_file(tmp_path):
             0.4,
             "the standard deviation 0.4 (scatter in [motion]).",
         ),
-        (CODE, "", 0.3, "the standard deviation 0.3 (suites of records about a spectrum)."),
+        (
+            CODE,
+            "",
+            0.3,
+            "the standard deviation 0.3 (suites of records about a spectrum, on the safe side).",
+        ),
         (CODE, "scatter = 0", 0.0, ""),
     ],
 )

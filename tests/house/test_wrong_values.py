@@ -61,7 +61,7 @@ ROWS = {"long array"}  # each cell of which has a status of its own
 TAKEN: dict[str, set[str]] = {
     "nothing": {"links", "second"},
     "text": {"component"},
-    "truth": {"floors_align", "p_delta", "same_property", "same_system", "skip_unreadable"},
+    "truth": {"elastic", "floors_align", "p_delta", "same_property", "same_system", "skip_unreadable"},
     "infinite": {"exceedance.gap"},
     "minus infinity": {"exceedance.gap"},
     "negative": {"critical_gap.rho", "exceedance.gap"},
@@ -69,7 +69,7 @@ TAKEN: dict[str, set[str]] = {
         *("component", "hardening", "peak_1", "peak_2", "time_column", "BoucWen.gamma", "Flag.beta"),
         *("BoucWenBaberNoori.pinching_start", "BoucWenBaberNoori.pinching_spread", "critical_gap.rho"),
         *("equivalent_coefficients.velocity_z_corr", "eurocode_8.damping", "pound.gaps"),
-        "exceedance.gap",
+        *("exceedance.gap", "scatter"),
         *("pounding_fragility.paths", "pounding_probability.paths"),  # the formula alone
         *("ModifiedClough.unloading_exponent", "pounding_estimate.gap", "ShearBuilding.dampers"),
         *("read_pushover.displacement_column", "Stereomechanical.restitution", "Uncertain.spread"),

@@ -1,5 +1,7 @@
 """Scatter from motion to motion: the same motions, each times a lognormal factor of its own."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import scipy.stats
@@ -57,19 +59,39 @@ def test_a_yielding_structure_is_that_under_a_motion_that_much_stronger():
     assert peak == pytest.approx(float(table.peak[strongest, 1]), rel=0.02)
 
 
+OF_ALL = {
+    sl.separation: {},
+    sl.existing_gap: {"gap": 0.1},
+    sl.mitigate: {"gap": 0.1, "measures": {}},
+    sl.pounding_probability: {"gap": 0.1},
+    sl.pounding_fragility: {"gap": 0.1, "intensity": [0.01]},
+    sl.sensitivity: {},
+    sl.pounding_risk: {"gap": 0.1, "hazard": sl.PowerLawHazard(k0=0.01, k=2.5)},
+}
+FITTED = replace(FIRM, scatter=0.3, source="fitted to a spectrum")
+
+
 @pytest.mark.invariant
-@pytest.mark.parametrize("wrong", [-0.1, 2.1, 40, np.nan, np.inf, "0.4", [0.4], None, True])
+@pytest.mark.filterwarnings("ignore::stochlin.messages.DoubtfulInput")
+@pytest.mark.parametrize("call", [*OF_ALL, sl.simulate, sl.simulated_motions])
+def test_the_scatter_of_a_ground_is_the_default_of_all(call):
+    """As in a case file: a fit to a spectrum or a record has one, other grounds have none."""
+    structures = {sl.simulate: [ELASTIC], sl.simulated_motions: []}.get(call, ELASTIC)
+    default, stated, none = (
+        call(*structures, ground, **OF_ALL.get(call, {}), duration=8.0, paths=32, **scatter)
+        for ground, scatter in ((FITTED, {}), (FIRM, {"scatter": 0.3}), (FITTED, {"scatter": 0.0}))
+    )
+    assert (default.attrs["scatter"], default.attrs["ground_source"]) == (0.3, FITTED.source)
+    assert default.drop_attrs().identical(stated.drop_attrs())
+    assert not default.drop_attrs().identical(none.drop_attrs())
+
+
+@pytest.mark.invariant
+@pytest.mark.parametrize("wrong", [-0.1, 2.1, 40, np.nan, np.inf, "0.4", [0.4], True])
 def test_scatter_out_of_range_is_refused_by_all(wrong):
-    calls = {
-        sl.separation: {},
-        sl.existing_gap: {"gap": 0.1},
-        sl.mitigate: {"gap": 0.1, "measures": {}},
-        sl.pounding_probability: {"gap": 0.1},
-        sl.pounding_fragility: {"gap": 0.1, "intensity": [0.01]},
-    }
     every = [lambda: simulated(scatter=wrong), lambda: sl.simulated_motions(FIRM, 5.0, scatter=wrong)]
     options = {**QUAKE, "paths": 512, "scatter": wrong}
-    every += [lambda c=c, more=more: c(*ELASTIC, FIRM, **more, **options) for c, more in calls.items()]
+    every += [lambda c=c, more=more: c(*ELASTIC, FIRM, **more, **options) for c, more in OF_ALL.items()]
     for call in every:
         with pytest.raises(
             ValueError, match=r"scatter = .* is (no number|out of range); allowed: a number from 0 to 2"

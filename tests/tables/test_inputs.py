@@ -15,7 +15,7 @@ pytestmark = pytest.mark.invariant
 
 READERS = {
     "record": lambda path: sl.read_record(path, units="g", dt=0.01),
-    "spectrum": lambda path: sl.read_spectrum(path, units="g"),
+    "spectrum": lambda path: sl.read_spectrum(path, units="g", elastic=True),
     "hazard": lambda path: sl.read_hazard(path, units="g"),
     "pushover": lambda path: sl.read_pushover(path, length_units="mm", force_units="kN"),
     "suite": lambda path: sl.read_records(path, units="g", dt=0.01),
@@ -73,7 +73,7 @@ def site_of(kind: str, path: str) -> str:
     return {
         "record": f'[site]\n{ground}{intensity}[[site.records]]\npath = "{path}"\nunits = "g"\n',
         "suite": f'[site]\n{ground}{intensity}[site.suite]\npath = "{path}"\n',
-        "spectrum": f'[site]\nspectrum = "{path}"\nunits = "g"\n',
+        "spectrum": f'[site]\nspectrum = "{path}"\nelastic = true\nunits = "g"\n',
         "hazard": f'[site]\n{ground}return_period = "475 yr"\n[site.hazard]\nmeasure = "pga"\n'
         f'file = "{path}"\nunits = "g"\n',
     }[kind]

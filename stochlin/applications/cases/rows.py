@@ -60,10 +60,10 @@ def of_codes(case: Case) -> dict[str, Any]:
     Floors do not align where slabs meet columns. The peak ground acceleration of the design is by
     default that of the spectrum of the site [m/s^2].
     """
-    wanted, spectrum = case.wanted, case.site.spectrum
+    wanted = case.wanted
     facts: dict[str, Any] = {"zone": wanted.zone, "design_pga": wanted.design_pga}
-    if wanted.design_pga is None and spectrum is not None and spectrum.period[0] == 0:
-        facts["design_pga"] = float(spectrum[0])
+    if wanted.design_pga is None:
+        facts["design_pga"] = case.site.pga
     for n, building in enumerate(one_or_two(case), start=1):
         facts |= {f"height_{n}": building.height, f"storeys_{n}": building.storeys}
     if not case.alone:

@@ -30,7 +30,7 @@ from stochlin.models.arguments import (
     checked,
 )
 from stochlin.models.envelopes import Envelope
-from stochlin.models.grounds import Ground
+from stochlin.models.grounds import Ground, scatter_of
 from stochlin.models.links import Link
 from stochlin.models.measures import Measure
 from stochlin.models.parameters import expect
@@ -75,7 +75,7 @@ def mitigate(
     *,
     envelope: Envelope | None = None,
     confidence: Probability = 0.9,
-    scatter: Scatter = 0.0,
+    scatter: Scatter | None = None,
     paths: Paths | None = None,
     seed: Seed = 0,
     progress: Progress | None = None,
@@ -155,6 +155,7 @@ def mitigate(
     both = {"first": median_of(left), "second": median_of(right)}
     check_duration(duration, both)
     simulations = len(measures) + SIMULATIONS
+    scatter = scatter_of(ground, scatter)
     motion = {"duration": duration, "envelope": envelope, "scatter": scatter, "seed": seed}
     pair = MitigatedPair(
         structures=(left, right),

@@ -21,7 +21,7 @@ from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.messages import brief
 from stochlin.models.arguments import Duration, Probability, Scatter, Seed, as_numbers, checked
 from stochlin.models.envelopes import Envelope
-from stochlin.models.grounds import Ground
+from stochlin.models.grounds import Ground, scatter_of
 from stochlin.models.parameters import Parameter
 from stochlin.models.structures import Gap
 from stochlin.models.systems import AnyStructure, first_period
@@ -56,7 +56,7 @@ def pounding_fragility(
     duration: Duration,
     envelope: Envelope | None = None,
     confidence: Probability = 0.9,
-    scatter: Scatter = 0.0,
+    scatter: Scatter | None = None,
     paths: PathsIfAny = 1024,
     seed: Seed = 0,
     progress: Progress | None = None,
@@ -132,6 +132,7 @@ def pounding_fragility(
     models: dict[str, Any] = {"first": first, "second": second, "ground": ground}
     if arrays := arrays_of(models):
         raise ValueError(f"{', '.join(arrays)} is an array; allowed: the numbers of one pair at a time")
+    scatter = scatter_of(ground, scatter)
     seconds = check_course(duration, envelope)
     check_duration(seconds, {"first": first, "second": second})
     pair = [strength_in_metres(structure, ground) for structure in (first, second)]

@@ -23,7 +23,7 @@ from stochlin.models.arguments import (
     checked,
 )
 from stochlin.models.envelopes import Envelope
-from stochlin.models.grounds import Ground
+from stochlin.models.grounds import Ground, scatter_of
 from stochlin.models.parameters import Parameter, expect
 from stochlin.models.structures import Gap
 from stochlin.models.systems import AnyStructure, first_period
@@ -69,7 +69,7 @@ def pounding_probability(
     method: Method = "evolutionary",
     record: xr.DataArray | None = None,
     confidence: Probability = 0.9,
-    scatter: Scatter = 0.0,
+    scatter: Scatter | None = None,
     points: Points = POINTS,
     paths: PathsIfAny | None = None,
     seed: Seed = 0,
@@ -103,7 +103,8 @@ def pounding_probability(
     confidence : float
         Probability of no pounding for ``required_gap``, between 0 and 1.
     scatter : float
-        Standard deviation [-] of the logarithm of a random factor on each motion, as in `simulate`.
+        Standard deviation [-] of the logarithm of a random factor on each motion, as in `simulate`, by
+        default that of the ground.
         Formulas are averaged over it, and structures keep the yield displacement that they have for
         ``ground``. Not for ``"hybrid"``.
     points : int
@@ -192,6 +193,7 @@ def pounding_probability(
         return hybrid_pounding(first, second, ground, distance, record, confidence)
     refuse("method", method, {"record": record})
     expect(median_of(ground), Ground, "ground")
+    scatter = scatter_of(ground, scatter)
     if paths == 1:
         raise ValueError("paths = 1; allowed: 0 for no simulation, or a whole number from 2")
     models: dict[str, Any] = {"first": first, "second": second, "ground": ground}

@@ -79,7 +79,8 @@ class Text(NamedTuple):
         nameless = 0 if of_values.column.title or time else table.width
         units = self.units_of(of_values.column.said.unit)
         times = None if time is None else time.in_si()
-        return Series(values, times, None, units, about, nameless, time_column is not None)
+        title = of_values.column.title
+        return Series(values, times, None, units, about, nameless, time_column is not None, title)
 
     def table(self) -> Table:
         """The table of all lines, as wide as the first: numbers by pandas, or texts if it has others."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -12,7 +13,7 @@ from scipy import fft, optimize
 from stochlin.applications.records.records import checked_record, strong_part
 from stochlin.kernels.basics.arrays import Array
 from stochlin.models.arguments import OneOf, TwoNumbers
-from stochlin.models.grounds import GROUNDS, Ground
+from stochlin.models.grounds import GROUNDS, OTHER_COMPONENT, Ground
 
 STRONG_PART: TwoNumbers = (0.05, 0.95)
 
@@ -151,7 +152,8 @@ def ground_of_record(
     )
     if values[1] < 2 * resolved:
         source += f"; damping not well resolved (a sinusoid of this duration gives {resolved:.2g})"
-    return problem.kind(**problem.parameters(values.tolist()), source=source)
+    ground = problem.kind(**problem.parameters(values.tolist()))
+    return replace(ground, source=f"{source}; {OTHER_COMPONENT}", scatter=OTHER_COMPONENT.scatter)
 
 
 def _minimize(frequency: Array, density: Array, problem: _Problem, estimator: Estimator) -> Array:

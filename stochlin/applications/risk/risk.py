@@ -32,7 +32,7 @@ from stochlin.models.arguments import (
     is_number,
 )
 from stochlin.models.envelopes import Envelope
-from stochlin.models.grounds import Ground
+from stochlin.models.grounds import Ground, scatter_of
 from stochlin.models.hazards import Hazard, HazardCurve
 from stochlin.models.systems import AnyStructure, first_period
 from stochlin.models.uncertain import applied, median_of
@@ -68,7 +68,7 @@ def pounding_risk(
     *,
     envelope: Envelope | None = None,
     years: Years = 50.0,
-    scatter: Scatter = 0.0,
+    scatter: Scatter | None = None,
     paths: Paths = 1024,
     seed: Seed = 0,
     progress: Progress | None = None,
@@ -144,7 +144,7 @@ def pounding_risk(
     >>> bool(table.annual_rate_standard_error < 0.2 * table.annual_rate)
     True
     """
-    motion = duration, envelope, scatter, paths, seed
+    motion = duration, envelope, scatter_of(ground, scatter), paths, seed
     table = _over_cells(
         lambda simulated: simulated.of_gap(gap, years),
         *(standing(first, second), ground, hazard, motion, progress, "pounding_risk"),
@@ -162,7 +162,7 @@ def required_gap(
     *,
     risk: str | float,
     envelope: Envelope | None = None,
-    scatter: Scatter = 0.0,
+    scatter: Scatter | None = None,
     paths: Paths = 1024,
     seed: Seed = 0,
     progress: Progress | None = None,
@@ -204,7 +204,7 @@ def required_gap(
     >>> bool(abs(table.annual_rate / table.target_rate - 1) < 1e-3)
     True
     """
-    motion = duration, envelope, scatter, paths, seed
+    motion = duration, envelope, scatter_of(ground, scatter), paths, seed
     table = _over_cells(
         lambda simulated: simulated.gap_of(risk),
         *(standing(first, second), ground, hazard, motion, progress, "required_gap"),

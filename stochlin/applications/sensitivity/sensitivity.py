@@ -15,7 +15,7 @@ from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.arguments import Duration, Paths, Probability, Scatter, Seed, checked
 from stochlin.models.buildings.shear import RegularBuilding
 from stochlin.models.envelopes import Envelope
-from stochlin.models.grounds import Ground
+from stochlin.models.grounds import Ground, scatter_of
 from stochlin.models.systems import AnyStructure
 from stochlin.models.uncertain import Uncertain, UncertainModel, median_of
 from stochlin.solver.linearization.strength import strength_in_metres
@@ -53,7 +53,7 @@ def sensitivity(
     *,
     envelope: Envelope | None = None,
     confidence: Probability = 0.9,
-    scatter: Scatter = 0.0,
+    scatter: Scatter | None = None,
     paths: Paths = 512,
     seed: Seed = 0,
     progress: Progress | None = None,
@@ -114,7 +114,7 @@ def sensitivity(
     >>> change.values.round(3)  # the square root of 0.9 and of 1.1, less 1
     array([-0.051,  0.049])
     """
-    usual = median_of(ground)
+    usual, scatter = median_of(ground), scatter_of(ground, scatter)
     structures = standing(first, second)
     both = {role: median_of(structure) for role, structure in structures.items()}
     check_duration(duration, both)
@@ -125,7 +125,7 @@ def sensitivity(
     for role in roles:  # reduction factors refer to the ground at its medians
         models[role] = models[role].changed(lambda s: strength_in_metres(s, usual))
     check_repeated([*both.values()], usual, duration, paths, 2 * (1 + len(inputs)))
-    draws = {"paths": paths, "seed": seed, "scatter": float(scatter)}
+    draws = {"paths": paths, "seed": seed, "scatter": scatter}
     factors, responses = _responses(models, inputs, (duration, envelope), draws, progress)
     table = labels.label(_table(inputs, factors, responses, confidence))
     subject = "the set-back of a building" if second is None else "the gap of two buildings"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -11,8 +12,15 @@ import xarray as xr
 
 from stochlin.applications.separation.critical_gap import equation_3
 from stochlin.applications.separation.storeys import spectral_peaks
-from stochlin.messages import brief
-from stochlin.models.arguments import Truth, checked
+from stochlin.applications.sites.elastic_spectra import (
+    DividedBy,
+    as_elastic,
+    doubt_of_pga,
+    taken_in_words,
+)
+from stochlin.applications.sites.spectra import checked_spectrum
+from stochlin.messages import DoubtfulInput, brief, refuse
+from stochlin.models.arguments import Truth, checked, is_number
 from stochlin.models.parameters import Model, Parameter
 from stochlin.models.rules import look_up
 from stochlin.models.rules.codes import (
@@ -105,6 +113,8 @@ def code_gaps(
     modes_1: AnyStructure | None = None,
     modes_2: AnyStructure | None = None,
     spectrum: xr.DataArray | None = None,
+    elastic: Truth | None = None,
+    divided_by: DividedBy | None = None,
 ) -> xr.Dataset:
     """Separation of two buildings by every known rule of a building code.
 
@@ -162,6 +172,8 @@ def code_gaps(
         Elastic spectrum [m/s^2] over ``period`` [s], as from `eurocode_8`, `asce_7` and `read_spectrum`,
         given with ``modes_1``. It is taken as it is, also for modes with other damping ratios. A mode
         shorter than its shortest period has the ordinate there.
+    elastic, divided_by : optional
+        What a spectrum is that does not say so itself, as in `read_spectrum`.
 
     Returns
     -------
@@ -183,13 +195,13 @@ def code_gaps(
     ValueError, TypeError
         If the zone or a rule is unknown, a scalar is out of range, a value is not a number, dimensions
         do not match, or an importance factor is given without a factor on displacements. With modes, if
-        peaks are given as well, the spectrum is missing, is reduced by a behaviour factor or ends before
-        the longest period, or heights contradict the storeys.
+        peaks are given as well, the spectrum is missing or ends before the longest period, or heights
+        contradict the storeys.
 
     Warns
     -----
     DoubtfulInput
-        If modes have another damping ratio than the spectrum.
+        If modes have another damping ratio than the spectrum, or ``design_pga`` is above its plateau.
 
     Notes
     -----
@@ -236,9 +248,15 @@ def code_gaps(
     ([3.0, 6.0], array([0.0218, 0.0384]), array([0.0215, 0.038 ]))
     """
     _check_source(peak_1, peak_2, modes_1, modes_2, spectrum)
+    if spectrum is None:
+        refuse("modes_1", "missing", {"elastic": elastic, "divided_by": divided_by})
+    else:
+        checked_spectrum(spectrum)
+        spectrum = as_elastic(spectrum, elastic, divided_by)
+        if is_number(design_pga) and (above := doubt_of_pga(spectrum, design_pga)):
+            warnings.warn(f"design_pga = {design_pga:g} {above}", DoubtfulInput, stacklevel=3)
     codes = rules_with(numbers)
-    elastic = modes_1 is not None
-    if elastic:  # until the displacements are known
+    if modes_1 is not None:  # until the displacements are known
         peak_1 = 0.0
         peak_2 = None if modes_2 is None else 0.0
     site = Site(
@@ -259,7 +277,7 @@ def code_gaps(
         behaviour_2=behaviour_2,
         deflection_1=deflection_1,
         deflection_2=deflection_2,
-        elastic=elastic,
+        elastic=modes_1 is not None,
     )
     if not site.of_design and not {"importance_1", "importance_2"}.isdisjoint(site.known):
         raise ValueError("importance is given alone; give behaviour_1 or deflection_1 as well")
@@ -285,7 +303,8 @@ def code_gaps(
             table = table.assign(
                 cqc=_along_rules(cqc, rules, valid), peak_2=site.peak_2, rho=correlation
             )
-        table.attrs["spectrum"] = str(spectrum.attrs.get("source", "a spectrum"))
+        source = str(spectrum.attrs.get("source", "a spectrum"))
+        table.attrs["spectrum"] = f"{source} ({taken_in_words(spectrum)})"
     table = labels.label(table)
     peaks = f"{DESIGN if site.of_design else DEFINED}{SPECTRAL * site.elastic}"
     checked_not = "Rules whose mark has an M were not compared with their source."

@@ -28,7 +28,7 @@ from stochlin.models.arguments import (
     checked,
 )
 from stochlin.models.envelopes import Envelope
-from stochlin.models.grounds import Ground
+from stochlin.models.grounds import Ground, scatter_of
 from stochlin.models.systems import AnyStructure, first_mode, weaker
 from stochlin.models.uncertain import applied, median_of
 from stochlin.solver.linearization.equivalent_systems import solved_together
@@ -152,7 +152,7 @@ def existing_gap(
     *,
     envelope: Envelope | None = None,
     confidence: Probability = 0.9,
-    scatter: Scatter = 0.0,
+    scatter: Scatter | None = None,
     paths: Paths | None = None,
     seed: Seed = 0,
     progress: Progress | None = None,
@@ -220,7 +220,8 @@ def existing_gap(
     (True, True)
     """
     structures = standing(first, second)
-    motion: dict[str, Any] = {"confidence": confidence, "scatter": scatter, "seed": seed}
+    motion: dict[str, Any] = {"confidence": confidence, "seed": seed}
+    motion |= {"scatter": scatter_of(ground, scatter)}
     motion |= {"duration": duration, "envelope": envelope, "paths": paths}
     search = GapSearch(structures, ground, gap, motion)
     if progress is not None:

@@ -29,7 +29,7 @@ from stochlin.models.arguments import (
 )
 from stochlin.models.buildings.base import MultistoreyBuilding
 from stochlin.models.envelopes import Envelope, strong_seconds
-from stochlin.models.grounds import Ground
+from stochlin.models.grounds import Ground, scatter_of
 from stochlin.models.rules.codes import BOTH, Site
 from stochlin.models.systems import AnyStructure, first_period
 from stochlin.models.uncertain import median_of
@@ -87,7 +87,7 @@ def separation(
     *,
     envelope: Envelope | None = None,
     confidence: Probability = 0.9,
-    scatter: Scatter = 0.0,
+    scatter: Scatter | None = None,
     paths: Paths | None = None,
     seed: Seed = 0,
     codes: Mapping[str, Any] | None = None,
@@ -120,7 +120,8 @@ def separation(
     confidence : float
         Required probability of no pounding, between 0 and 1.
     scatter : float
-        As in `simulate`. It is included in the simulated gap and in the peaks for the rules.
+        As in `simulate`, by default that of the ground. It is included in the simulated gap and in the
+        peaks for the rules.
     paths : int, optional
         Number of motions. By default so many that they take half a second on one core, 256 to 2048, and
         more of them, to 2048, until the 95 % interval of the gap is within 10 % of it; 2048 in a table.
@@ -227,6 +228,7 @@ def separation(
 
     # All cells of a table have the same number of motions.
     count = paths or (MOTIONS[1] if arrays_of({**by_role, "ground": ground}) else None)
+    scatter = scatter_of(ground, scatter)
     motion = {"duration": duration, "envelope": envelope, "scatter": scatter, "seed": seed}
 
     def of_cell(ground: Ground, **by_role: AnyStructure) -> xr.Dataset:

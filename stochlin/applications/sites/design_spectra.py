@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 from scipy import constants
 
+from stochlin.applications.sites.elastic_spectra import BY_CODE, marked
 from stochlin.applications.sites.spectra import labelled
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief
@@ -77,7 +78,7 @@ def eurocode_8(
     -------
     xarray.DataArray
         Pseudo-acceleration [m/s^2] over ``period`` [s], from 0 (the peak ground acceleration) to 4 s.
-        The attributes are ``damping``, ``source`` and the arguments of this function.
+        The attributes are ``damping``, ``source``, ``elastic`` and the arguments of this function.
 
     Raises
     ------
@@ -111,7 +112,7 @@ def eurocode_8(
     period = STEP * np.arange(round(_EC8_LONGEST / STEP) + 1)
     values = ag * soils[name].factor * soils[name].shape(period, 1.0, 2.5 * eta)
     source = f"Eurocode 8, type {int(type)}, ground {name}, ag = {ag / constants.g:.4g} g"
-    curve = labelled(period, values, damping, source)
+    curve = marked(labelled(period, values, damping, source), BY_CODE)
     return curve.assign_attrs(code="eurocode_8", ag=float(ag), soil=name, spectrum_type=f"{int(type)}")
 
 
@@ -146,7 +147,7 @@ def asce_7(sds: Acceleration, sd1: Acceleration, tl: Seconds) -> xr.DataArray:
     -------
     xarray.DataArray
         Pseudo-acceleration [m/s^2] over ``period`` [s], from 0 (the peak ground acceleration) to 10 s.
-        The attributes are ``damping``, ``source`` and the arguments of this function.
+        The attributes are ``damping``, ``source``, ``elastic`` and the arguments of this function.
 
     Raises
     ------
@@ -181,5 +182,5 @@ def asce_7(sds: Acceleration, sd1: Acceleration, tl: Seconds) -> xr.DataArray:
     shape = _Shape(1.0, 0.2 * corner, corner, tl).shape(period, 0.4, 1.0)
     short, long = (value / constants.g for value in (sds, sd1))
     source = f"ASCE 7, SDS = {short:.4g} g, SD1 = {long:.4g} g, TL = {tl:g} s"
-    curve = labelled(period, sds * shape, 0.05, source)
+    curve = marked(labelled(period, sds * shape, 0.05, source), BY_CODE)
     return curve.assign_attrs(code="asce_7", sds=float(sds), sd1=float(sd1), tl=float(tl))

@@ -18,14 +18,15 @@ import numpy as np
 import xarray as xr
 
 from stochlin.applications.records.ground_fit import STRONG_PART, Estimated, best_fit, ground_of_record
+from stochlin.applications.sites.elastic_spectra import DividedBy, as_elastic, taken_in_words
 from stochlin.applications.sites.simulated_spectra import Motions, peak_accelerations
 from stochlin.applications.sites.spectra import SHORTEST, checked_spectrum, interpolated, is_spectrum
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.messages import refuse
-from stochlin.models.arguments import Duration, OneOf, Seed, TwoNumbers, Whole, checked
+from stochlin.models.arguments import Duration, OneOf, Seed, Truth, TwoNumbers, Whole, checked
 from stochlin.models.envelopes import Envelope, strong_seconds
-from stochlin.models.grounds import MOST_FILTERS, CloughPenzien, Ground, ParallelGround
+from stochlin.models.grounds import MOST_FILTERS, OF_SPECTRUM, CloughPenzien, Ground, ParallelGround
 from stochlin.models.rules.peak_factors import peak_factor_model
 
 _OF_SPECTRA = ("clough_penzien",)
@@ -64,6 +65,8 @@ def fit_ground(
     filters: Annotated[int, Whole(1, MOST_FILTERS)] | None = None,
     seed: Seed = 0,
     progress: Progress | None = None,
+    elastic: Truth | None = None,
+    divided_by: DividedBy | None = None,
 ) -> Any:
     """Fit a ground to a record, or to an elastic response spectrum.
 
@@ -116,18 +119,22 @@ def fit_ground(
         Seed of the motions that are simulated for a spectrum.
     progress : callable, optional
         Called with the share of the work of each simulation that is done.
+    elastic, divided_by : optional
+        What a spectrum is that does not say so itself, as in `read_spectrum`.
 
     Returns
     -------
     KanaiTajimi, CloughPenzien, ParallelGround or an extension
         The fitted ground. Its ``intensity`` [m^2/s^3] is the two-sided PSD per rad/s of the white noise.
-        Its ``source`` describes the fit: for a record the estimator, the part, the frequency range and
-        relative standard errors, for a spectrum the error of the mean spectrum of simulated motions.
+        Its ``scatter``, the default of functions that simulate its motions, is 0.3 for a spectrum and
+        0.4 for a record. Its ``source`` describes the fit: for a record the estimator, the part, the
+        frequency range and relative standard errors, for a spectrum how it was taken, and the error of
+        the mean spectrum of simulated motions.
 
     Raises
     ------
     TypeError, ValueError
-        If the target is neither a record nor an elastic spectrum; if an option is unknown or belongs to
+        If the target is neither a record nor a spectrum; if an option is unknown or belongs to
         the other kind of target; if the range has too few frequencies or periods; or if the fit fails or
         ends on a bound, which happens if a record does not define a parameter.
 
@@ -141,8 +148,9 @@ def fit_ground(
     duration d cannot distinguish a damping ratio below about ``2.8/(wg d)`` from a sinusoid; ``source``
     states this if the result is less than twice this value.
 
-    Spectra are fitted from 0.05 to 4 s. A design spectrum is neither the mean nor the median spectrum of
-    an earthquake, and does not contain the scatter between earthquakes.
+    Spectra are fitted from 0.05 to 4 s, by motions without scatter. A design spectrum is neither the
+    mean nor the median spectrum of an earthquake, and does not contain the scatter between earthquakes.
+    Records scatter less about a spectrum than by the default, but those of yielding structures more.
 
     References
     ----------
@@ -179,7 +187,8 @@ def fit_ground(
     if not is_spectrum(target):
         if "time" not in target.dims:
             raise ValueError(f"target has the dimensions {target.dims}; allowed: time or period")
-        of_spectra = {"duration": duration, "envelope": envelope, "filters": filters}
+        of_spectra: dict[str, Any] = {"duration": duration, "envelope": envelope, "filters": filters}
+        of_spectra |= {"elastic": elastic, "divided_by": divided_by}
         refuse("target", "a record", of_spectra)
         return ground_of_record(target, model, estimator, part, frequency_range)
     other_part = None if part is STRONG_PART else part
@@ -188,16 +197,19 @@ def fit_ground(
     OneOf(_OF_SPECTRA)("model", _OF_SPECTRA[0] if model is None else model)
     if duration is None:
         raise ValueError("duration is missing; a spectrum does not contain it: give it in seconds")
+    checked_spectrum(target)
+    target = as_elastic(target, elastic, divided_by)
     wanted = _wanted(target, duration, envelope)
     fit = deliver(wanted, filters, seed, progress)
     under = "stationary" if envelope is None else envelope.describe()
+    range_of_fit = f"from {wanted.periods[0]:.3g} to {wanted.periods[-1]:.3g} s"
     text = (
-        f"fitted to {target.attrs.get('source', 'a spectrum')}, damping {wanted.damping:g}, from "
-        f"{wanted.periods[0]:.3g} to {wanted.periods[-1]:.3g} s; motions of {duration:g} s, {under}, "
+        f"fitted to {target.attrs.get('source', 'a spectrum')} ({taken_in_words(target)}), damping "
+        f"{wanted.damping:g}, {range_of_fit}; motions of {duration:g} s, {under}, "
         f"have this spectrum in the mean with errors of {100 * fit.rms:.1f} % (root mean square) and "
         f"{100 * fit.worst:.1f} % (largest)"
     )
-    return replace(fit.ground(), source=text)
+    return replace(fit.ground(), source=f"{text}; {OF_SPECTRUM}", scatter=OF_SPECTRUM.scatter)
 
 
 def _wanted(spectrum: xr.DataArray, duration: float, envelope: Envelope | None) -> Wanted:

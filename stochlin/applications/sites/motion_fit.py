@@ -31,25 +31,13 @@ from stochlin.models.arguments import (
     checked,
 )
 from stochlin.models.envelopes import Envelope, strong_seconds
-from stochlin.models.grounds import Ground, rms_acceleration
+from stochlin.models.grounds import OTHER_COMPONENT, Ground, UsualScatter, rms_acceleration
 from stochlin.models.values import ByValue
 
 FILTERS, PATHS = 2, 512
 CYCLES = 4.0  # smallest number of cycles of a fitted period in a record
 SHORTEST_RECORD = 2.0  # s
 LIKE_DURATION, LIKE_SPECTRUM = 1.5, 1.3  # largest factors between motions and record without a doubt
-
-
-class UsualScatter(NamedTuple):
-    """The scatter for a use of motions, and where it is from."""
-
-    scatter: float
-    source: str
-
-
-# The scatter that recorded earthquakes show.
-OTHER_COMPONENT = UsualScatter(0.4, "the other component of a station in the far field")
-OF_SPECTRUM = UsualScatter(0.3, "suites of records about a spectrum")
 
 
 class Components(NamedTuple):
@@ -211,7 +199,8 @@ def fit_motion(
     fitted motion
         The ``ground``, the ``envelope``, the ``duration`` [s] of the record and the ``scatter`` [-] of
         another component with its source, for `simulate`, `separation`, `simulated_motions` and other
-        functions with these arguments. For motions like the record alone the scatter is 0.
+        functions with these arguments. The scatter is also that of the ground, so that it is their
+        default; ``scatter=0.0`` is for motions like the record alone.
 
     Raises
     ------
@@ -261,16 +250,17 @@ def fit_motion(
     fit = deliver(wanted, filters, seed, progress, PATHS)
     ground = fit.ground()
     factor = std / rms_acceleration(ground)
+    both = len(components.records) == 2
+    usual = between_components(components, band) if both else OTHER_COMPONENT
     changed: dict[str, Any] = {
         "intensity": float(ground.arrays()["intensity"]) * factor**2,
-        "source": f"energy and response spectrum of {components.source}",
+        "source": f"energy and response spectrum of {components.source}; {usual}",
+        "scatter": usual.scatter,
     }
     lasting = _significant(shape.at(time), components.dt)
     of_record = _significant(common.to_numpy(), components.dt)
     for warning in _misfits(lasting, of_record, periods, factor * np.exp(fit.off), band):
         warnings.warn(f"{components.source}: {warning}", DoubtfulInput, stacklevel=3)
-    both = len(components.records) == 2
-    usual = between_components(components, band) if both else OTHER_COMPONENT
     return FittedMotion(replace(ground, **changed), shape, duration, *usual)
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import xarray as xr
 
+from stochlin.applications.sites.elastic_spectra import DividedBy, as_elastic, taken_in_words
 from stochlin.applications.sites.spectra import (
     SHORTEST,
     USUAL_DAMPING,
@@ -17,8 +18,8 @@ from stochlin.applications.sites.spectra import (
 )
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.messages import brief
-from stochlin.models.arguments import DampingRatio, Duration, Paths, Seed, as_numbers, checked
+from stochlin.messages import brief, refuse
+from stochlin.models.arguments import DampingRatio, Duration, Paths, Seed, Truth, as_numbers, checked
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.laws.bilinear import Bilinear
@@ -52,7 +53,7 @@ class Motions:
 
     def accelerations(self) -> xr.DataArray:
         """Accelerations of the ground [m/s^2] over ``path`` and ``time``, in steps of `PGA_STEP`."""
-        return simulated_motions(**vars(self), step=PGA_STEP)
+        return simulated_motions(**vars(self), step=PGA_STEP, scatter=0.0)
 
     def models(self) -> dict[str, Model]:
         """Ground and envelope, for the run information."""
@@ -70,6 +71,8 @@ def simulated_spectrum(
     paths: Paths = 1024,
     seed: Seed = 0,
     progress: Progress | None = None,
+    elastic: Truth | None = None,
+    divided_by: DividedBy | None = None,
 ) -> xr.Dataset:
     """Response spectrum of simulated motions, compared with a target spectrum.
 
@@ -92,6 +95,8 @@ def simulated_spectrum(
         Seed of the simulation; the same seed gives the same result on any number of cores.
     progress : callable, optional
         Called with the share of the work that is done.
+    elastic, divided_by : optional
+        What a spectrum is that does not say so itself, as in `read_spectrum`.
 
     Returns
     -------
@@ -106,7 +111,7 @@ def simulated_spectrum(
     Raises
     ------
     ValueError, TypeError
-        If a number is out of range, the target is not an elastic spectrum, or the simulation would take
+        If a number is out of range, the target is not a spectrum, or the simulation would take
         too much time or memory.
 
     Examples
@@ -119,13 +124,19 @@ def simulated_spectrum(
     """
     motions = Motions(ground, duration, envelope, paths, seed, progress)
     check_scalars(ground, "ground", "numbers")
+    if is_spectrum(target):
+        checked_spectrum(target)
+        target = as_elastic(target, elastic, divided_by)
+    else:
+        refuse("target", "periods", {"elastic": elastic, "divided_by": divided_by})
     periods, wanted, own = _asked(target)
     ratio = own if damping is None else damping
     table = compared_spectrum(motions, periods, wanted, ratio)
     call = f"simulated_spectrum(duration={duration}, damping={ratio}, paths={paths}, seed={seed})"
     title = "Response spectrum of simulated motions"
     if wanted is not None and isinstance(target, xr.DataArray):
-        table.target.attrs["source"] = str(target.attrs.get("source", "a spectrum"))
+        source = str(target.attrs.get("source", "a spectrum"))
+        table.target.attrs |= {"source": source, "taken": taken_in_words(target)}
     return labels.with_run_information(labels.label(table), title, call, motions.models())
 
 

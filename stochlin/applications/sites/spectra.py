@@ -13,11 +13,12 @@ from scipy import constants
 
 from stochlin.applications.records.records import checked_array
 from stochlin.applications.sheets.columns import ColumnName
+from stochlin.applications.sites.elastic_spectra import DividedBy, as_elastic
 from stochlin.applications.sites.hazard_formats import Site
 from stochlin.applications.sites.spectrum_files import AskedSpectrum, points_in
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import DoubtfulInput, brief, listed, plain
-from stochlin.models.arguments import DampingRatio, checked, is_number
+from stochlin.models.arguments import DampingRatio, Truth, checked, is_number
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.inputs import input_path
 
@@ -30,10 +31,6 @@ Between = Literal["logarithmic", "linear"]
 BETWEEN: tuple[Between, ...] = get_args(Between)
 FINER = 33  # points from one to the next of a linear spectrum
 LEAST, MOST = 0.0025, 7.5  # plausible ordinates [g], 2.5 times ground accelerations of 0.001 and 3 g
-# Elastic spectra with damping 0.05 rise to 2 to 3 times the peak ground acceleration; spectra divided by
-# a behaviour factor q or R do not.
-_LEAST_RISE, _STIFF = 1.5, 0.02  # smallest rise; longest period of a rigid structure [s]
-_FLAT = 3  # last points that are equal if a design spectrum has a lower bound at long periods
 
 
 def labelled(period: Array, values: Array, damping: float, source: str) -> xr.DataArray:
@@ -74,7 +71,7 @@ def checked_spectrum(spectrum: xr.DataArray) -> tuple[Array, Array, float]:
     if not (is_number(damping) and 0 < damping < 1):
         raise ValueError(f"spectrum is of the damping {brief(damping)}; allowed: 0 < damping < 1")
     places = [f"spectrum, number {n}" for n in range(1, period.size + 1)]
-    check_ordinates(period, values, float(damping), places)
+    check_ordinates(period, values, places)
     return period, values, float(damping)
 
 
@@ -96,8 +93,8 @@ def interpolated(period: Array, values: Array, at: Array) -> Array:
     return ordinates
 
 
-def check_ordinates(period: Array, values: Array, damping: float, places: list[str]) -> None:
-    """Raise a ValueError unless these are an elastic spectrum; ``places`` name the points."""
+def check_ordinates(period: Array, values: Array, places: list[str]) -> None:
+    """Raise a ValueError unless these are a spectrum; ``places`` name the points."""
     if period.size < FEWEST:
         raise ValueError(f"spectrum has {period.size} points; allowed: {FEWEST} or more")
     for place, last, t, sa in zip(places, [-1.0, *period[:-1]], period, values, strict=True):
@@ -107,20 +104,6 @@ def check_ordinates(period: Array, values: Array, damping: float, places: list[s
             raise ValueError(f"{place}: the acceleration at {t:g} s is {sa:g}; allowed: positive")
         if t <= last:
             raise ValueError(f"{place}: {t:g} s follows {last:g} s; allowed: increasing periods")
-    _check_elastic(period, values, damping, places)
-
-
-def _check_elastic(period: Array, values: Array, damping: float, places: list[str]) -> None:
-    cure = "allowed: an elastic spectrum, so multiply by the behaviour factor q (or R)"
-    least = 1 + (_LEAST_RISE - 1) * np.sqrt(USUAL_DAMPING / damping)
-    rise = float(values.max() / values[0])
-    if period[0] <= _STIFF and rise < least:
-        what = f"the spectrum rises to {rise:.3g} times its value at {period[0]:g} s only"
-        raise ValueError(f"{places[0]}: {what}; {cure}")
-    flat = np.ptp(values[-_FLAT:]) <= 1e-6 * values[-1]
-    if flat and values[-1] < 0.9 * values.max():
-        what = f"the spectrum is level from {period[-_FLAT]:g} s on, as at a lower bound"
-        raise ValueError(f"{places[-_FLAT]}: {what}; {cure}, without that bound")
 
 
 @checked
@@ -133,8 +116,10 @@ def read_spectrum(
     column: ColumnName | None = None,
     site: Site | None = None,
     between: Between | None = None,
+    elastic: Truth | None = None,
+    divided_by: DividedBy | None = None,
 ) -> xr.DataArray:
-    r"""Read an elastic response spectrum from a file with columns, or with a row for each site.
+    r"""Read a response spectrum, as an elastic one, from a file with columns or with a row for each site.
 
     Parameters
     ----------
@@ -157,13 +142,20 @@ def read_spectrum(
     between : {"logarithmic", "linear"}, optional
         What the ordinates and periods between two points are, which the code says: linear in their
         logarithms (default), or linear, as for the few points of the code of Canada.
+    elastic : bool, optional
+        True for an elastic spectrum. Say this, or ``divided_by``; nothing in the file does.
+    divided_by : float or DataArray, optional
+        Factor [-] of at least 1 by which the ordinates are divided, such as ``R`` or ``q``, or an array
+        of factors over ``period`` [s] for all periods of the file, linear between. The ordinates are
+        multiplied by it.
 
     Returns
     -------
     xarray.DataArray
-        Pseudo-acceleration [m/s^2] over ``period`` [s], with the attributes ``damping`` and ``source``;
-        of a linear one also at periods between the points. The attribute ``comment`` says what is
-        converted, and ``columns`` which columns were asked for by number.
+        Elastic pseudo-acceleration [m/s^2] over ``period`` [s], with the attributes ``damping``,
+        ``source`` and ``elastic``, which says how the file was taken; of a linear one also at periods
+        between the points. The attribute ``comment`` says what is converted, and ``columns`` which
+        columns were asked for by number.
 
     Raises
     ------
@@ -171,16 +163,19 @@ def read_spectrum(
         If there is no such file.
     ValueError
         If units or a column are missing or contradict the file, or the title of a column states another
-        damping ratio or the period of one ordinate; if the periods do not increase, an
-        ordinate is not positive, or there are fewer than 4 points; or if the spectrum seems to be
-        divided by a behaviour factor, since it hardly rises above its value at a period of zero, or is
-        constant at long periods.
+        damping ratio or the period of one ordinate; if the periods do not increase, an ordinate is not
+        positive, or there are fewer than 4 points; or if ``divided_by`` does not cover the periods, or is
+        given beside ``elastic=True``.
 
     Warns
     -----
     UserWarning
         If the largest ordinate is below 0.0025 g or above 7.5 g, so that the units are probably wrong,
-        or a period is more than twice the last, and ``between`` is not given.
+        or a period is more than twice the last, and ``between`` is not given. If neither ``elastic`` nor
+        ``divided_by`` is given, and the spectrum is taken as elastic; or if its shape speaks against
+        that: it rises to less than 0.7 of the median of elastic spectra (Newmark and Hall 1982; to less
+        than 1.48 times the ordinate at 0 s for 5 % damping), unless it begins on its plateau, or it is
+        level from less than 4 s on.
 
     Examples
     --------
@@ -189,15 +184,17 @@ def read_spectrum(
     >>> path = pathlib.Path(tempfile.mkdtemp()) / "site.csv"
     >>> rows = ["period,Sa [g]", "0,0.2", "0.1,0.4", "0.2,0.5", "0.4,0.5", "0.8,0.25", "1.6,0.12"]
     >>> _ = path.write_text("\n".join(rows), encoding="utf-8")
-    >>> spectrum = sl.read_spectrum(path)
+    >>> spectrum = sl.read_spectrum(path, elastic=True)
     >>> round(float(spectrum.sel(period=0.4)), 4), spectrum.attrs["damping"]
     (4.9033, 0.05)
+    >>> sl.read_spectrum(path, divided_by=4).attrs["elastic"]
+    'divided by 4, multiplied back'
     """
     path = input_path("path", path)
     name = plain(path.name)
     request = AskedSpectrum(units, damping, period_column, column, site)
     period, values, places, about = points_in(path, request)
-    check_ordinates(period, values, damping, places)
+    check_ordinates(period, values, places)
     largest = values.max() / constants.g
     wide = between is None and (period[1:] > WIDEST * period[:-1])[period[:-1] > 0].any()
     doubts = {
@@ -209,4 +206,4 @@ def read_spectrum(
     if between == "linear":
         finer = np.unique(np.linspace(period[:-1], period[1:], FINER))
         period, values = finer, np.interp(finer, period, values)
-    return labelled(period, values, damping, name).assign_attrs(about)
+    return as_elastic(labelled(period, values, damping, name).assign_attrs(about), elastic, divided_by)

@@ -27,6 +27,7 @@ from stochlin.applications.records.records import checked_record, recorded
 from stochlin.applications.records.response import response_spectrum
 from stochlin.applications.sheets.columns import ColumnName
 from stochlin.applications.sheets.sheets import number_in, text_sheet
+from stochlin.applications.sites.elastic_spectra import DividedBy, as_elastic
 from stochlin.applications.sites.spectra import (
     BAND,
     BAND_POINTS,
@@ -36,7 +37,7 @@ from stochlin.applications.sites.spectra import (
     checked_spectrum,
     interpolated,
 )
-from stochlin.messages import LONGEST_MESSAGE, DoubtfulInput, brief, listed, plain, sentence
+from stochlin.messages import LONGEST_MESSAGE, DoubtfulInput, brief, listed, plain, refuse, sentence
 from stochlin.models.arguments import (
     Acceleration,
     DampingRatio,
@@ -182,7 +183,7 @@ def _components(
             yield label, _Read(recorded(channel, source, dt, units), channel.title, False)
     else:
         channel = chosen(channels, component, source)
-        title = channel.title or channel.column
+        title = channel.title
         yield name, _Read(recorded(channel, source, dt, units), title, len(channels) == 1)
 
 
@@ -298,6 +299,8 @@ def scale_records(
     spectrum: xr.DataArray | None = None,
     band: TwoNumbers = BAND,
     damping: DampingRatio = USUAL_DAMPING,
+    elastic: Truth | None = None,
+    divided_by: DividedBy | None = None,
 ) -> Suite:
     """Scale each record of a suite by its own factor to a peak or spectral acceleration or a spectrum.
 
@@ -317,6 +320,8 @@ def scale_records(
         Periods [s] between which spectra are compared, evenly spaced in the logarithm.
     damping : float
         Damping ratio [-] for ``sa``; a spectrum has its own.
+    elastic, divided_by : optional
+        What a spectrum is that does not say so itself, as in `read_spectrum`.
 
     Returns
     -------
@@ -348,7 +353,11 @@ def scale_records(
     check_band(band)
     periods = np.geomspace(*band, BAND_POINTS) if sa is None else np.array([float(period or 0.0)])
     target = np.array([pga if sa is None else sa], float)
-    if spectrum is not None:
+    if spectrum is None:
+        refuse("the goal", "no spectrum", {"elastic": elastic, "divided_by": divided_by})
+    else:
+        checked_spectrum(spectrum)
+        spectrum = as_elastic(spectrum, elastic, divided_by)
         own_periods, values, damping = checked_spectrum(spectrum)
         if not own_periods[own_periods > 0][0] <= band[0] < band[1] <= own_periods[-1]:
             raise ValueError(f"band = {brief(band)} is not within the spectrum; allowed: its periods")

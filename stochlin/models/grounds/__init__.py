@@ -14,7 +14,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.filters import Filter, stationary
 from stochlin.kernels.linearization.parallel_filters import in_parallel
 from stochlin.messages import brief
-from stochlin.models.arguments import checked
+from stochlin.models.arguments import SCATTER, checked
 from stochlin.models.parameters import (
     PERIODS,
     POSITIVE,
@@ -24,13 +24,29 @@ from stochlin.models.parameters import (
     expect,
     parameter,
 )
-from stochlin.models.uncertain import as_array
+from stochlin.models.uncertain import as_array, median_of
 from stochlin.registry import Registry
 
 __all__ = ["Filter"]  # which grounds of other packages need
 
 GROUNDS: Registry[type[Ground]] = Registry("ground", "stochlin.models.grounds")
 POSITIVE_DAMPING = Range(reason="an undamped ground has no stationary motion")
+
+
+class UsualScatter(NamedTuple):
+    """The scatter for a use of motions, and where it is from."""
+
+    scatter: float
+    source: str
+
+    def __str__(self) -> str:
+        return f"scatter {self.scatter:.3g} by default ({self.source})"
+
+
+# The scatter that recorded earthquakes show (docs/reality.md). Records scatter less about a spectrum in
+# the mean, and about as much in what yielding structures need: its default is on the safe side.
+OTHER_COMPONENT = UsualScatter(0.4, "the other component of a station in the far field")
+OF_SPECTRUM = UsualScatter(0.3, "suites of records about a spectrum, on the safe side")
 MOST_FILTERS = 3  # in parallel, of a ground that is fitted to a spectrum
 
 
@@ -51,6 +67,11 @@ class Ground(Model):
     name: ClassVar[str]
     fit: ClassVar[Fit | None] = None  # None for a ground that cannot be fitted to records
     source: str = field(default="", compare=False, kw_only=True)
+    scatter: float = field(default=0.0, kw_only=True)  # of its motions between earthquakes, by default
+
+    def __post_init__(self) -> None:
+        SCATTER(f"{type(self).__name__}: scatter", self.scatter)
+        super().__post_init__()
 
     @staticmethod
     def filter(values: Mapping[str, Any]) -> Filter:
@@ -103,7 +124,7 @@ class WhiteNoise(Ground):
 
     Parameters
     ----------
-    intensity, source
+    intensity, source, scatter
         As in `KanaiTajimi`.
 
     Raises
@@ -145,7 +166,10 @@ class KanaiTajimi(Ground):
     intensity : float or array
         Two-sided PSD ``S0`` of the white noise per rad/s [m^2/s^3], positive.
     source : str
-        Reference for the parameter values, recorded in results.
+        Reference for the parameter values.
+    scatter : float
+        Default of the argument ``scatter`` of functions that simulate motions of finite duration [-], as
+        in `simulate`. That of a ground that is fitted to a spectrum or a record is not 0.
 
     Raises
     ------
@@ -196,7 +220,7 @@ class CloughPenzien(Ground):
         Period ``2 pi / wg`` [s] and damping ratio ``xig`` [-] of the soil oscillator, positive.
     high_pass_period, high_pass_damping : float or array
         Period ``2 pi / wf`` [s] and damping ratio ``xif`` [-] of the high-pass oscillator, positive.
-    intensity, source
+    intensity, source, scatter
         As in `KanaiTajimi`.
 
     Raises
@@ -253,8 +277,8 @@ class ParallelGround(Ground):
     intensity : float or array, optional
         Sum of the two-sided PSDs ``S0`` of their white noises [m^2/s^3], positive. If given, all grounds
         are scaled by one factor to this sum; by default the intensities are those of the grounds.
-    source : str
-        Reference for the parameter values, recorded in results.
+    source, scatter
+        As in `KanaiTajimi`; the scatter of the grounds is not used.
 
     Raises
     ------
@@ -403,6 +427,11 @@ def named_ground(name: str, intensity: Parameter = 1.0) -> KanaiTajimi | CloughP
     if (chosen := _GROUNDS.get(str(name).strip().lower())) is None:
         raise ValueError(f"name = {brief(name)} is not a known ground; allowed: {', '.join(_GROUNDS)}")
     return replace(chosen, intensity=intensity)
+
+
+def scatter_of(ground: Any, scatter: float | None) -> float:
+    """The scatter of the motions of a ground between earthquakes [-], by default its own."""
+    return float(median_of(ground).scatter if scatter is None else scatter)
 
 
 def rms_acceleration(ground: Ground) -> float:

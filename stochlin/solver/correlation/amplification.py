@@ -159,7 +159,7 @@ def _of_peaks(models: dict[str, Any], motion: dict[str, Any]) -> xr.Dataset:
 
 def _of_cell(motion: dict[str, Any], structure: AnyStructure, ground: Ground) -> xr.Dataset:
     """Amplification of the peaks of one structure, which moves beside its elastic counterpart."""
-    motions = simulate([structure, _elastic(structure)], ground, **motion)
+    motions = simulate([structure, _elastic(structure)], ground, scatter=0.0, **motion)
     n = motions.peak.shape[1] // 2
     peaks = motions.peak.values
     ratios = _ratios(peaks[:, :n], peaks[:, n:])

@@ -13,7 +13,7 @@ from stochlin.kernels.simulation.stepping import LANES
 from stochlin.messages import brief
 from stochlin.models.arguments import Duration, Number, Paths, Scatter, Seed, checked
 from stochlin.models.envelopes import Envelope, envelope_at
-from stochlin.models.grounds import Ground
+from stochlin.models.grounds import Ground, scatter_of
 from stochlin.models.parameters import POSITIVE
 from stochlin.solver.simulation.ensembles import ground_steps
 from stochlin.solver.simulation.finite_motions import BLOCK
@@ -33,7 +33,7 @@ def simulated_motions(
     paths: Paths = 32,
     seed: Seed = 0,
     step: Annotated[float, STEP] = USUAL_STEP,
-    scatter: Scatter = 0.0,
+    scatter: Scatter | None = None,
     progress: Progress | None = None,
 ) -> xr.DataArray:
     """Simulate ground motions, as records for `pound`, `respond`, `recorded_gap` or other programs.
@@ -58,7 +58,7 @@ def simulated_motions(
         Time step [s], positive. A value of white noise is its mean over a step.
     scatter : float
         Standard deviation [-] of the logarithm of a random factor on each motion, as in `simulate`, with
-        the same factors for the same seed.
+        the same factors for the same seed; by default that of the ground.
     progress : callable, optional
         Called with the share of the work that is done.
 
@@ -83,6 +83,7 @@ def simulated_motions(
     (('path', 'time'), (4, 2001), True)
     """
     check_scalars(ground, "ground", "numbers")
+    scatter = scatter_of(ground, scatter)
     if step > duration:
         raise ValueError(f"step = {brief(step)} is out of range; allowed: {STEP.words}")
     steps = int(np.ceil(duration / step * (1 - 1e-12))) + 1
@@ -93,7 +94,7 @@ def simulated_motions(
     )
     soil, time = ground.lone_filter(), step * np.arange(steps)
     groups = -(-paths // LANES)
-    plan = Plan(step, 1, 0, 0, groups, seed, BLOCK, scatter=float(scatter))
+    plan = Plan(step, 1, 0, 0, groups, seed, BLOCK, scatter=scatter)
     made, root = ground_steps(soil, step)
     if soil.states:  # the value at the beginning of each step, in place of its mean
         made = made._replace(row=soil.arrays.output, direct=0.0)

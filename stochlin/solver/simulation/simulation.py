@@ -21,7 +21,7 @@ from stochlin.models.arguments import (
     checked,
 )
 from stochlin.models.envelopes import Envelope
-from stochlin.models.grounds import Ground
+from stochlin.models.grounds import Ground, scatter_of
 from stochlin.models.links import Link
 from stochlin.models.parameters import expect
 from stochlin.models.structures import Structure
@@ -51,7 +51,7 @@ def simulate(
     relaxation_times: RelaxationTimes = 20.0,
     duration: Duration | None = None,
     envelope: Envelope | None = None,
-    scatter: Scatter = 0.0,
+    scatter: Scatter | None = None,
     quantiles: Quantiles = (0.5, 0.84, 0.95),
     link: Link | Sequence[Link | None] | None = None,
     progress: Progress | None = None,
@@ -87,8 +87,9 @@ def simulate(
     scatter : float
         Standard deviation [-] of the natural logarithm of a random factor on the ground acceleration of
         each finite motion, from 0 to 2. The factors have the median 1 and are independent. They
-        represent the scatter between earthquakes, which a ground does not contain. The motions are
-        otherwise the same as without scatter.
+        represent the scatter between earthquakes, which the PSD of a ground does not contain. The
+        motions are otherwise the same as without scatter. By default it is ``ground.scatter``: 0.3 of a
+        ground by `fit_ground` for a spectrum, 0.4 for a record, 0 of others.
     quantiles : sequence of float
         Probabilities of the quantiles of the separation in finite motions, between 0 and 1.
     link : Link or list of Link and None, optional
@@ -168,6 +169,8 @@ def simulate(
     True
     """
     roles = checked_structures(structures, ground)
+    if scatter is None:
+        scatter = 0.0 if duration is None else scatter_of(ground, None)
     check_motion(duration, envelope, scatter, roles)
     check_memory(sum(map(floor_count, roles.values())), paths)
     moving = structures_in_motion(
@@ -178,7 +181,7 @@ def simulate(
         paths=paths,
         seed=seed,
         steps_per_period=steps_per_period,
-        scatter=float(scatter),
+        scatter=scatter,
     )
     if duration is not None:
         table = simulate_finite(moving, duration, envelope, quantiles, progress)

@@ -106,8 +106,14 @@ def with_run_information(
         "stochlin_version": __version__,
         "history": f"stochlin {__version__}: {call}",
         **{role: model.describe() for role, model in models.items()},
+        **{f"{role}_source": text for role, model in models.items() if (text := _of_fit(model))},
     }
     return dataset
+
+
+def _of_fit(model: Model) -> str:
+    """To what a ground is fitted, and how, which its parameters do not say; empty for other models."""
+    return str(getattr(model, "source", "")) if getattr(model, "scatter", 0.0) else ""
 
 
 def named_models(

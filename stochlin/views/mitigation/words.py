@@ -21,8 +21,7 @@ from stochlin.views.shared.words import (
     number,
     opening,
     per_cent,
-    scatter,
-    shaking,
+    strength,
     with_interval,
     with_uncertainty,
 )
@@ -51,7 +50,7 @@ Columns = dict[str, "Callable[[xr.Dataset], str]"]  # heads, and the cells below
 def answer_sections(table: xr.Dataset, case: Case) -> list[ViewSection]:
     """The answer, the measures in simulated motions, and what their columns mean."""
     case = simulated_as(case, table)
-    about = (floors(case), *left_out(case), _headline(table), shaking(table, case), scatter(case))
+    about = (floors(case), *left_out(case), _headline(table), *strength(table, case))
     return [
         opening(case, doubts(table)),
         ViewSection("", texts([*about, with_uncertainty(case, "needed gaps and shares are those")])),

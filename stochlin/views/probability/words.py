@@ -15,8 +15,7 @@ from stochlin.views.shared.words import (
     left_out,
     length,
     opening,
-    scatter,
-    shaking,
+    strength,
     with_interval,
     with_uncertainty,
 )
@@ -42,7 +41,7 @@ def answer_sections(table: xr.Dataset, case: Case, gap: float) -> list[ViewSecti
     first, second = (building.name for building in pair_of(case))
     duration = f"{case.site.course.duration:.4g}{SPACE}s"
     between = f"{first} (left) and {second}, gap {length(gap)}, {duration}"
-    about = (between, floors(case), *left_out(case), shaking(table, case), scatter(case))
+    about = (between, floors(case), *left_out(case), *strength(table, case))
     formulas = {head: name for head, name in FORMULAS.items() if name in table}
     step = max(1, (table.sizes["time"] - 1) // (ROWS - 1))
     rows = [

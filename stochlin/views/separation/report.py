@@ -29,6 +29,7 @@ def first_sections(answer: CaseAnswer) -> list[ViewSection]:
         ViewSection("", [doubt(doubts(answer.shaking))]),
         ViewSection("", [Text(answer.case.title, "title")], on_screen=False),
         ViewSection("", [replace(first, look="answer"), pictures.elevation_picture(answer), *others]),
+        ViewSection("", texts(words.taken(answer.case))),
         ViewSection("", texts(words.cautions(answer))),
     ]
 

@@ -24,6 +24,7 @@ from stochlin.views.shared.words import (
     scatter,
     shaking,
     site_in_words,
+    spectrum_taken,
     with_interval,
 )
 from stochlin.views.sites.pictures import fit_in_words
@@ -208,6 +209,11 @@ def cautions(answer: CaseAnswer) -> list[str]:
     return [sentence for sentence in sentences if sentence]
 
 
+def taken(case: Case) -> list[str]:
+    """What was taken for the motions: the spectrum of a file, and the scatter in strength."""
+    return [spectrum_taken(case), scatter(case)]
+
+
 def _without_storeys(answer: CaseAnswer) -> str:
     """What a building without storeys is compared with beside one with storeys."""
     both = answer.case.buildings
@@ -229,9 +235,9 @@ def _ductilities(table: xr.Dataset) -> str:
 
 
 def details(answer: CaseAnswer, on_page: bool = False) -> list[Text]:
-    """The shaking, its scatter and fit that a page draws or says elsewhere, ductilities and drifts."""
+    """The shaking, its fit that a page draws, ductilities and drifts."""
     case = answer.case
-    motions = [scatter(case), " ".join(fit_in_words(answer.spectrum, case.periods))]
+    motions = fit_in_words(answer.spectrum, case.periods)
     moved = [_ductilities(answer.separation), _storeys(answer)]
     return texts([shaking(answer.shaking, case), *([] if on_page else motions), *moved])
 

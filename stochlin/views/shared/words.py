@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import constants
 
+from stochlin.applications.sites.elastic_spectra import taken_in_words
+from stochlin.messages import plain
 from stochlin.models.arguments import checked
 from stochlin.models.grounds import ground_names
 from stochlin.models.rules.codes import CODE_RULES
@@ -107,6 +109,19 @@ def scatter(case: Case) -> str:
         f"standard deviation {now:.2g} ({source})."
     )
     return sentence if now else ""
+
+
+def spectrum_taken(case: Case) -> str:
+    """How the spectrum of a file was taken; empty without such a file."""
+    spectrum = case.site.spectrum
+    if spectrum is None or "code" in spectrum.attrs:
+        return ""
+    return f"The spectrum of {plain(spectrum.attrs['source'])}: {taken_in_words(spectrum)}."
+
+
+def strength(table: xr.Dataset, case: Case) -> list[str]:
+    """How strong the motions are, by which spectrum, and how they differ."""
+    return [shaking(table, case), spectrum_taken(case), scatter(case)]
 
 
 def in_g(acceleration: float) -> str:

@@ -15,7 +15,7 @@ code[some].to_netcdf("eurocode_8.nc")
 periods = np.round(0.05 * np.arange(81), 2)
 rows = [f"{t:g},{a / G:.6f}" for t, a in zip(periods, code.interp(period=periods).values, strict=True)]
 Path("site.csv").write_text("T [s],Sa [g]\n" + "\n".join(rows) + "\n", encoding="utf-8")
-target = sl.read_spectrum("site.csv")
+target = sl.read_spectrum("site.csv", elastic=True)
 Path("site.csv").unlink()
 envelope = sl.AminAng(2.0, 12.0, 0.4)
 ground = sl.fit_ground(target, duration=20.0, envelope=envelope, filters=1)
@@ -24,7 +24,7 @@ both = sl.ParallelGround([ground, sl.CloughPenzien(0.1, 0.5, 1.0, 0.6, intensity
 print(both.psd([1.0, 10.0, 100.0]).values)
 spectrum = sl.charts.simulated_spectrum(ground, target, 20.0, envelope, paths=64)
 spectrum.isel(period=slice(None, None, 8)).to_netcdf("spectrum.nc")
-motions = sl.simulated_motions(ground, 20.0, envelope, paths=2, step=0.02)
+motions = sl.simulated_motions(ground, 20.0, envelope, paths=2, step=0.02, scatter=0.0)
 motions[:, ::50].to_netcdf("motions.nc")
 Path("suite").mkdir()
 for name, each in zip("ab", motions, strict=True):

@@ -38,11 +38,11 @@ from stochlin.applications.cases.reading.records import PEAK
 from stochlin.applications.cases.reading.site import MOTIONS, SITES, Site, read_site
 from stochlin.applications.cases.reading.tables import NO_TABLE, Form, Table, read_table
 from stochlin.applications.risk.risk import check_target
+from stochlin.applications.sites.elastic_spectra import doubt_of_pga
 from stochlin.kernels.simulation.stepping import whole_groups
 from stochlin.messages import hint, plain
 from stochlin.models.arguments import checked
 from stochlin.models.contacts.elements import CONTACTS, DAMPING, RESTITUTION, Contact
-from stochlin.models.hazards import Hazard
 from stochlin.models.links import Link
 from stochlin.models.measures import Measure
 from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Range
@@ -104,17 +104,20 @@ class Wanted(Form):
     design_pga: float | None = key(PEAK, "Peak ground acceleration of the design", None)
     numbers: Numbers = key(Inner((Numbers,)), "Numbers of rules", Numbers(table=NO_TABLE))
 
-    def check(self, buildings: Sequence[Building], hazard: Hazard | None) -> None:
+    def check(self, buildings: Sequence[Building], site: Site) -> None:
         """Raise a ValueError for a wrong number of gaps, or a risk that the hazard does not reach."""
         count = max(len(buildings) - 1, 1)
         if len(self.existing) not in (0, count):
             what = f"does not fit the number of buildings, {len(buildings)}; allowed: {count} in all"
             raise self.table.error("existing", what)
         if self.risk is not None:
-            if hazard is None:
+            if site.hazard is None:
                 raise self.table.error("risk", "needs a hazard; allowed: with [site.hazard]")
             with self.table.naming("risk"):
-                check_target(hazard, self.risk)
+                check_target(site.hazard, self.risk)
+        pga, spectrum = self.design_pga, site.spectrum
+        if pga is not None and spectrum is not None and (above := doubt_of_pga(spectrum, pga)):
+            self.table.warn("design_pga", above)
         if self.floors_align and (slabs := slabs_of_row(buildings)):
             what = f"is not so: {slabs[0].words}; codes are asked as if it were false"
             self.table.warn("floors_align", what)
@@ -449,7 +452,7 @@ def case_of(table: Table) -> Case:
     whole = table.read(Whole)
     site = read_site(whole.site, whole.motion)
     buildings = tuple(read_building(each, n) for n, each in enumerate(whole.more.values(), start=1))
-    whole.separation.check(buildings, site.hazard)
+    whole.separation.check(buildings, site)
     return Case(
         whole=whole,
         site=site,

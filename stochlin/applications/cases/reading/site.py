@@ -13,9 +13,11 @@ import xarray as xr
 from stochlin.applications.cases.reading.kinds import (
     COLUMN,
     TEXT,
+    TRUTH,
     Inner,
     Integer,
     Key,
+    ListOf,
     Quantity,
     Word,
     key,
@@ -38,13 +40,11 @@ from stochlin.applications.cases.reading.records import (
 from stochlin.applications.cases.reading.tables import Form, Table
 from stochlin.applications.records.ground_fit import fitted_grounds
 from stochlin.applications.sites.design_spectra import asce_7, eurocode_8
+from stochlin.applications.sites.elastic_spectra import ELASTIC, marked, pga_of
 from stochlin.applications.sites.ground_fit import fit_ground
 from stochlin.applications.sites.intensity import paths_for, scale_ground
 from stochlin.applications.sites.motion_fit import (
     FILTERS,
-    OF_SPECTRUM,
-    OTHER_COMPONENT,
-    UsualScatter,
     between_components,
     checked_components,
     energy_ratio,
@@ -57,7 +57,10 @@ from stochlin.models.envelopes import ENVELOPES, Envelope
 from stochlin.models.grounds import (
     GROUNDS,
     MOST_FILTERS,
+    OF_SPECTRUM,
+    OTHER_COMPONENT,
     Ground,
+    UsualScatter,
     WhiteNoise,
     ground_names,
     named_ground,
@@ -70,6 +73,8 @@ from stochlin.models.uncertain import UncertainModel, median_of
 FITTED, NONE = "fitted", "none"
 STRENGTHS = ("intensity", "pga", "sa", "return_period")
 AG, SDS = (Quantity("m/s^2", POSITIVE, PLAUSIBLE[name]) for name in ("ag", "sds"))
+FROM_ZERO = Quantity("s", Range(0.0, include_lower=True))
+DIVISOR = Quantity("1", Range(1.0, include_lower=True), PLAUSIBLE["divided_by"])
 SPREAD = Quantity("1", SCATTER.allowed)  # of a logarithm
 DAMPING = Quantity("1", Range(0.0, 1.0))
 LIKE = 0.8, 1.25  # energy of motions over that of a record without a warning
@@ -221,9 +226,27 @@ class Asce7(Spectrum):
         return self.table.made(asce_7, sds=self.sds, sd1=self.sd1, tl=self.tl)
 
 
+class Divisors(Form):
+    """By what a spectrum is divided, where that depends on the period."""
+
+    periods: list[float] = key(ListOf(FROM_ZERO), "Periods of the factors, linear between them")
+    factors: list[float] = key(ListOf(DIVISOR), "By what the ordinates are divided there")
+
+    def table_of_factors(self) -> xr.DataArray:
+        """The factors over the period."""
+        if len(self.periods) != len(self.factors):
+            what = f"are {len(self.factors)}; allowed: as many as periods, {len(self.periods)}"
+            raise self.table.error("factors", what)
+        return xr.DataArray(self.factors, dims="period", coords={"period": self.periods})
+
+
 class SpectrumFile(Spectrum):
     """A spectrum from a file, with a factor."""
 
+    one_of: ClassVar[Any] = {"": ("elastic", "divided_by")}
+
+    elastic: bool | None = key(TRUTH, "Whether the spectrum in the file is elastic", None)
+    divided_by: Any = key(DIVISOR, "By what it is divided, R or q, or a table of that", None)
     units: str | None = key(TEXT, "Unit of the accelerations in the file", None)
     period_column: str | int | None = key(COLUMN, "Column of the periods", None)
     column: str | int | None = key(COLUMN, "Column of the accelerations", None)
@@ -232,16 +255,32 @@ class SpectrumFile(Spectrum):
     scale: float = key(FACTOR, "Scale of the spectrum", 1.0)
     damping: float | None = key(DAMPING, "Damping ratio", None)
 
+    @classmethod
+    def keys(cls, table: Table) -> dict[str, Key]:
+        """What the spectrum is divided by is a number or a table."""
+        keys = keys_of(cls)
+        if isinstance(table.values.get("divided_by"), dict):
+            keys["divided_by"] = keys["divided_by"]._replace(kind=Inner((Divisors,)))
+        return keys
+
     def target(self) -> xr.DataArray:
-        """The spectrum of the file."""
+        """The spectrum of the file, as an elastic one."""
         path = self.table.path("spectrum")
         if not path.exists():
             known = f"{hint(path.name, CODES)}allowed: {', '.join(CODES)}, or such a file"
             raise self.table.error("spectrum", f"is neither a code nor a file beside this one; {known}")
-        options = self.given("units", "period_column", "column", "site", "between", "damping")
+        if not (self.elastic or self.divided_by):
+            lines = "the line elastic = true, or divided_by = 4 if it is divided by R or q = 4"
+            raise self.table.error("spectrum", f"does not say whether it is elastic; allowed: {lines}")
+        options = self.given("units", "period_column", "column", "site", "between", "damping", "elastic")
+        if self.divided_by:
+            of_table = isinstance(self.divided_by, Divisors)
+            divisor = self.divided_by.table_of_factors() if of_table else self.divided_by
+            options |= {"elastic": None, "divided_by": divisor}
         with self.table.naming("spectrum"):
             spectrum = read_spectrum(path, **options)
-        return (self.scale * spectrum).assign_attrs(spectrum.attrs)
+        scaled = spectrum.copy(data=self.scale * spectrum.values)
+        return marked(scaled, spectrum.attrs[ELASTIC])
 
 
 CODES = {"eurocode_8": Eurocode8, "asce_7": Asce7}
@@ -277,6 +316,11 @@ class Site:
     def name(self) -> str:
         """Ground or spectrum as written in the file."""
         return str(self.form.ground if self.spectrum is None else self.form.spectrum)
+
+    @property
+    def pga(self) -> float | None:
+        """Peak ground acceleration of the spectrum [m/s^2]; None without one that begins with it."""
+        return None if self.spectrum is None else pga_of(self.spectrum)
 
     @property
     def components(self) -> dict[str, xr.DataArray]:
