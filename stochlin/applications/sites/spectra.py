@@ -119,7 +119,7 @@ def read_spectrum(
     elastic: Truth | None = None,
     divided_by: DividedBy | None = None,
 ) -> xr.DataArray:
-    r"""Read a response spectrum, as an elastic one, from a file with columns or with a row for each site.
+    r"""Read a response spectrum, as an elastic one, from a file with columns or a row for each site.
 
     Parameters
     ----------
@@ -164,8 +164,8 @@ def read_spectrum(
     ValueError
         If units or a column are missing or contradict the file, or the title of a column states another
         damping ratio or the period of one ordinate; if the periods do not increase, an ordinate is not
-        positive, or there are fewer than 4 points; or if ``divided_by`` does not cover the periods, or is
-        given beside ``elastic=True``.
+        positive, or there are fewer than 4 points; or if ``divided_by`` does not cover the periods, or
+        is given beside ``elastic=True``.
 
     Warns
     -----
