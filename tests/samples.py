@@ -192,3 +192,21 @@ def usgs(curves: dict[str, tuple[Numbers, Numbers]]) -> str:
     ]
     metadata = {"xlabel": "Ground Motion (g)", "ylabel": "Annual Frequency of Exceedence"}
     return json.dumps({"status": "success", "response": {"metadata": metadata, "hazardCurves": parts}})
+
+
+def usgs_before_2022(text: str) -> str:
+    """The same curves as the USGS wrote them before 2022: one axis for all parts."""
+    response = json.loads(text)["response"]
+    curves = [
+        {
+            "metadata": {"imt": curve["imt"], **response["metadata"], "xvalues": part["values"]["xs"]},
+            "data": [
+                {"component": "Grid", "yvalues": [0.0 for _ in part["values"]["xs"]]},
+                {"component": "Total", "yvalues": part["values"]["ys"]},
+            ],
+        }
+        for curve in response["hazardCurves"]
+        for part in curve["data"]
+        if part["component"] == "Total"
+    ]
+    return json.dumps({"status": "success", "response": curves})

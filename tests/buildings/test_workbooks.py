@@ -205,7 +205,7 @@ def test_parts_are_compressed_as_in_a_workbook(tmp_path: Path, method: int) -> N
 def test_what_is_no_workbook_of_today_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "push.xlsx"
     for content, message in (
-        (b"PK\x03\x04", "is not a zip file"),
+        (b"PK\x03\x04 xl/", "is not a zip file"),
         (b"\xd0\xcf\x11\xe0", "save it again as .xlsx without"),
     ):
         path.write_bytes(content)

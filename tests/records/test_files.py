@@ -307,7 +307,7 @@ REFUSALS = [
         {**TIMED, "column": 2},
     ),
     ("record.txt is text in UTF-16; allowed: UTF-8", SINGLE.encode("utf-16"), PLAIN),
-    ("record.txt is no text; allowed: PEER AT2", WAVE.tobytes(), PLAIN),
+    ("record.txt is no text; allowed: text in UTF-8", WAVE.tobytes(), PLAIN),
     ("or wrapped=True for one series of 40 numbers", lines(WAVE, width=8), PLAIN),
     ("wrapped = True does not apply: record.txt is an AT2", at2(HEADER), {"wrapped": True}),
     ("line 4: .*; allowed there: 'NPTS= 5372, DT", at2("NPTS= 40, DT= 1E999 SEC"), {}),

@@ -1,5 +1,8 @@
 """Design spectra against the formulas of their codes, written out by hand; files of spectra."""
 
+import json
+import re
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -177,3 +180,85 @@ def test_an_array_that_is_no_spectrum_is_refused(change, error, message):
     spectrum = sl.eurocode_8(2.0, "B")
     with pytest.raises(error, match=message):
         sl.fit_ground(change(spectrum), duration=20.0)
+
+
+PERIODS = [0, 0.01, 0.02, 0.03, 0.05, 0.075, 0.1, 0.15, 0.2, 0.3, 0.5, 0.75, 1, 1.5, 2, 3, 4, 5, 7.5, 10]
+
+
+def usgs(**names):
+    """A response of the design services of the USGS with spectra of ASCE 7, each times a number."""
+    spectrum = sl.asce_7(G, 0.6 * G, 8.0).interp(period=PERIODS) / G
+    data = {
+        name: {"periods": PERIODS, "ordinates": (times * spectrum).values.tolist()}
+        for name, times in names.items()
+    }
+    return json.dumps({"request": {}, "response": {"data": {"sds": 1.0, **data}, "metadata": {}}})
+
+
+ALL = {
+    "multiPeriodMCErSpectrum": 1.5,
+    "twoPeriodMCErSpectrum": 1.6,
+    "twoPeriodDesignSpectrum": 1.1,
+    "multiPeriodDesignSpectrum": 1.0,
+    "verticalDesignSpectrum": 0.7,
+}
+
+
+@pytest.mark.oracle
+@pytest.mark.parametrize(
+    ("there", "column", "read"),
+    [
+        (ALL, None, "multiPeriodDesignSpectrum"),
+        (["twoPeriodDesignSpectrum", "multiPeriodMCErSpectrum"], None, "twoPeriodDesignSpectrum"),
+        *((ALL, name, name) for name in [*ALL][:4]),
+    ],
+)
+def test_a_response_of_the_usgs_is_read_and_says_which_spectrum_it_is(tmp_path, there, column, read):
+    path = tmp_path / "asce.json"
+    path.write_text(usgs(**{name: ALL[name] for name in there}), encoding="utf-8")
+    spectrum = sl.read_spectrum(path, column=column)
+    expected = ALL[read] * sl.asce_7(G, 0.6 * G, 8.0).interp(period=PERIODS)
+    np.testing.assert_allclose(spectrum.values, expected.values)
+    assert spectrum.attrs["spectrum"] == read
+    assert spectrum.period.values.tolist() == PERIODS
+
+
+USGS_REFUSALS = {
+    "u.json has no design spectrum; allowed as column: multiPeriodMCErSpectrum": (
+        usgs(multiPeriodMCErSpectrum=1.5),
+        {},
+    ),
+    "'verticalDesignSpectrum' is not in u.json; allowed as column: multiPeriodDesignSpectrum": (
+        usgs(multiPeriodDesignSpectrum=1, verticalDesignSpectrum=1),
+        {"column": "verticalDesignSpectrum"},
+    ),
+    "u.json has no design spectrum; allowed: the response for ASCE 7-22": (usgs(), {}),
+    "u.json is JSON and no response of the design services": ('{"a": 1}', {}),
+    "no response of the design": ('{"a": ', {}),
+    "number 5: the period is None; allowed: a finite number": (
+        usgs(multiPeriodDesignSpectrum=1).replace("0.05", "null", 1),
+        {},
+    ),
+    "19 periods beside 20 ordinates; allowed: as many of both": (
+        usgs(multiPeriodDesignSpectrum=1).replace("0.05, ", "", 1),
+        {},
+    ),
+    "contradicts u.json, which states 'g'; correct it, or leave it out": (
+        usgs(multiPeriodDesignSpectrum=1),
+        {"units": "m/s^2"},
+    ),
+    "damping = 0.02 contradicts u.json, whose spectra have 0.05; leave it out": (
+        usgs(multiPeriodDesignSpectrum=1),
+        {"damping": 0.02},
+    ),
+}
+
+
+@pytest.mark.oracle
+@pytest.mark.parametrize("message", USGS_REFUSALS)
+def test_what_is_no_spectrum_of_the_usgs_is_refused(tmp_path, message):
+    text, options = USGS_REFUSALS[message]
+    path = tmp_path / "u.json"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(ValueError, match=re.escape(message)):
+        sl.read_spectrum(path, **options)

@@ -80,6 +80,12 @@ READINGS = {
     "OpenQuake with the names of sites": (OF_IDS, PGA, {"site": 1}),
     "nshmp": (TOTAL, "PGA/total.csv", {"site": 1}),
     "USGS": (USGS, "hazard.json", {}),
+    "USGS before 2022": (samples.usgs_before_2022(USGS), "hazard.json", {}),
+    "USGS before 2022, 2 s": (
+        samples.usgs_before_2022(USGS),
+        "hazard.json",
+        {"measure": "sa", "period": 2},
+    ),
     **{
         f"USGS, {T} s": (USGS, "hazard.json", {"measure": "sa", "period": T})
         for T in (0.2, 0.21, 0.3, 1.9, 2)

@@ -359,8 +359,7 @@ class SimulatedRisk(NamedTuple):
                 "annual_rate_unseen_weaker": float(weaker.mean()),
                 "annual_rate_by_intensity": ("from_intensity", self.rates(gap).mean(axis=0)),
                 **{
-                    f"probability_in_years{end}": -np.expm1(-rate * years)
-                    for end, rate in rates.items()
+                    f"probability_in_years{end}": -np.expm1(-rate * years) for end, rate in rates.items()
                 },
                 **{f"pounding_{name}": each for name, each in pounding_shares(samples, gap).items()},
             },

@@ -21,9 +21,9 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief, listed, plain
 from stochlin.models.parameters import Range
 from stochlin.models.units import parsed, stated_size
+from stochlin.solver.tables.file_kinds import WORKBOOK
 from stochlin.solver.tables.inputs import read_input, read_text
 
-_WORKBOOKS = b"PK\x03\x04", b"\xd0\xcf\x11\xe0"  # signatures of .xlsx, and of .xls or with a password
 MOST_CELLS = 2**23  # of a text, with the empty ones between others
 _SAMPLE = 50  # lines in which the separator is looked for, and where the numbers begin
 _DECIMAL_COMMA = re.compile(r"(^|[;\s])[-+]?\d*,\d+([;\s]|$)")
@@ -224,7 +224,7 @@ def spelled(title: str) -> str:
 def sheets_of(path: Path) -> list[Sheet]:
     """All sheets of a workbook, or the one of a text; an OSError or ValueError if it is neither."""
     name, content = plain(path.name), read_input(path)
-    if content.startswith(_WORKBOOKS):
+    if WORKBOOK.fits(content):
         cells = [(f"{name}, sheet {title}", rows) for title, rows in rows_of(content, name)]
         sheets = [Sheet(place, _frame(rows, place)) for place, rows in cells]
     else:

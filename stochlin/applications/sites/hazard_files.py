@@ -24,6 +24,7 @@ from stochlin.messages import brief, listed
 from stochlin.models.arguments import Years, checked
 from stochlin.models.hazards import Exceeded, Hazard, HazardCurve, check_curve
 from stochlin.models.units import stated_size
+from stochlin.solver.tables.file_kinds import JSON
 from stochlin.solver.tables.inputs import input_path, read_input, read_text
 
 FilePath = str | os.PathLike[str]
@@ -111,8 +112,8 @@ def read_hazard(
 
 def _ordinates(path: Path, of: Hazard, choice: AskedHazard) -> list[Ordinate]:
     """The hazard curves in a file: of the USGS, or in a table."""
-    if read_input(path).lstrip().startswith(b"{"):
-        return usgs.read(path, read_text(path), choice)
+    if JSON.fits(read_input(path)):
+        return usgs.read(path, read_text(path, JSON), choice)
     return [tables.read(path, of, choice)]
 
 

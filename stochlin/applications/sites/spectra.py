@@ -13,7 +13,7 @@ from scipy import constants
 
 from stochlin.applications.records.records import checked_array
 from stochlin.applications.sheets.columns import ColumnName
-from stochlin.applications.sites.elastic_spectra import DividedBy, as_elastic
+from stochlin.applications.sites.elastic_spectra import BY_CODE, DividedBy, as_elastic, marked
 from stochlin.applications.sites.hazard_formats import Site
 from stochlin.applications.sites.spectrum_files import AskedSpectrum, points_in
 from stochlin.kernels.basics.arrays import Array
@@ -119,13 +119,14 @@ def read_spectrum(
     elastic: Truth | None = None,
     divided_by: DividedBy | None = None,
 ) -> xr.DataArray:
-    r"""Read a response spectrum, as an elastic one, from a file with columns or a row for each site.
+    r"""Read a response spectrum, as an elastic one, from columns, rows of sites, or the USGS.
 
     Parameters
     ----------
     path : str or path
         Path of the file, text in UTF-8 or a workbook, with or without a row of names, below which units
-        may follow. Lines that begin with ``#`` or ``%`` are comments.
+        may follow. Lines that begin with ``#`` or ``%`` are comments. Or the JSON with which the design
+        services of the U.S. Geological Survey answer for ASCE 7-22, in g and for the damping ratio 0.05.
     units : str, optional
         Units of the accelerations, as in `read_record`. Not needed if the row of names has them, as in
         ``Sa [g]``.
@@ -139,6 +140,9 @@ def read_spectrum(
     site : int or tuple of two floats, optional
         Site in a table of uniform hazard spectra of OpenQuake, as in `read_hazard`. Of several
         probabilities ``column`` names one, as ``"0.1"``.
+        Of the USGS the column is ``multiPeriodDesignSpectrum`` by default, or
+        ``twoPeriodDesignSpectrum`` where that is missing; ``multiPeriodMCErSpectrum`` and
+        ``twoPeriodMCErSpectrum`` are those of the maximum considered earthquake.
     between : {"logarithmic", "linear"}, optional
         What the ordinates and periods between two points are, which the code says: linear in their
         logarithms (default), or linear, as for the few points of the code of Canada.
@@ -155,7 +159,7 @@ def read_spectrum(
         Elastic pseudo-acceleration [m/s^2] over ``period`` [s], with the attributes ``damping``,
         ``source`` and ``elastic``, which says how the file was taken; of a linear one also at periods
         between the points. The attribute ``comment`` says what is converted, and ``columns`` which
-        columns were asked for by number.
+        columns were asked for by number; of the USGS ``spectrum`` says which is read.
 
     Raises
     ------
@@ -206,4 +210,7 @@ def read_spectrum(
     if between == "linear":
         finer = np.unique(np.linspace(period[:-1], period[1:], FINER))
         period, values = finer, np.interp(finer, period, values)
-    return as_elastic(labelled(period, values, damping, name).assign_attrs(about), elastic, divided_by)
+    spectrum = labelled(period, values, damping, name).assign_attrs(about)
+    if "spectrum" in about:
+        spectrum = marked(spectrum, BY_CODE)
+    return as_elastic(spectrum, elastic, divided_by)

@@ -35,11 +35,14 @@ from stochlin.applications.sheets.quantities import (
     SPECTRAL_DISPLACEMENT,
 )
 from stochlin.applications.sheets.sheets import Table, sheets_of, table_in
+from stochlin.applications.sites import usgs_spectra
 from stochlin.applications.sites.hazard_formats import Site, period_of
 from stochlin.applications.sites.hazard_formats.tables import line_of_site, table_of_sites
 from stochlin.kernels.basics.arrays import Array
-from stochlin.messages import brief, listed, refuse
+from stochlin.messages import brief, listed, plain, refuse
 from stochlin.models.units import stated_size
+from stochlin.solver.tables.file_kinds import JSON
+from stochlin.solver.tables.inputs import read_input, read_text
 
 ABSCISSAE = (PERIOD, FREQUENCY, ANGULAR)
 ORDINATES = (SPECTRAL, ACCELERATION, PSEUDO_VELOCITY, SPECTRAL_DISPLACEMENT)
@@ -69,6 +72,8 @@ class Points(NamedTuple):
 
 def points_in(path: Path, request: AskedSpectrum) -> Points:
     """The points in a file; a ValueError says what is missing or wrong."""
+    if JSON.fits(read_input(path)):
+        return _of_usgs(path, request)
     sheets = sheets_of(path)
     of_sites = table_of_sites(sheets)
     if of_sites is not None and any(map(_measure, of_sites.title_cells)):
@@ -93,6 +98,18 @@ def points_in(path: Path, request: AskedSpectrum) -> Points:
     if damping is not None:
         _check_damping(damping, request.damping)
     return _converted(table, abscissa, ordinate, request.units)
+
+
+def _of_usgs(path: Path, request: AskedSpectrum) -> Points:
+    """A spectrum of a response of the design services of the USGS."""
+    name = plain(path.name)
+    refuse(name, "JSON", {"period_column": request.period_column, "site": request.site})
+    points = usgs_spectra.read(name, read_text(path, JSON), request.column)
+    if request.damping != usgs_spectra.DAMPING:
+        what = f"damping = {request.damping:g} contradicts {name}, whose spectra have"
+        raise ValueError(f"{what} {usgs_spectra.DAMPING:g}; leave it out")
+    size = stated_size("acceleration", "g", request.units, name)
+    return Points(points.periods, size * points.ordinates, points.places, {"spectrum": points.name})
 
 
 def _converted(table: Table, abscissa: Choice, ordinate: Choice, units: str | None) -> Points:

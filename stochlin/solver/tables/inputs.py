@@ -15,6 +15,7 @@ from pathlib import Path
 
 from stochlin.messages import brief, plain
 from stochlin.solver.tables.checks import as_path
+from stochlin.solver.tables.file_kinds import FileKind, check_kind
 
 _GZIP = b"\x1f\x8b"
 MOST_BYTES = 64 * 2**20
@@ -76,10 +77,10 @@ def _limited(read: Callable[[int], bytes], name: str, most: int, size: int = 0) 
     return content
 
 
-def read_text(path: Path) -> str:
+def read_text(path: Path, kind: FileKind | None = None) -> str:
     """Text of a file as `read_input` reads it, also compressed by gzip.
 
-    A ValueError is raised if it is not text in UTF-8.
+    A ValueError is raised if it is not text in UTF-8, or of another known kind than this one.
     """
     content = read_input(path)
     if content.startswith(_GZIP):
@@ -89,8 +90,10 @@ def read_text(path: Path) -> str:
         except (OSError, EOFError, zlib.error) as error:
             what = f"{plain(path.name)} is compressed by gzip and damaged"
             raise ValueError(f"{what} ({error}); fetch it again") from error
+    check_kind(plain(path.name), content, kind)
     if content.startswith((b"\xff\xfe", b"\xfe\xff")):
         raise ValueError(f"{plain(path.name)} is text in UTF-16; allowed: UTF-8, so save it as such")
     if b"\0" in content:
-        raise ValueError(f"{plain(path.name)} is no text; allowed: PEER AT2, or columns of text")
+        what = f"{plain(path.name)} is no text; allowed: text in UTF-8, such as columns of numbers"
+        raise ValueError(f"{what}; docs/from_records.md has what obspy reads")
     return content.decode("utf-8-sig", errors="replace")

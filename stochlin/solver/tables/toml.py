@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from stochlin.messages import plain
+from stochlin.solver.tables.file_kinds import check_kind
 from stochlin.solver.tables.inputs import read_input
 
 BACKSLASH = (
@@ -28,6 +29,7 @@ def read_toml(path: Path, other: str | None = None) -> tuple[str, dict[str, Any]
     """
     name = plain(path.name)
     content = read_input(path, MOST_BYTES) if other is None else other.encode("utf-8", "replace")
+    check_kind(name, content)
     try:
         text = content.decode("utf-8-sig")
         return text, toml_tables(text)

@@ -103,7 +103,7 @@ def risk_sentences(answer: CaseAnswer) -> list[str]:
         highest = f"{float(risk.risk_intensity[-1]) / unit:.2g}{SPACE}{units}"
         sentences.insert(
             0,
-            f"The hazard curve ends at {name} {highest}. Stronger shaking could add up to {beyond:.2g} a year to "
-            "the frequency of pounding, which is in its interval: extend the table to rarer shaking.",
+            f"The hazard curve ends at {name} {highest}. Stronger shaking could add up to {beyond:.2g} a "
+            "year to the frequency of pounding, which is in its interval: extend the table to rarer shaking.",
         )
     return sentences

@@ -3,7 +3,8 @@
 National Seismic Hazard Model, https://earthquake.usgs.gov/ws/nshmp: annual frequencies of exceedance of
 several intensity measures at one site. The curves stand in ``response.hazardCurves``, each with ``imt``
 and ``data`` with the ``component`` ``Total`` and its ``values``, ``xs`` and ``ys``. The label ``Ground
-Motion (g)`` has the unit.
+Motion (g)`` has the unit. Before 2022 ``response`` was the list of the curves: each has its ``imt``, its
+``xvalues`` and the label in ``metadata``, and its ``yvalues`` in ``data``.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from __future__ import annotations
 import json
 import math
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -35,27 +36,42 @@ def read(path: Path, text: str, choice: AskedHazard) -> list[Ordinate]:
     of_one: dict[str, Any] = {"site": choice.site, "investigation_time": choice.years}
     of_one |= {"column": choice.column, "frequency_column": choice.frequency_column}
     refuse(name, "a response of the USGS, of annual frequencies at one site", of_one)
-    curves: list[tuple[float, Sequence[Any], Sequence[Any]]] = []  # period, xs and ys
+    curves: list[tuple[float, str, Sequence[Any], Sequence[Any]]] = []  # period, unit, xs and ys
     try:
-        # Whole numbers are read as floats, so that what is too large for these is infinite.
-        response = json.loads(text, object_pairs_hook=_object, parse_int=float)["response"]
-        units = "g" if "(g)" in response["metadata"]["xlabel"] else ""
-        for curve in response["hazardCurves"]:
-            if (period := period_of(curve["imt"]["value"])) is not None:
-                values = _total(curve["data"], measure_in_words(period))
-                curves.append((period, [*values["xs"]], [*values["ys"]]))
+        for measure, label, data, axis in _curves(content_of(text)["response"]):
+            if (period := period_of(measure)) is not None:
+                values = axis | _total(data, measure_in_words(period))
+                units = "g" if "(g)" in label else ""
+                curves.append((period, units, [*values["xs"]], [*values["ys"]]))
     except (ValueError, LookupError, TypeError, AttributeError, RecursionError) as error:
         what = f"{name} is no response of the hazard service of the USGS ({sentence(error)})"
         raise ValueError(f"{what}; allowed: the whole response, so fetch it again") from error
     ordinates = []
-    for period, xs, ys in curves:
+    for period, units, xs, ys in curves:
         where = f"{name}, {measure_in_words(period)}"
         if len(xs) != len(ys):
             raise ValueError(f"{where}: {len(xs)} xs beside {len(ys)} ys; allowed: as many of both")
         places = [f"{where}, number {n}" for n in range(1, len(xs) + 1)]
-        levels, frequencies = _finite(xs, places, "intensity"), _finite(ys, places, "annual frequency")
+        levels, frequencies = finite(xs, places, "intensity"), finite(ys, places, "annual frequency")
         ordinates.append(Ordinate(period, levels, frequencies, places, units))
     return ordinates
+
+
+def content_of(text: str) -> Any:
+    """Content of a text in JSON; whole numbers are floats, so that those too large are infinite."""
+    return json.loads(text, object_pairs_hook=_object, parse_int=float)
+
+
+def _curves(response: Any) -> Iterator[tuple[str, str, Sequence[dict[str, Any]], dict[str, Any]]]:
+    """Measure, label, data and, before 2022, the ``xs`` of each curve."""
+    if isinstance(response, list):
+        for curve in response:
+            about = curve["metadata"]
+            data = [{**part, "values": {"ys": part["yvalues"]}} for part in curve["data"]]
+            yield about["imt"]["value"], about["xlabel"], data, {"xs": about["xvalues"]}
+        return
+    for curve in response["hazardCurves"]:
+        yield curve["imt"]["value"], response["metadata"]["xlabel"], curve["data"], {}
 
 
 def _object(pairs: Sequence[tuple[str, Any]]) -> dict[str, Any]:
@@ -75,7 +91,7 @@ def _total(parts: Sequence[dict[str, Any]], measure: str) -> dict[str, Any]:
     return values
 
 
-def _finite(values: Sequence[Any], places: Sequence[str], what: str) -> Array:
+def finite(values: Sequence[Any], places: Sequence[str], what: str) -> Array:
     """The values as an array; a ValueError, which names the place, unless all are finite numbers."""
     for value, place in zip(values, places, strict=True):
         if not isinstance(value, float) or not math.isfinite(value):

@@ -1,0 +1,58 @@
+"""Design spectra of the U.S. Geological Survey: the response of its design web services, as JSON.
+
+Seismic Design Web Services, https://earthquake.usgs.gov/ws/designmaps: ``response.data`` has the elastic
+spectra of ASCE 7-22 for the damping ratio 0.05, each with its ``periods`` [s] and ``ordinates`` [g].
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from stochlin.applications.sites.hazard_formats.usgs import content_of, finite
+from stochlin.kernels.basics.arrays import Array
+from stochlin.messages import brief, listed, sentence
+
+DAMPING = 0.05
+DESIGN = "multiPeriodDesignSpectrum", "twoPeriodDesignSpectrum"  # the first that is there is taken
+MAXIMUM = (
+    "multiPeriodMCErSpectrum",
+    "twoPeriodMCErSpectrum",
+)  # 1.5 times as strong, and asked for by name
+
+
+class UsgsSpectrum(NamedTuple):
+    """A spectrum of a response: its name, periods [s], ordinates [g], and the place of each point."""
+
+    name: str
+    periods: Array
+    ordinates: Array
+    places: list[str]
+
+
+def read(name: str, text: str, column: int | str | None) -> UsgsSpectrum:
+    """The spectrum of this name, or that for design; a ValueError lists those that are there."""
+    try:
+        data = content_of(text)["response"]["data"]
+        there = [each for each in (*DESIGN, *MAXIMUM) if each in data]
+    except (ValueError, LookupError, TypeError, RecursionError) as error:
+        what = f"{name} is JSON and no response of the design services of the USGS ({sentence(error)})"
+        raise ValueError(f"{what}; allowed: the whole response, or columns of text") from error
+    chosen = next((each for each in there if each in DESIGN), None) if column is None else column
+    if chosen not in there:
+        what = (
+            f"column = {brief(column)} is not in {name}" if column else f"{name} has no design spectrum"
+        )
+        known = f"allowed as column: {listed(there)}" if there else "allowed: the response for ASCE 7-22"
+        raise ValueError(f"{what}; {known}")
+    where, values = f"{name}, {chosen}", data[chosen]
+    try:
+        periods, ordinates = [*values["periods"]], [*values["ordinates"]]
+    except (LookupError, TypeError) as error:
+        raise ValueError(f"{where}: {sentence(error)}; allowed: periods and ordinates") from error
+    if len(periods) != len(ordinates):
+        what = f"{len(periods)} periods beside {len(ordinates)} ordinates"
+        raise ValueError(f"{where}: {what}; allowed: as many of both")
+    places = [f"{where}, number {n}" for n in range(1, len(periods) + 1)]
+    return UsgsSpectrum(
+        str(chosen), finite(periods, places, "period"), finite(ordinates, places, "acceleration"), places
+    )
