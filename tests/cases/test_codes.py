@@ -280,3 +280,40 @@ def test_factors_of_every_code_by_hand() -> None:
 def test_factors_are_refused_with_their_cure() -> None:
     with pytest.raises(ValueError, match="deflection_2 is given, of a second building"):
         sl.code_gaps(0.01, None, deflection_1=2.0, deflection_2=2.0)
+
+
+@pytest.mark.cli
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("NTC-2023", "the edition of 2023 of Mexico City has no rule here, and mexico_city is"),
+        ("NTC-Sismo 2023", "the edition of 2023 of Mexico City has no rule here"),
+        ("NTC2017", "; mexico_city is the NTC-Sismo of Mexico City of 2017; allowed: "),
+        ("NTC-Sismo", "; mexico_city is the NTC-Sismo"),
+        (
+            "NTC",
+            "; mexico_city is the NTC-Sismo of Mexico City of 2017, and ntc_2018 is the code of Italy",
+        ),
+        ("NCh 433", "Chile (NCh 433, DS 61) has no rule here; allowed: "),
+        ("NCh433.Of1996", "Chile (NCh 433, DS 61) has no rule here"),
+        ("Chile", "Chile (NCh 433, DS 61) has no rule here"),
+        ("BSL", "Japan (Building Standard Law) has no rule here"),
+        ("Japan", "Japan (Building Standard Law) has no rule here"),
+        ("Atlantis", "'Atlantis', which is not known; allowed: "),
+    ],
+)
+def test_a_code_without_a_rule_is_answered_with_what_is_known(tmp_path, name, said):
+    with pytest.raises(ValueError, match=re.escape(said)) as refused:
+        read_text(tmp_path, STOREYS.replace('["Greece", "asce_7"]', f'["{name}"]'))
+    assert "or a rule of your own, which is one file (docs/extending.md)" in str(refused.value)
+    named = set(re.findall(r"\b[a-z]+_[a-z0-9_]+", said))
+    assert named <= {*CODE_RULES}
+
+
+@pytest.mark.invariant
+def test_a_name_that_several_rules_have_without_their_year_is_refused():
+    for name, allowed in {"NTC": "ntc_2008, ntc_2018", "asce": "asce_7, asce_41"}.items():
+        with pytest.raises(ValueError, match=f"allowed: {allowed}$"):
+            sl.rules.code_rule(name)
+    assert sl.rules.code_rule("NTC 2018").name == "ntc_2018"
+    assert sl.rules.effective_rule("iwan").name == "iwan_1980"

@@ -45,13 +45,17 @@ def publish(registry: Registry[Rule], rule: Rule, place: int = LAST) -> None:
 def look_up(registry: Registry[Rule], name: object, parameter: str) -> Rule:
     """The rule with this name, in any case, with or without the year.
 
-    For an unknown name a ValueError lists all rules; ``parameter`` is the name of the argument.
+    For an unknown name, or one that several rules have without the year, a ValueError lists what is
+    allowed; ``parameter`` is the name of the argument.
     """
-    known = {_plain(key).rstrip("0123456789"): rule for key, rule in registry.items()}
-    known |= {_plain(key): rule for key, rule in registry.items()}
-    if _plain(name) in known:
-        return known[_plain(name)]
-    allowed = ", ".join(registry)
+    wanted = _plain(name)
+    exact = [rule for key, rule in registry.items() if _plain(key) == wanted]
+    fitting = exact or [
+        rule for key, rule in registry.items() if _plain(key).rstrip("0123456789") == wanted
+    ]
+    if len(fitting) == 1:
+        return fitting[0]
+    allowed = ", ".join([rule.name for rule in fitting] or registry)
     raise ValueError(f"{parameter} = {brief(name)} is not a known {registry.kind}; allowed: {allowed}")
 
 

@@ -57,6 +57,7 @@ from stochlin.models.rules.codes import (
     code_rule_names,
     rules_of,
 )
+from stochlin.models.rules.other_codes import other_code
 from stochlin.models.uncertain import UncertainModel
 from stochlin.solver.tables.inputs import input_path
 
@@ -68,6 +69,7 @@ GAP = Quantity("m", NOT_NEGATIVE, PLAUSIBLE["gap"])
 SHARE = Quantity("1", Range(upper=1.0, reason="a probability"), PLAUSIBLE["confidence"])
 RATE = Quantity("1", Range(upper=1.0, reason="a year"), PLAUSIBLE["risk"])
 RISK = text_or(RATE, 'a text such as "2 % in 50 years", or a number per year')
+OWN_RULE = "a rule of your own, which is one file (docs/extending.md)"
 DEVICE = ("stiffness", "damping_constant", "damping_exponent", "hardening", "yield_displacement")
 # Keys of the factors that codes name differently.
 FACTORS = {
@@ -150,8 +152,9 @@ class Wanted(Form):
         if not rules:
             countries = sorted({country for rule in CODE_RULES.values() for country in rule.countries})
             known = [*CODE_RULES, *countries]
-            what = f"has {plain(name)!r}, which is not known; {hint(name, known)}allowed: "
-            raise self.table.error("codes", what + ", ".join(known))
+            said = other_code(name) or hint(name, known)
+            what = f"has {plain(name)!r}, which is not known; {said}allowed: {', '.join(known)}"
+            raise self.table.error("codes", f"{what}, or {OWN_RULE}")
         for rule in rules:
             if rule.takes_peaks() and not rule.multiplies:
                 raise self.table.error("codes", f"has {rule.name}, which states no factor; leave it out")
