@@ -34,7 +34,7 @@ MISTAKES = {
     "unit missing": ('period = "1.0 s"', "period = 1.0", 'units, "1 s", "1 ms"'),
     "unit unknown": ('"1.0 s"', '"1.0 sekunde"', "unknown unit 'sekunde'; allowed: s, ms"),
     "weight for mass": ('"3200 t"', '"3200 kN"', "unknown unit 'kN'; allowed: kg, t"),
-    "comma": ('"1.0 s"', '"1,0 s"', "has a comma; allowed: a decimal point"),
+    "comma": ('"1.0 s"', '"1,0 s"', 'no decimal point; write "1.0 s"'),
     "percent": ('damping = "5 %"', "damping = 5", 'for 5 % write "5 %"'),
     "percent of percent": ('damping = "5 %"', 'damping = "500 %"', "(a ratio, 0.05 for 5 %)$"),
     "no percent": ('damping = "5 %"', "damping = 150", "(a ratio, 0.05 for 5 %)$"),
@@ -119,6 +119,8 @@ OF_MEASURES = {
     'dampers_1 = { storeys = [1, 2], stiffness = "1 MN/m" }': "or storeys 1 to 1",
     'dampers_1 = { storeys = "some", stiffness = "1 MN/m" }': "storeys = 'some'",
     'dampers_1 = { stiffness = ["1 MN/m", "2 MN/m"] }': "is no number",
+    'dampers_1 = "20 MN s"': "allowed: a line [measures.m.dampers_1], keys below it",
+    'bumper = { thickness = "5 cm" }': "without contact (a bumper is [contact], for 'stochlin pound')",
 }
 DOUBTS = {
     "late yield": (STRENGTH, 'yield_displacement = "3 m"\n', "is it in cm?"),
@@ -166,6 +168,21 @@ def test_a_mistake_in_a_measure_is_refused_with_its_line(lines: str, tmp_path: P
     with pytest.raises(ValueError, match=r"^case\.toml, line \d+: measures\.m") as refused:
         read(tmp_path, "[contact]", f"[measures.m]\n{lines}\n[contact]")
     assert OF_MEASURES[lines] in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("line", "side"),
+    [('dampers_1 = "20 MN s/m"', 1), ('dampers_2 = "50 MN/m"', 2), ('link = "5 MN/m"', 0)],
+)
+def test_a_number_in_place_of_a_table_is_refused_with_a_table_that_is_read(line, side, tmp_path: Path):
+    """It is pasted as it is shown, with its quotation marks."""
+    with pytest.raises(ValueError, match="is no table; allowed: ") as refused:
+        read(tmp_path, "[contact]", f"[measures.m]\n{line}\n[contact]")
+    shown = str(refused.value).partition("; allowed: ")[2]
+    case, _ = read(tmp_path, "[contact]", f"[measures.m]\n{shown}\n[contact]")
+    (link,) = case.measures["m"].links
+    assert link.structures == ((side, side) if side else (1, 2))
+    assert {link.stiffness, link.damping_constant} == {0.0, float(line.split('"')[1].split()[0]) * 1e6}
 
 
 @pytest.mark.parametrize("what", DOUBTS)

@@ -1,5 +1,6 @@
 """Units: the case of letters never changes a size, and what is refused says what was probably meant."""
 
+import re
 from itertools import product
 
 import numpy as np
@@ -150,3 +151,30 @@ def test_no_product_of_units_is_too_large_or_small_for_a_number(name):
         stated = parsed(over + " ".join(times * [name + power]))
         assert stated is None or 1e-300 < stated[0] < 1e300
     assert parsed(f"{name}99/{name}98") is None
+
+
+@pytest.mark.parametrize(
+    ("written", "readings"),
+    [
+        ("3 200 t", {3.2e6}),
+        ("3'200 t", {3.2e6}),
+        ("3\u2019200 t", {3.2e6}),
+        ("3_200 t", {3.2e6}),
+        ("3\xa0200 t", {3.2e6}),
+        ("3,200 t", {3.2e6, 3.2e3}),
+        ("1,234,567 kg", {1234567.0}),
+        ("1.234.567 kg", {1234567.0}),
+        ("3.200,5 t", {3.2005e6}),
+        ("3,200.5 t", {3.2005e6}),
+        ("1 234 567,5 kg", {1234567.5}),
+        ("3,2 t", {3.2e3}),
+        (",5t", {500.0}),
+    ],
+)
+def test_a_number_with_another_sign_is_refused_with_how_to_write_it(written, readings):
+    """Whatever the refusal proposes is read, as one of the numbers that may have been meant."""
+    mass = Quantity("kg", Range())
+    with pytest.raises(ValueError, match="no decimal point; write ") as refused:
+        mass.read(written, print)
+    proposed = re.findall('"(.*?)"', str(refused.value))
+    assert {mass.read(text, print) for text in proposed} == readings

@@ -7,7 +7,7 @@ import re
 import xarray as xr
 
 from stochlin.applications.cases.reading.case import Case
-from stochlin.applications.cases.rows import gap_of, motion_of, pair_of
+from stochlin.applications.cases.rows import check_masses, gap_of, motion_of, pair_of
 from stochlin.applications.cases.shaking import shaking_of
 from stochlin.applications.mitigation.mitigation import mitigate
 from stochlin.applications.probability.probability import pounding_probability
@@ -36,6 +36,8 @@ def mitigate_case(case: Case, progress: Progress | None = None) -> xr.Dataset:
     if gap is None:
         what = 'measures need the existing gap; write existing = "5 cm" in [separation]'
         raise case.whole.table.error("", what)
+    if any(measure.links for measure in case.measures.values()):
+        check_masses(case, "a link or a damper")
     models = first.sampled, second.sampled, case.site.sampled_ground
     with case.whole.table.naming("", ""):
         table = mitigate(*models, gap=gap, measures=case.measures, **motion_of(case), progress=progress)

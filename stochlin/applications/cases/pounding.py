@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.applications.cases.reading.case import Case
-from stochlin.applications.cases.rows import motion_of
+from stochlin.applications.cases.rows import check_masses, motion_of
 from stochlin.applications.cases.shaking import recorded_shaking, shaking_of
 from stochlin.applications.pounding.pounding import pound
 from stochlin.applications.pounding.rows import SIDES
@@ -119,6 +119,8 @@ def _check(case: Case, simulated: bool = False) -> None:
     for what, known in needed.items():
         if not known:
             raise case.whole.table.error("", f"pounding needs {what}")
+    if not alone:
+        check_masses(case, "a contact")
 
 
 def _named(table: xr.Dataset, case: Case, structures: list[Any]) -> xr.Dataset:

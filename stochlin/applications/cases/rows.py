@@ -37,6 +37,14 @@ def gap_of(case: Case) -> float | None:
     return (gaps[0] or TOUCHING) if one_or_two(case) and gaps else None
 
 
+def check_masses(case: Case, what: str) -> None:
+    """Raise a ValueError, at the building, for one without a mass, on which ``what`` acts."""
+    for building in case.described:
+        if not building.has_storeys and building.structure.mass is None:
+            said = f'is missing: {what} needs it; write it as mass = "800 t"'
+            raise building.form.table.error("mass", said)
+
+
 def motion_of(case: Case) -> dict[str, Any]:
     """Arguments of the functions that describe the simulated motions, by name."""
     return {

@@ -1,4 +1,4 @@
-"""Codes without a rule of their name, as their engineers write them, and what is known in their place."""
+"""Codes without a rule of their name, as engineers write them, and what is known in their place."""
 
 from __future__ import annotations
 

@@ -276,6 +276,8 @@ class Devices(OfLink):
 class OfMeasure(Form):
     """A measure between the first two buildings, or in them; ``more`` are its other parameters."""
 
+    described_as = "a measure without contact (a bumper is [contact], for 'stochlin pound')"
+
     link: Between | None = key(Inner((Between,)), "Link between the buildings", None)
     dampers_1: Devices | None = key(Inner((Devices,)), "Devices in storeys of building 1", None)
     dampers_2: Devices | None = key(Inner((Devices,)), "Devices in storeys of building 2", None)
@@ -305,7 +307,10 @@ def _measures(table: Table, buildings: Sequence[Building]) -> dict[str, Measure]
     """The measures for the first two buildings, by name, in the order of the file."""
     if table.values and len(buildings) == 1:
         raise table.error("", "are measures for two buildings; allowed: with [building_2]")
-    return {n: table.table(n).read(OfMeasure).measure(buildings[:2]) for n in table.values}
+    return {
+        n: table.table(n, forms=(OfMeasure,)).read(OfMeasure).measure(buildings[:2])
+        for n in table.values
+    }
 
 
 # --- the whole file ---

@@ -23,6 +23,12 @@ Warn = Callable[[str], None]  # called with what is doubtful about a value that 
 NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(.*)", re.DOTALL)
 SPREAD = re.compile(r"(.+?)(?:\+-|\+/-|±)\s*(100|\d{1,2}(?:\.\d*+)?)\s*+%\s*", re.DOTALL)
 FROM_TO = re.compile(r"(.+?)\sto\s(.+)", re.DOTALL)
+# Numbers with a sign between thousands, or with a decimal comma: sign, digits, decimals and unit.
+_THOUSANDS = re.compile(
+    r"\s*([-+]?)(\d{1,3}(?:([ ,.'\u2019_\xa0\u202f])\d{3})(?:\3\d{3})*)(?:[.,](\d+))?(\s*(?:[^\d.,'\u2019].*)?)",
+    re.DOTALL,
+)
+_DECIMAL_COMMA = re.compile(r"\s*([-+]?)(\d*),(\d+)(\s*(?:[^\d.,'\u2019].*)?)", re.DOTALL)
 UNCERTAIN = re.compile(r"\+-|\+/-|±|\bto\b")
 OF_POWER = "N/m^", "N (s/m)^"  # units of nonlinear springs and dashpots, with any exponent
 
@@ -84,6 +90,9 @@ class Quantity:
 
     def in_si(self, written: Any) -> float:
         """A number in SI, within its range or not."""
+        if isinstance(written, str) and (readings := with_points(written)):
+            ways = " or ".join(f'"{reading}"' for reading in readings)
+            raise ValueError(f"has a sign within its number that is no decimal point; write {ways}")
         if isinstance(written, str) and (match := NUMBER.fullmatch(written)):
             number, unit = float(match[1]), match[2].strip()
         elif is_number(written) or is_whole(written):
@@ -93,13 +102,32 @@ class Quantity:
         if not unit and self.units != "1":
             ways = ", ".join(f'"{number:.12g} {unit}"' for unit in self.spellings)
             raise ValueError(f"has no unit; allowed: a text with one of its units, {ways}")
-        if unit.startswith(","):
-            raise ValueError("has a comma; allowed: a decimal point, and no sign between thousands")
         size = self.size(unit) if unit else 1.0
         if size is None:
             what = f"has the unknown unit {brief(unit)}; {likely_unit(unit, self.units)}"
             raise ValueError(f"{what}allowed: {', '.join(self.spellings)}")
         return number * size
+
+
+def with_points(text: str) -> list[str]:
+    """What a number with signs between thousands or a decimal comma may mean, with a decimal point.
+
+    None of a number that has no such sign.
+    """
+    readings = []
+    if grouped := _THOUSANDS.fullmatch(text):
+        minus, digits, sign, decimals, unit = grouped.groups()
+        several = digits.count(sign) > 1 or decimals is not None
+        if sign == "." and not several:
+            return []
+        whole = digits.replace(sign, "")
+        readings.append(f"{minus}{whole}{f'.{decimals}' if decimals else ''}{unit}")
+        if several or sign != ",":
+            return readings
+    if decimal := _DECIMAL_COMMA.fullmatch(text):
+        minus, whole, decimals, unit = decimal.groups()
+        readings.append(f"{minus}{whole or 0}.{decimals}{unit}")
+    return readings
 
 
 class Kind(NamedTuple):

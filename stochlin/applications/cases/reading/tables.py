@@ -5,12 +5,12 @@ from __future__ import annotations
 import re
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import MISSING, dataclass, field, replace
 from pathlib import Path
 from typing import Any, ClassVar, TypeVar, dataclass_transform
 
-from stochlin.applications.cases.reading.kinds import TEXT, Inner, Key, Word, keys_of
+from stochlin.applications.cases.reading.kinds import TEXT, Inner, Key, Quantity, Word, keys_of
 from stochlin.messages import LONGEST_MESSAGE, DoubtfulInput, brief, listed, nearest, plain, sentence
 from stochlin.removed import instead_of
 from stochlin.solver.tables.inputs import input_path
@@ -86,13 +86,14 @@ class Table:
                 name = next((n for n in self.values if re.search(rf"\b{re.escape(n)}\b", about)), "")
             raise self.error(name, f"{what}{text}") from error
 
-    def table(self, name: str, *number: int) -> Table:
+    def table(self, name: str, *number: int, forms: Sequence[type[Form]] = ()) -> Table:
         """The table of this name, of several that of a number; an empty one if there is none."""
         values = self.values.get(name, {})
         for n in number:
             values = values[n]
         if not isinstance(values, dict):
-            raise self.error(name, f"is no table; allowed: a line [{self.called(name)}], keys below it")
+            below = f"a line [{self.called(name)}], keys below it"
+            raise self.error(name, f"is no table; allowed: {_as_table(name, values, forms) or below}")
         return replace(self, values=values, place=(*self.place, name, *number))
 
     def paths(self, name: str, texts: Sequence[str]) -> list[Path]:
@@ -110,10 +111,12 @@ class Table:
         """The value of a key, numbers in SI."""
         if isinstance(kind, Inner):
             if not kind.several:
-                return self.table(name) if kind.later else self.table(name).read(*kind.forms)
+                table = self.table(name, forms=kind.forms)
+                return table if kind.later else table.read(*kind.forms)
             if not isinstance(self.values[name], list):
                 raise self.error(name, f"is no list of tables; allowed: lines [[{self.called(name)}]]")
-            return [self.table(name, n).read(*kind.forms) for n, _ in enumerate(self.values[name])]
+            places = range(len(self.values[name]))
+            return [self.table(name, n, forms=kind.forms).read(*kind.forms) for n in places]
         with self.naming(name, ""):
             return kind.read(self.values[name], lambda what: self.warn(name, what))
 
@@ -203,6 +206,18 @@ class Form:
         """The key of ``one_of`` that the table has."""
         names = self.one_of[what]
         return next(name for name in names if self.table.values.get(name, False) is not False)
+
+
+def _as_table(name: str, written: Any, forms: Sequence[type[Form]]) -> str:
+    """A table with what stands in its place, if one of its numbers can be that; else nothing."""
+    keys = {n: each.kind for form in forms for n, each in form.keys(NO_TABLE).items()}
+    fitting = []
+    for key, kind in keys.items():
+        with suppress(ValueError):
+            if isinstance(kind, Quantity) and isinstance(written, str):
+                kind.read(written, lambda _: None)
+                fitting.append(key)
+    return f'{name} = {{ {fitting[0]} = "{written}" }}' if len(fitting) == 1 else ""
 
 
 def read_table(path: Path, other: str | None = None) -> Table:
