@@ -123,10 +123,11 @@ def pounding_risk(
     Notes
     -----
     A motion with pounding at an intensity and without pounding at a higher one counts for the former
-    only. Shaking beyond the ends of a `HazardCurve` is left out of the rate. A motion without pounding at
-    the highest intensity adds at most the frequency there to the upper end of the interval. For a motion
-    with pounding below the lowest intensity the first two points are extrapolated, which is an upper
-    limit for a curve that becomes flatter towards weaker shaking, as hazard curves do in logarithms.
+    only. Shaking beyond the ends of a `HazardCurve` is left out of the rate. A motion without pounding
+    at the highest intensity adds at most the frequency there to the upper end of the interval. For a
+    motion with pounding below the lowest intensity the first two points are extrapolated, which is an
+    upper limit for a curve that becomes flatter towards weaker shaking, as hazard curves do in
+    logarithms.
     Motions of the same intensity differ as samples of a
     random process; the larger difference between earthquakes is included by ``scatter``.
 
@@ -182,7 +183,8 @@ def required_gap(
     -------
     xarray.Dataset
         Over the dimensions of the parameters: ``required_gap`` [m] with its interval, as that of
-        ``annual_rate`` in `pounding_risk`; ``target_rate`` [1/yr], and ``annual_rate`` [1/yr] with this gap, with its standard error.
+        ``annual_rate`` in `pounding_risk`; ``target_rate`` [1/yr], and ``annual_rate`` [1/yr] with this
+        gap, with its standard error.
 
     Raises
     ------

@@ -96,14 +96,15 @@ def risk_sentences(answer: CaseAnswer) -> list[str]:
         sentences.append(
             f"The hazard begins at {name} {least}, with which {meet} in {per_cent(weakest)} of the "
             "motions. Weaker shaking is left out, so that the true frequency is higher by up to "
-            f"{float(risk.risk_annual_rate_unseen_weaker):.2g} a year, if the hazard goes on in a straight "
-            "line in logarithms: start the table at lower intensities."
+            f"{float(risk.risk_annual_rate_unseen_weaker):.2g} a year, if the hazard goes on in a "
+            "straight line in logarithms: start the table at lower intensities."
         )
     if beyond > NOTICED * rate:
         highest = f"{float(risk.risk_intensity[-1]) / unit:.2g}{SPACE}{units}"
         sentences.insert(
             0,
-            f"The hazard curve ends at {name} {highest}. Stronger shaking could add up to {beyond:.2g} a "
-            "year to the frequency of pounding, which is in its interval: extend the table to rarer shaking.",
+            f"The hazard curve ends at {name} {highest}. Stronger shaking could add up to "
+            f"{beyond:.2g} a year to the frequency of pounding, which is in its interval: extend the "
+            "table to rarer shaking.",
         )
     return sentences
