@@ -120,3 +120,13 @@ def test_vanishing_reduction_factor_reaches_the_elastic_value_smoothly(first, se
     assert float(table.rho[first_yielding]) == pytest.approx(expected, abs=1e-11)
     # R grows by 1.7 % a step: rho follows it, at a rate that yielding lends it.
     assert float(np.abs(np.diff(table.rho)).max()) < 0.05
+
+
+@given(structures(), structures(), grounds(), st.sampled_from([sl.Bilinear, sl.BoucWen]))
+def test_full_hardening_is_elastic(first, second, ground, law):
+    """With hardening 1 the hysteretic force has no share: slip has no effect."""
+    kind, values = ground
+    pair = [law(**one | {"hardening": 1.0}) for one in (first, second)]
+    elastic = [sl.Bilinear(one["period"], one["damping"]) for one in (first, second)]
+    expected = float(sl.correlate(*elastic, kind(**values)).rho)
+    assert float(sl.correlate(*pair, kind(**values)).rho) == pytest.approx(expected, abs=1e-9)

@@ -7,12 +7,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import stochlin as sl
+from stochlin.models.rules.peak_factors import PEAK_FACTORS
 
 pytestmark = pytest.mark.oracle
 
-DAVENPORT, DER_KIUREGHIAN, VANMARCKE = (
-    sl.rules.peak_factor_model(n) for n in sl.rules.peak_factor_names()
-)
+DAVENPORT = sl.rules.peak_factor_model("davenport")
+DER_KIUREGHIAN = sl.rules.peak_factor_model("der_kiureghian")
+VANMARCKE = sl.rules.peak_factor_model("vanmarcke")
 CLUMPING = {2: np.sqrt(np.pi / 2), 1: np.sqrt(2 * np.pi)}
 
 many = st.floats(2, 1e6)
@@ -200,3 +201,20 @@ def test_a_motion_without_crossings_has_no_peak():
         ValueError, match=r"holds .* zero crossings; allowed for Vanmarcke1975.*or simulate"
     ):
         sl.peak_response(sl.Bilinear(1.0, 0.05), LONG, 0.1)
+
+
+@given(many, st.floats(1.001, 10), bands)
+def test_a_longer_motion_has_no_lower_peak_and_one_side_none_above_that_of_two(n, factor, bandwidth):
+    """By every model; .8 %: the step between two pieces of Der Kiureghian's fit."""
+    for model in PEAK_FACTORS.values():
+        for sides in (1, 2):
+            short, long = (float(model.mean(each, bandwidth, sides)) for each in (n, factor * n))
+            assert np.isnan(short) or long >= short * (1 - 1e-14), model.name
+        one, two = (float(model.mean(n, bandwidth, sides)) for sides in (1, 2))
+        assert np.isnan([one, two]).any() or one <= two * 1.008, model.name
+
+
+@given(st.floats(2, 1e6), st.floats(0, 0.9), st.floats(1e-3, 0.1))
+def test_a_broader_band_has_no_lower_peak(crossings, bandwidth, more):
+    low, high = (float(VANMARCKE.mean(crossings, each)) for each in (bandwidth, bandwidth + more))
+    assert high >= low
