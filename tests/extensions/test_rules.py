@@ -39,7 +39,7 @@ def test_both_rules_are_in_the_table_of_gaps(toy, tmp_path):
     with xr.open_dataset(tmp_path / "gap.nc") as table:
         rules = table.rule.values.tolist()
         chosen = table.sel(rule="nch_433")
-        root = table.sel(rule="eq_3_root")
+        effective = table.sel(rule="eq_3_gulkan_sozen_1974")
         assert chosen.reference == "NCh 433.Of1996, modified in 2009, Chile, 5.10"
         assert chosen.kind == "code"
         both = (table.peak_1, 12.0), (table.peak_2, 15.0)
@@ -47,11 +47,15 @@ def test_both_rules_are_in_the_table_of_gaps(toy, tmp_path):
         assert float(chosen.gap) == pytest.approx(sum(distances), rel=1e-12)
         mu = float(table.ductility_1)
         assert mu > 1
-        rho = eq_4(0.7 * math.sqrt(mu), 1.1, 0.05 + 0.04 * (mu - 1), 0.05)
-        assert float(root.rho) == pytest.approx(rho, rel=1e-12)
+        rho = eq_4(0.7 * math.sqrt(mu), 1.1, 0.05 + 0.2 * (1 - mu**-0.5), 0.05)
+        assert float(effective.rho) == pytest.approx(rho, rel=1e-12)
     builtin = (*sl.rules.effective_rule_names(), *sl.rules.code_rule_names())
-    ours = [name for name in rules if name.removeprefix("eq_3_") in {*builtin, "root", "nch_433"}]
-    expected = [f"eq_3_{n}" for n in (*sl.rules.effective_rule_names(), "root")]
+    ours = [
+        name
+        for name in rules
+        if name.removeprefix("eq_3_") in {*builtin, "gulkan_sozen_1974", "nch_433"}
+    ]
+    expected = [f"eq_3_{n}" for n in (*sl.rules.effective_rule_names(), "gulkan_sozen_1974")]
     assert ours == [*expected, *sl.rules.code_rule_names(), "nch_433"]  # ours first, in their order
     assert re.search(r"^nch_433 +[\d.]+ .* M$", done.stdout, re.MULTILINE)
 
@@ -67,16 +71,17 @@ def eq_4(period_1, period_2, damping_1, damping_2):
 
 @pytest.mark.cli
 def test_rho_takes_the_rule(toy, tmp_path):
-    given = "--hardening .1 --reduction-factor 4 --method effective --rule root --out table.nc"
+    given = "--hardening .1 --reduction-factor 4 --method effective --rule gulkan_sozen --out table.nc"
     done = toy("rho", "--period-1", "0.7s", "--period-2", "1.1s", *given.split())
     assert done.returncode == 0, done.stderr
     with xr.open_dataset(tmp_path / "table.nc") as table:
         mu = [float(table[f"ductility_peak_{n}"]) for n in (1, 2)]
         periods = [period * math.sqrt(m) for period, m in zip((0.7, 1.1), mu, strict=True)]
-        dampings = [0.05 + 0.04 * (m - 1) for m in mu]
+        dampings = [0.05 + 0.2 * (1 - m**-0.5) for m in mu]
         assert min(mu) > 1
         assert float(table.rho) == pytest.approx(eq_4(*periods, *dampings), rel=1e-12)
-        assert table.attrs["rule"] == "root: Some author (2031), Some journal 4 [M]"
+        source = "Gülkan, P. and Sozen, M. A. (1974), J. Am. Concrete Inst. 71, 604-610"
+        assert table.attrs["rule"] == f"gulkan_sozen_1974: {source} [M]"
 
 
 @pytest.mark.oracle
