@@ -150,11 +150,12 @@ class Text(NamedTuple):
         return f", or skip={self.head.titles} without titles" if self.head.titles else self._or_wrapped()
 
     def _time(self, table: Table, column: object, by_caller: ColumnName | None) -> ColumnName | None:
-        """The column of times that is asked for, or the only one without a title at equal steps."""
-        numbers = table.rows.dtypes.eq(float).all()
-        if by_caller is not None or table.titles or table.width == 1 or not numbers:
+        """The column of times that is asked for, or of unknown ones that at equal steps."""
+        columns = columns_of(table)
+        named = any(each.said.quantities for each in columns)
+        if by_caller is not None or named or len(columns) == 1 or not table.rows.dtypes.eq(float).all():
             return by_caller
-        free = [each.number for each in columns_of(table) if not each.counts and each.number != column]
+        free = [each.number for each in columns if not each.counts and each.number != column]
         steps = [_even_step(table.numbers(number - 1, "number")) for number in free]
         even = [n for n, step in zip(free, steps, strict=True) if 0 < step <= LONGEST_STEP]
         return even[0] if len(even) == 1 else None

@@ -151,7 +151,7 @@ class Table(NamedTuple):
     def said_of(self, column: int) -> Said:
         """What the title of a column says, with the cell of units below it."""
         lines = [self.sheet.row(line) if line else () for line in (self.titles, self.units)]
-        title, below = ((*row, *[""] * self.width)[column] for row in lines)
+        title, below = (row[column] if column < len(row) else "" for row in lines)
         return said_by(title, below)
 
     def in_si(self, name: str, quantity: str, unit: str | None, allowed: Range | None) -> Array:
@@ -176,14 +176,20 @@ def table_of(sheet: Sheet) -> Table | None:
     above = [n for n in sheet.cells.index if n < start and (n in below.index or len(row(n)) > 1)]
 
     def known(line: int) -> tuple[int, int]:
-        return sum(bool(said_by(cell).quantities) for cell in row(line)), line
+        return sum(_is_title(cell) for cell in row(line)), line
 
-    wide = [line for line in above if len(row(line)) >= len(row(start))]
+    wide = [line for line in above if len(row(line)) >= len(row(start)) or known(line)[0] > 1]
     if wide[1:] and all(parsed(cell.strip("()[]")) for cell in row(wide[-1]) if cell):
         wide = wide[:-1]
     titles = max(wide, key=known, default=0)
     units = next((line for line in above if line > titles > 0), 0)
     return Table("the table", sheet, titles, units, below.loc[start:])
+
+
+def _is_title(cell: str) -> bool:
+    """Whether a cell names a known quantity, and not only a unit."""
+    said = said_by(cell)
+    return bool(said.quantities) and cell.strip("()[] ") != said.unit
 
 
 def _first_of_numbers(sheet: Sheet, cells: pd.DataFrame) -> int | None:

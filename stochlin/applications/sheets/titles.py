@@ -38,9 +38,10 @@ _BRACKETS = re.compile(r"[(\[{]([^()\[\]{}]*)[)\]}]")
 _LOGARITHM = re.compile(r"\s*(log_?10|lg|ln|log)[\s_]*(.*)", re.IGNORECASE)
 _BASES = {"log10": 10.0, "log_10": 10.0, "lg": 10.0, "ln": e, "log": nan}
 _SENTENCE = 8  # words from which a title is a sentence, of which the unit alone is looked for
-_LONG = 5  # letters from which a word is also known within another one
+_LONG = 5  # letters from which a word is also known within another one, the longest first
+_WITHIN = sorted((word for word in QUANTITIES if len(word) >= _LONG), key=len, reverse=True)
 _PART = re.compile(r"(?<=[a-z])(?=[A-Z])")  # FrequencyHz
-_EDGE = re.compile(r"[\s_,;/-]+")  # before a unit without brackets
+_EDGE = re.compile(rf"[\s_,;/-]+|{_PART.pattern}")  # before a unit without brackets
 _DIRECTION = re.compile(r"[A-Z]|[tan]")  # in brackets: a component, or an argument
 _OF_PERIOD = re.compile(
     r"\bSA\s*\(\s*(\d*\.?\d+)\s*(?:s|sec)?\s*(?:,[^)]*)?\)|\bSA(\d{1,3})P(\d{1,6})\b"
@@ -126,7 +127,6 @@ def _of_cell(below: str) -> Sequence[str]:
 
 def _meant(name: str, stated: Sequence[str]) -> tuple[tuple[Quantity, ...], str]:
     """The quantities that a name and what stands in brackets may mean, and the unit."""
-    name = _PART.sub(" ", name)
     named, remark = _named(name), max(stated, key=len, default="")
     if not any(map(_is_unit, stated)):
         return _without_brackets(name, named, remark)
@@ -167,7 +167,7 @@ def _is_unit(text: str) -> bool:
 
 def _words(name: str) -> list[str]:
     """The words of a name as they are compared."""
-    return re.findall(r"[^\W_]+", compared(name))
+    return re.findall(r"[^\W_]+", compared(_PART.sub(" ", name)))
 
 
 def _named(name: str) -> tuple[Quantity, ...]:
@@ -178,8 +178,7 @@ def _named(name: str) -> tuple[Quantity, ...]:
     whole = "".join(re.findall(r"[^\W_]+", compared(name)))
     hits = [QUANTITIES[whole]] if whole in QUANTITIES else [*_hits(words)]
     if not hits:
-        longest = sorted((word for word in QUANTITIES if len(word) >= _LONG), key=len, reverse=True)
-        hits = [QUANTITIES[word] for word in longest if word in whole][:1]
+        hits = [QUANTITIES[word] for word in _WITHIN if word in whole][:1]
     measured = [hit for hit in hits if not {*hit} & _BESIDE] or hits
     return tuple(of for of in measured[0] if all(of in hit for hit in measured)) if measured else ()
 
