@@ -4,6 +4,26 @@ import json
 from collections.abc import Sequence
 
 Numbers = Sequence[float]
+# Words for a vertical component, as networks and people write them.
+VERTICAL = [
+    *(
+        "BHZ",
+        "BHZ00",
+        "HNZ",
+        "HNZ10",
+        "HGZ",
+        "ENZ",
+        "VRT",
+        "VTC",
+        "VT",
+        "VER",
+        "Vert",
+        "VERTICAL",
+        "V",
+        "V1",
+    ),
+    *("Z", "Z00", "ZUP", "U", "UD", "UD2", "U-D", "UP", "Up", "DN", "DWN", "Down", "UPDOWN", "Düşey"),
+]
 
 
 def rows(values: Numbers, per_line: int, form: str) -> str:
@@ -87,6 +107,7 @@ ORIENTACION C7-C12 (rumbo;orientacion) :
 INTERVALO DE MUESTREO, C1-C6 (s)       : {f"/{step:g}" * number}
 INTERVALO DE MUESTREO, C7-C12 (s)      :
 FECHA DEL SISMO [GMT]                  : 2017/09/19
+HORA EPICENTRO (GMT)                   : 18:14:40
 De http://www.ssn.unam.mx, el 15/11/2018
 DURACION DEL REGISTRO (s), C1-C6       : {f"/{count * step:.2f}" * number}
 NUM. TOTAL DE MUESTRAS, C1-C6          : {f"/{count}" * number}

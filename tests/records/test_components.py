@@ -3,30 +3,12 @@
 from itertools import product
 
 import pytest
+from samples import VERTICAL
 
 from stochlin.applications.records.components import FileNames, identifies, is_vertical
 
 pytestmark = pytest.mark.invariant
 
-VERTICAL = [
-    *(
-        "BHZ",
-        "BHZ00",
-        "HNZ",
-        "HNZ10",
-        "HGZ",
-        "ENZ",
-        "VRT",
-        "VTC",
-        "VT",
-        "VER",
-        "Vert",
-        "VERTICAL",
-        "V",
-        "V1",
-    ),
-    *("Z", "Z00", "ZUP", "U", "UD", "UD2", "U-D", "UP", "Up", "DN", "DWN", "Down", "UPDOWN", "Düşey"),
-]
 # Words of both horizontal components of a record.
 LEVEL = [
     *(("N", "E"), ("NS", "EW"), ("N-S", "E-W"), ("NS2", "EW2"), ("north", "east"), ("S75E", "N15E")),

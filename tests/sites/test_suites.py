@@ -1,5 +1,7 @@
 """Suites of records: read, scaled, written, and asked for gaps."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 import samples
@@ -119,6 +121,195 @@ def test_suites_are_horizontal(tmp_path, case):
         with pytest.warns(UserWarning, match=r"left out: vertical or in a borehole; read_record"):
             suite = sl.read_records(tmp_path)
     assert sorted(suite) == sorted(wanted)
+
+
+OTHER = samples.cosmos({"Other": WAVE})
+# Files that state their component: their ending, and the text with a component.
+STATING = {
+    "K-NET": ("dat", knet),
+    "ESM": ("asc", lambda word: samples.esm(WAVE).replace("HNE", word)),
+    "PEER": ("at2", lambda word: at2(f"K, 1/1/1995, X, {word}")),
+    "PEER, by its title": ("at2", lambda word: at2(f"El Centro, {word}")),
+    "CSMIP": ("v2", lambda word: samples.csmip({word: WAVE})),
+    "COSMOS": ("v2c", lambda word: samples.cosmos({word: WAVE})),
+    "COSMOS, by its channel": (
+        "v2c",
+        lambda word: OTHER.replace("| Sensor", f"|<SCNL>A.{word}.C"),
+    ),
+    "UNAM": ("191", lambda word: samples.unam([WAVE], f"/{word}")),
+    "a column": ("csv", lambda word: f"{word} [g]\n" + "\n".join(map(str, WAVE / 1000))),
+}
+# Files that do not.
+SILENT = {
+    "PEER": ("at2", at2()),
+    "COSMOS": ("v2c", OTHER),
+    "columns": ("csv", "acc [g]\n" + "\n".join(map(str, WAVE / 1000))),
+}
+
+
+def read_horizontal(folder, texts):
+    """Names of the records of a suite of these texts by their names, with a warning on the others."""
+    for name, text in texts.items():
+        (folder / name).write_text(text, encoding="utf-8")
+    with pytest.warns(UserWarning, match=r"left out: vertical or in a borehole; read_record"):
+        return list(sl.read_records(folder, dt=0.01 if any(".csv" in name for name in texts) else None))
+
+
+@pytest.mark.invariant
+@pytest.mark.parametrize("case", STATING)
+def test_vertical_is_what_a_file_states(tmp_path, case):
+    ending, text = STATING[case]
+    words = [word for word in samples.VERTICAL if "channel" not in case or word.isalnum()]
+    files = {f"{n:02}.{ending}": text(word) for n, word in enumerate(words)}
+    files[f"horizontal.{ending}"] = text("HNE")
+    assert read_horizontal(tmp_path, files) == [f"horizontal.{ending}"]
+
+
+@pytest.mark.invariant
+@pytest.mark.parametrize("case", SILENT)
+def test_vertical_is_what_the_name_of_a_file_says(tmp_path, case):
+    ending, text = SILENT[case]
+    names = [f"RSN{n}_{word}.{ending}" for n, word in enumerate(samples.VERTICAL)]
+    names += [f"{word}.RSN{n}.acc.{ending}" for n, word in enumerate(samples.VERTICAL)]
+    level = [f"V1-U-000.{ending}", f"V1-U-090.{ending}", f"ZUR_S75E.{ending}"]
+    assert read_horizontal(tmp_path, dict.fromkeys([*names, *level], text)) == level
+
+
+@pytest.mark.invariant
+def test_a_contradiction_is_said(tmp_path):
+    (tmp_path / "RSN1_UP.at2").write_text(at2("K, 1/1/1995, X, 090"), encoding="utf-8")
+    with pytest.warns(
+        UserWarning, match=r"RSN1_UP\.at2: another direction in the name of the file than"
+    ):
+        assert list(sl.read_records(tmp_path)) == ["RSN1_UP.at2"]
+
+
+@pytest.mark.invariant
+@pytest.mark.filterwarnings("ignore:.*left out")
+def test_a_folder_of_vertical_records_is_read_with_a_component(tmp_path):
+    (tmp_path / "RSN1_UP.at2").write_text(at2(), encoding="utf-8")
+    with pytest.raises(
+        ValueError, match="holds vertical ones alone, which component= reads; allowed: one"
+    ):
+        sl.read_records(tmp_path)
+    assert list(sl.read_records(tmp_path, component="UP")) == ["RSN1_UP.at2"]
+
+
+def csmip_at_station(component):
+    return samples.csmip({component: WAVE}).replace("Uncorrected", "Station No. 23287\nUncorrected")
+
+
+# Texts with a component in an earthquake of this number, at the same station.
+OF_QUAKES = {
+    "K-NET": ("ns", lambda c, n: knet(("N-S", "E-W")[c]).replace("18 23:25:00", f"18 23:2{n}:00")),
+    "ESM": (
+        "asc",
+        lambda c, n: samples.esm(WAVE).replace("HNE", f"HN{c + 1}").replace("0000106", f"{n}"),
+    ),
+    "ESM, by its date": (
+        "asc",
+        lambda c, n: (
+            samples.esm(WAVE)
+            .replace("HNE", f"HN{c + 1}")
+            .replace("EVENT_ID: EMSC-20190728_0000106", "EVENT_DATE_YYYYMMDD: 20190728")
+            .replace("23:08", f"23:0{n}")
+        ),
+    ),
+    "PEER": ("at2", lambda c, n: at2(f"GREECE, 1/{n}/1995, X, {90 * c:03}")),
+    "CSMIP": ("v2", lambda c, n: csmip_at_station(f"{90 * c} Deg").replace("1548167", f"{n}548167")),
+    "COSMOS": ("v2c", lambda c, n: samples.cosmos({f"{90 * c} deg": WAVE}).replace("13:53", f"13:5{n}")),
+    "UNAM": ("191", lambda c, n: samples.unam([WAVE], f"/N{90 * c:02}E").replace("18:14", f"18:1{n}")),
+}
+
+
+@pytest.mark.invariant
+@pytest.mark.parametrize("case", OF_QUAKES)
+def test_components_share_the_event_of_one_earthquake_alone(tmp_path, case):
+    """The files have names that say nothing."""
+    ending, text = OF_QUAKES[case]
+    for n in range(4):
+        (tmp_path / f"f{n}.{ending}").write_text(text(n % 2, 1 + n // 2), encoding="utf-8")
+    records = list(sl.read_records(tmp_path).values())
+    events = [record.attrs["event"] for record in records]
+    assert events[0] == events[1] != events[2] == events[3]
+    if "station" in records[0].attrs:
+        assert len({record.attrs["station"] for record in records}) == 1
+    with pytest.raises(ValueError, match=f"have the events '{events[1][:20]}.* and '{events[2][:20]}"):
+        sl.fit_motion(records[1:3])
+
+
+@pytest.mark.invariant
+@pytest.mark.parametrize(
+    ("lines", "event"),
+    [
+        ("(Origin:  To be determined)", "15481673.CI.WLT"),
+        ("(Origin(CIT): 01/17/94, 12:30:55.4 UTC)", "01/17/94, 12:30:55.4"),
+        ("Origin: 08/24/2014, 10:20:44.0 UTC (NCSN)", "08/24/2014, 10:20:44.0"),
+        (
+            "Rcrd of Tue Dec 20, 2022 02:34:01.0 PST    (Avol1 v2.0, 4/18)",
+            "Rcrd of Tue Dec 20, 2022 02:34:01.0 PST",
+        ),
+        ("Record of Mon Jan 17, 1994 04:31 PST", "Record of Mon Jan 17, 1994 04:31 PST"),
+        ("X      Start time: 12/20/22, 10:34: 1.0 UTC (GPS)", "12/20/22, 10:34: 1.0"),
+        ("Processed: Dec 20, 2022 10:34 CGS", "15481673.CI.WLT"),
+    ],
+)
+def test_headers_of_networks_name_the_earthquake(tmp_path, lines, event):
+    text = samples.csmip({"H1": WAVE}).replace(
+        "Uncorrected", f"{lines}\nStation No. 89486   40.5N\nUn", 1
+    )
+    (tmp_path / "a.v2").write_text(text, encoding="utf-8")
+    about = sl.read_record(tmp_path / "a.v2").attrs
+    assert (about["event"], about["station"]) == (event, "89486")
+
+
+NAMINGS = ("RSN{n}_{c}.AT2", "{c}-q{n}.at2", "q{n}.{c}.acc.AT2", "U_{n}_{c}.AT2", "{n}/{c}.at2")
+LETTERS = ("N", "E", "V")
+COMPONENTS = (LETTERS, ("NS", "EW", "UD"), ("H1", "H2", "Up"), ("360", "270", "Z00"))
+NAMED = [*product(NAMINGS, COMPONENTS), ("TCU{n}05{c}.AT2", LETTERS), ("{c}/r{n}.at2", LETTERS)]
+
+
+@pytest.mark.invariant
+@pytest.mark.parametrize(("naming", "components"), NAMED)
+def test_the_gap_does_not_depend_on_how_files_are_named(tmp_path, naming, components):
+    pair = sl.Bilinear(0.5, 0.05), sl.Bilinear(1.0, 0.05)
+    motions = sl.simulated_motions(sl.named_ground("firm", 0.01), 3.0, paths=18, seed=3)
+    stated = {}
+    for k, record in enumerate(motions):
+        if k % 3 < 2:
+            stated[f"{k}"] = record.assign_attrs(event=f"quake {k // 3}", station="s")
+        path = tmp_path / naming.format(n=k // 3, c=components[k % 3])
+        path.parent.mkdir(exist_ok=True)
+        write_at2(record, path)
+    with pytest.warns(UserWarning, match="left out: vertical"):
+        suite = sl.read_records(tmp_path)
+    names = sorted(suite, key=hash)
+    shuffled = {name: suite[name] for name in names}
+    bare = {name: 1.0 * suite[name].drop_attrs() for name in names}
+    wanted = sl.recorded_gap(*pair, stated)
+    for records in (suite, shuffled, bare):
+        table = sl.recorded_gap(*pair, records)
+        for end in ("", "_lower", "_upper"):
+            name = f"separation_quantile{end}"
+            np.testing.assert_allclose(table[name], wanted[name], rtol=1e-5)
+
+
+@pytest.mark.invariant
+def test_records_that_may_belong_together_are_asked_about(tmp_path):
+    for name in "ab":
+        text = samples.esm(WAVE).replace(
+            "EVENT_ID: EMSC-20190728_0000106\nEVENT_TIME_HHMMSS: 23:08:25.75\n", ""
+        )
+        (tmp_path / f"{name}.asc").write_text(text, encoding="utf-8")
+    with pytest.warns(
+        UserWarning, match=r"a\.asc, b\.asc state the station 'ARS1' and no event: each counts"
+    ):
+        suite = sl.read_records(tmp_path)
+    assert all("event" not in record.attrs for record in suite.values())
+    (tmp_path / "suite.csv").write_text(
+        "file,event,station\na.asc,GREECE,X\nb.asc,GREECE,X\n", encoding="utf-8"
+    )
+    assert {r.attrs["event"] for r in sl.read_records(tmp_path / "suite.csv").values()} == {"GREECE"}
 
 
 def test_components_of_a_station_are_one_event():

@@ -73,7 +73,7 @@ def recorded_gap(
         ``separation_at_height`` [m] over ``height``, and ``peak_drift`` [m] and ``ductility`` [-] over
         ``element``. For several records there is also ``separation_quantile`` [m] over ``quantile``,
         with a 95 % interval ``_lower`` and ``_upper``, infinite if the records are too few, in which two
-        components with the same attributes ``event`` and ``station`` count as one. If a
+        components of a station in one earthquake count as one (see `read_records`). If a
         structure falls (see `simulate`), its peak and ``separation`` are infinite. For one
         structure alone, the variables of two structures are left out.
 

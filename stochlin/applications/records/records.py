@@ -92,7 +92,8 @@ def read_record(
         Ground acceleration [m/s^2] with the dimension ``time`` [s], named ``acceleration``. The
         attributes ``source`` and ``dt`` hold the file name and the time step; ``event``, ``station`` and
         ``component`` are those that the header states, and ``columns`` has those that were asked for by
-        number. The mean is subtracted from records that are not
+        number; the name of a region, without a date or a number, is no event. The mean is subtracted
+        from records that are not
         corrected for their baseline: those of K-NET and KiK-net, and of ESM where the header says so.
         The attribute ``comment`` then states it.
 

@@ -182,7 +182,7 @@ def fit_motion(
     record : xarray.DataArray, or list or mapping of two
         Ground acceleration [m/s^2] over ``time`` [s], as from `read_record`, of 2 s or more; or both
         horizontal components of a station, of the same length and time step. Where their attributes
-        ``event`` and ``station`` are known (`read_records`, AT2 files), they have to agree.
+        ``event`` and ``station`` are known (see `read_record`), they have to agree.
     envelope : str
         Model of the envelope, as in `fit_envelope`.
     band : tuple of two floats

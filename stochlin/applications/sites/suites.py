@@ -76,9 +76,10 @@ def read_records(
 ) -> Suite:
     r"""Read a suite of records: all files of a folder, or those listed in a table.
 
-    Vertical components (``U-D``, ``UP``, ``V``, ``HNZ``, ..., by the header or else the name of the
-    file) and those in a borehole are left out with a warning. Two records with the same ``event`` and
-    ``station`` count as one earthquake in the intervals of `recorded_gap`.
+    Vertical components (``U-D``, ``UP``, ``V1``, ``BHZ00``, ..., by the header, or else the title or the
+    name of the file) and those in a borehole are left out with a warning. Two records with the same
+    ``event`` and ``station`` count as one earthquake in the intervals of `recorded_gap`; where one of
+    these is not known, two of files whose names differ in the component alone.
 
     Parameters
     ----------
@@ -116,7 +117,9 @@ def read_records(
     Warns
     -----
     UserWarning
-        As in `read_record`, and for each file and for all components that are left out.
+        As in `read_record`; for each file and for all components that are left out; if a file and its
+        name state different directions; and if records state a station and no earthquake, or the other
+        way round, and their names do not say which belong together.
 
     Examples
     --------
