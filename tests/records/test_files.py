@@ -323,7 +323,7 @@ REFUSALS = [
     (r"has 1 \(V\), 2 \(N00E\), 3 \(N90E\); give comp", samples.unam([GAL] * 3), {}),
     ("'V' is more than one in", samples.unam([GAL] * 3, "/V/V/V"), {"component": "V"}),
     ("line 18: .*each of 3 channels", samples.unam([GAL] * 3).replace("/0.005", "", 1), {}),
-    ("line 22: .*: the length of 40", samples.unam([GAL] * 3).replace("/0.20", "/0.40"), {}),
+    ("line 23: .*: the length of 40", samples.unam([GAL] * 3).replace("/0.20", "/0.40"), {}),
     ("has no data; allowed: ", samples.unam([GAL]).replace("DATOS DE ACEL", "ACEL"), {}),
     ("line 6: .*equally spaced at no sec", samples.csmip({"H1": GAL}, step="no"), {}),
     ("line 25: .*length of", samples.cosmos({"H1": GAL}).replace(" 0.4", " 0.8"), {}),
