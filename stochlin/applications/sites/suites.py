@@ -154,8 +154,8 @@ def read_records(
             warnings.warn(what, DoubtfulInput, stacklevel=3)
     level = read if component is not None else _horizontal(read, plain(path.name))
     suite = {label: each.record for label, each in level.items()}
-    for doubt in _without_earthquake(suite):
-        warnings.warn(f"{plain(path.name)}: {doubt}", DoubtfulInput, stacklevel=3)
+    for question in _without_earthquake(suite):
+        warnings.warn(f"{plain(path.name)}: {question}", DoubtfulInput, stacklevel=3)
     if not suite:
         what = "vertical ones alone, which component= reads" if read else "no record that can be read"
         raise ValueError(f"{plain(path.name)} holds {what}; allowed: one horizontal record at least")
