@@ -66,13 +66,13 @@ TAKEN: dict[str, set[str]] = {
     "minus infinity": {"exceedance.gap"},
     "negative": {"critical_gap.rho", "exceedance.gap"},
     "zero": {
-        *("component", "hardening", "peak_1", "peak_2", "time_column", "BoucWen.gamma", "Flag.beta"),
+        *("component", "hardening", "peak_1", "peak_2", "BoucWen.gamma", "Flag.beta"),
         *("BoucWenBaberNoori.pinching_start", "BoucWenBaberNoori.pinching_spread", "critical_gap.rho"),
         *("equivalent_coefficients.velocity_z_corr", "eurocode_8.damping", "pound.gaps"),
         *("exceedance.gap", "scatter"),
         *("pounding_fragility.paths", "pounding_probability.paths"),  # the formula alone
         *("ModifiedClough.unloading_exponent", "pounding_estimate.gap", "ShearBuilding.dampers"),
-        *("read_pushover.displacement_column", "Stereomechanical.restitution", "Uncertain.spread"),
+        *("Stereomechanical.restitution", "Uncertain.spread"),
     },
     "beyond floats": {"component"},
     "empty list": {"growing_states", "link", "links", "points"},

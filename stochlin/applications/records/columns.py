@@ -69,7 +69,7 @@ class Text(NamedTuple):
             Need("time_column", self._time(table, column, time_column), (TIME,), optional=True),
             Need("column", column, (ACCELERATION,), left=True),
         ]
-        time, of_values = chosen(table, needs, self._ways_out())
+        time, of_values = chosen(table, needs, self._ways_out)
         assert of_values is not None  # which is not optional
         values = of_values.numbers()
         if not of_values.column.said.quantities and _even_step(values):
@@ -152,7 +152,7 @@ class Text(NamedTuple):
     def _time(self, table: Table, column: object, by_caller: ColumnName | None) -> ColumnName | None:
         """The column of times that is asked for, or of unknown ones that at equal steps."""
         columns = columns_of(table)
-        named = any(each.said.quantities for each in columns)
+        named = any(of.unit for each in columns for of in each.said.quantities)
         if by_caller is not None or named or len(columns) == 1 or not table.rows.dtypes.eq(float).all():
             return by_caller
         free = [each.number for each in columns if not each.counts and each.number != column]

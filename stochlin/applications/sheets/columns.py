@@ -102,7 +102,7 @@ class Need(NamedTuple):
         """The first of the wanted quantities that a column may be; None if it is none of them."""
         fits = [of for of in self.wanted if of in column.said.quantities]
         if self.units is not None and not column.said.unit:
-            fits = [of for of in fits if of.usual or of is LEVEL or of.size(self.units)]
+            fits = [of for of in fits if of.usual or of is LEVEL or of.size(self.units)] or fits
         return fits[0] if fits else None
 
     def is_sure_of(self, column: Column) -> bool:
@@ -222,11 +222,11 @@ def numbered(choices: Sequence[Choice]) -> dict[str, str]:
     return {"columns": said} if said else {}
 
 
-def chosen(table: Table, needs: Sequence[Need], cure: str = "") -> list[Choice | None]:
+def chosen(table: Table, needs: Sequence[Need], cure: Callable[[], str] = str) -> list[Choice | None]:
     """A column for each need, and None for an optional one without any.
 
     Raises a ValueError that names all columns and what to give, if several fit or none does, or for a
-    column that is asked for and is another quantity; ``cure`` is another way out.
+    column that is asked for and is another quantity; ``cure`` has another way out.
     """
     columns = columns_of(table)
     of_caller = {
@@ -250,7 +250,7 @@ def chosen(table: Table, needs: Sequence[Need], cure: str = "") -> list[Choice |
             taken[need.argument] = left[0]
     missing = [need for need in missing if taken[need.argument] is None and not need.optional]
     if missing:
-        raise _missing(table, columns, missing, cure)
+        raise _missing(table, columns, missing, cure())
     choices: list[Choice | None] = []
     for need in needs:
         column = taken[need.argument]
@@ -288,7 +288,7 @@ def _asked(table: Table, columns: Sequence[Column], need: Need) -> Column:
             raise table.error(f"has {in_words(columns)}, and {shown} {count}; give it {BY}")
         (column,) = fitting
     if why := need.refusal(column):
-        raise table.error(f"has column {column.label}, and {shown} {why}")
+        raise table.error(f"has column {column.label}, and {shown} {why}; correct a wrong title")
     return column
 
 

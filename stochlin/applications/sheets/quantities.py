@@ -68,7 +68,7 @@ TABLE: Mapping[Quantity, str] = {
         pulsation pulsacion pulsazione pulsacao frecuenciaangular frecuenciacircular
         frequenzaangolare frequenceangulaire frequenciaangular kreisfrequenz acisalfrekans
         dairesel""",
-    TIME: """t time times elapsedtime timestamp date datetime tiempo fecha tempo data temps zeit
+    TIME: """t time times elapsedtime timestamp date datetime tiempo fecha tempo temps zeit
         datum zaman sure tarih""",
     ACCELERATION: """a ax ay az acc accel acceleration accelerations groundacceleration
         accelerogram acel aceleracion aceleraciones acelerograma acelerogramas accelerazione
@@ -126,7 +126,7 @@ TABLE: Mapping[Quantity, str] = {
     MODE: "mode modo moda modes modenumber modeno mod eigenmode",
     NAME: """name nombre nome nom ad isim bezeichnung case outputcase loadcase function label
         story station""",
-    OTHER: """powerspectraldensity fourier fas fourieramplitude energy magnitude distance jerk
+    OTHER: """powerspectraldensity fourier fas fourieramplitude energy distance jerk
         strain stress arias husid cav temperature""",
 }
 _WORDS = {of: frozenset(words.split()) for of, words in TABLE.items()}
