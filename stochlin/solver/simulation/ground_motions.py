@@ -58,7 +58,8 @@ def simulated_motions(
         Time step [s], positive. A value of white noise is its mean over a step.
     scatter : float
         Standard deviation [-] of the logarithm of a random factor on each motion, as in `simulate`, with
-        the same factors for the same seed; by default that of the ground.
+        the same factors for the same seed. By default it is that of the ground; a ground is fitted to a
+        spectrum or a record by motions without it.
     progress : callable, optional
         Called with the share of the work that is done.
 
