@@ -169,8 +169,9 @@ def fit_motion(
     without scatter, have, in the mean, the response spectrum of the record from 0.05 to 4 s. Its
     intensity is then set such that they have the energy of the record exactly,
     ``sigma^2 Int m^2 dt = Int a^2 dt``, with the standard deviation ``sigma`` of the ground
-    acceleration, the envelope ``m`` and the record ``a``. A ground by `fit_ground` is instead fitted to the strong part of the record; with an envelope by
-    `fit_envelope`, its motions have about half of the energy of the record.
+    acceleration, the envelope ``m`` and the record ``a``. A ground by `fit_ground` is instead fitted to
+    the strong part of the record; with an envelope by `fit_envelope`, its motions have about half of the
+    energy of the record.
 
     Of **both components** of a station one ground is fitted. Spectrum and energy are the geometric means
     of the components, and the envelope is fitted to the mean of their build-ups of energy. The scatter
