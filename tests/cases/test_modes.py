@@ -6,11 +6,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 from cases import FIRM_SITE, SMALL_GAP, read_text
 
+import stochlin as sl
 from stochlin.applications.cases.pounding import pound_case
 from stochlin.applications.cases.reading.case import Case
 from stochlin.applications.cases.separation import answer_case
+from stochlin.views.separation.words import details
 
 MASSES, HEIGHTS, STIFFNESSES = [3e5, 2.5e5, 2e5], [4.0, 3.0, 3.5], [2e8, 1.8e8, 1.2e8]
 STOREYS = f"""
@@ -62,8 +65,14 @@ def tower() -> str:
     return "\n".join(",".join(map(str, row)) for row in rows)
 
 
+def write(folder: Path) -> Path:
+    path = folder / "tower.csv"
+    path.write_text(tower(), encoding="utf-8")
+    return path
+
+
 def case_of(tmp_path: Path, building: str, gap: str = SMALL_GAP) -> Case:
-    (tmp_path / "tower.csv").write_text(tower(), encoding="utf-8")
+    write(tmp_path)
     return read_text(tmp_path, f"{FIRM_SITE}envelope = 'none'\n{building}{NEIGHBOUR}{gap}")
 
 
@@ -99,3 +108,55 @@ def test_damping_and_strength_may_be_uncertain_and_damping_of_each_mode(tmp_path
     assert {*first.sampled.uncertain} == {"damping", "yield_displacements"}
     each = case_of(tmp_path, OF_FILE.replace("0.05", '["5 %", "4 %", "3 %"]')).buildings[0].structure
     assert each.arrays()["damping"].values.tolist() == [0.05, 0.04, 0.03]
+
+
+def test_a_base_shear_coefficient_means_the_same_by_storeys_and_by_modes(tmp_path: Path) -> None:
+    """All storeys of a regular building yield at once, in its first mode."""
+    shared = {"damping": 0.05, "hardening": 0.1, "base_shear_coefficient": 0.15}
+    chain = sl.ShearBuilding.regular(period=0.7, storeys=6, storey_height=3.2, mass=2e5, **shared)
+    shape = chain.first_mode_moves().values
+    modes = xr.Dataset(
+        {"period": ("mode", [0.7]), "shape": (("mode", "floor"), [shape])},
+    ).assign(mass=("floor", [2e5] * 6), height=("floor", [3.2] * 6))
+    with pytest.warns(sl.DoubtfulInput, match="of the mass"):
+        tower = sl.ModalBuilding.from_table(modes, **shared)
+    assert tower.oscillator().yield_displacement == pytest.approx(chain.oscillator().yield_displacement)
+
+
+@pytest.mark.parametrize("law", ["bilinear", "bouc_wen"])
+def test_modes_of_a_case_take_a_strength_of_the_whole_building(tmp_path: Path, law: str) -> None:
+    """The base shear of mode 1 at yield is that share of the weight; R is that of its oscillator."""
+    of_law = f'law = "{law}"\n' + "beta = 0.5\ngamma = 0.5\n" * (law == "bouc_wen")
+    for key, value in (("base_shear_coefficient", '"12 %"'), ("reduction_factor", "4")):
+        text = OF_FILE.replace("elastic = true", f"hardening = 0.05\n{of_law}{key} = {value}")
+        case = case_of(tmp_path, text)
+        tower = case.buildings[0].structure
+        mode, shear = tower.oscillator(), tower.system()
+        if key == "reduction_factor":
+            factor = sl.reduction_factor(mode, case.site.ground).reduction_factor
+            assert float(factor) == pytest.approx(4.0)
+        else:
+            at_yield = float((shear.post + shear.couple)[0] * mode.yield_displacement)
+            assert at_yield == pytest.approx(0.12 * 9.80665 * sum(MASSES))
+        assert np.isposinf(shear.strength[1:]).all()
+        said = " ".join(block.text for block in details(answer_case(case)))
+        assert "bears all of its strength and yields at" in said
+
+
+def test_a_strength_of_the_whole_building_needs_most_of_the_mass_in_mode_1(tmp_path: Path) -> None:
+    modes = sl.read_modes(write(tmp_path))
+    modes["period"] = "mode", [0.5, 0.4, 0.3]
+    modes["shape"] = ("mode", "floor"), modes["shape"].values[[1, 0, 2]]
+    options = {"damping": 0.05, "hardening": 0.1}
+    with pytest.raises(ValueError, match=r"mode 2 has more effective mass .*; yield_displacements give"):
+        sl.ModalBuilding.from_table(modes, **options, base_shear_coefficient=0.1)
+    tower = sl.ModalBuilding.from_table(modes, **options, yield_displacements=[1.0, 0.02])
+    assert tower.oscillator().yield_displacement == 0.02
+    for wrong, says in (
+        ({"yield_displacements": 0.1}, "allowed: one of them"),
+        ({}, "-0.1 is out of range"),
+    ):
+        with pytest.raises(ValueError, match=says):
+            sl.ModalBuilding.from_table(
+                modes, **options, base_shear_coefficient=0.1 if wrong else -0.1, **wrong
+            )

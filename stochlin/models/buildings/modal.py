@@ -14,8 +14,10 @@ import xarray as xr
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.systems import System
 from stochlin.messages import DoubtfulInput, brief, listed
+from stochlin.models.arguments import Number
 from stochlin.models.buildings.base import (
     FLOOR,
+    GRAVITY,
     MODE,
     MOVES,
     STOREY,
@@ -23,6 +25,7 @@ from stochlin.models.buildings.base import (
     MultistoreyBuilding,
     numbered,
 )
+from stochlin.models.buildings.shear import SHEAR
 from stochlin.models.parameters import PERIODS, POSITIVE, Parameter, Range, parameter
 from stochlin.models.structures import DAMPING, HARDENING, Structure
 from stochlin.models.uncertain import as_array, takes_uncertain
@@ -40,6 +43,7 @@ DIMENSIONS = {
     "masses": FLOOR,
     "heights": STOREY,
 }
+OF_WEIGHT = Number(SHEAR, f"a number; {SHEAR}")
 OF_STRENGTH = ("hardening", "yield_displacement")
 OF_TABLE = {"period", "shape", "mass", "height"}
 
@@ -153,7 +157,14 @@ class ModalBuilding(MultistoreyBuilding):
 
     @classmethod
     @takes_uncertain
-    def from_table(cls, table: xr.Dataset, *, damping: float, **others: Any) -> Self:
+    def from_table(
+        cls,
+        table: xr.Dataset,
+        *,
+        damping: float,
+        base_shear_coefficient: float | None = None,
+        **others: Any,
+    ) -> Self:
         """The building of a table of modes, as `read_modes` reads it.
 
         Participation factors and modal masses of the table are used if the shapes and the floor masses
@@ -166,6 +177,10 @@ class ModalBuilding(MultistoreyBuilding):
             ``floor``, and maybe ``participation`` and ``modal_mass`` [kg].
         damping : float or array
             As in `ModalBuilding`.
+        base_shear_coefficient : float, optional
+            Base shear at yield over the weight of all floors [-], positive, at most 100, in place of
+            ``yield_displacements``. Mode 1 alone bears it: with its effective mass ``M_1`` and circular
+            frequency ``w_1`` it yields at ``C g sum(m)/(M_1 w_1^2)``. The other modes stay elastic.
         **others
             ``hardening``, ``yield_displacements``, ``law`` and ``law_parameters``, as in
             `ModalBuilding`.
@@ -178,7 +193,8 @@ class ModalBuilding(MultistoreyBuilding):
         Raises
         ------
         ValueError, TypeError
-            As in `ModalBuilding`, or if the table lacks a variable.
+            As in `ModalBuilding`, or if the table lacks a variable, or a base shear coefficient is given
+            beside yield displacements, or where mode 1 has not the largest effective mass.
 
         Examples
         --------
@@ -201,7 +217,16 @@ class ModalBuilding(MultistoreyBuilding):
                 "modal_masses": table["modal_mass"].to_numpy(),
             } | others
         periods, heights = (table[name].to_numpy() for name in ("period", "height"))
-        return cls(periods, shapes, masses, heights, damping, **others)
+        known = periods, shapes, masses, heights, damping
+        if base_shear_coefficient is None:
+            return cls(*known, **others)
+        OF_WEIGHT("base_shear_coefficient", base_shear_coefficient)
+        if others.get("yield_displacements") is not None:
+            what = f"base_shear_coefficient = {base_shear_coefficient:g} beside yield_displacements"
+            raise ValueError(f"{what}; allowed: one of them")
+        elastic = cls(*known, **others)
+        stiffness = elastic.effective_masses()[0] * (2 * np.pi / periods[0]) ** 2
+        return elastic.yielding_at(base_shear_coefficient * GRAVITY * masses.sum() / stiffness)
 
     def __post_init__(self) -> None:
         name = f"{type(self).__name__}: "
@@ -328,10 +353,23 @@ class ModalBuilding(MultistoreyBuilding):
         elastic = dict.fromkeys(OF_STRENGTH) if self.yields and n >= self._strengths.shape[1] else {}
         return self._as_oscillator(n, mass=float(self.effective_masses()[n]), **elastic)
 
-    def _of_first_mode(self, period: float, yield_displacement: float, hardening: float) -> Self:
+    def yielding_at(self, displacement: float) -> Self:
+        """The building whose mode 1 alone yields, at this displacement [m] of its oscillator.
+
+        Raises a ValueError if another mode has a larger effective mass.
+        """
+        self._check_leading(
+            "a strength of the whole building", "; yield_displacements give that of each mode"
+        )
+        return replace(self, yield_displacements=[float(displacement)])
+
+    def _check_leading(self, strength: str, cure: str = "") -> None:
         if self.leading:
             what = f"{type(self).__name__}: mode {self.leading + 1} has more effective mass than mode 1"
-            raise ValueError(f"{what}; allowed with a pushover curve: the most in mode 1")
+            raise ValueError(f"{what}; allowed with {strength}: the most in mode 1{cure}")
+
+    def _of_first_mode(self, period: float, yield_displacement: float, hardening: float) -> Self:
+        self._check_leading("a pushover curve")
         periods = [period, *self._numbers("periods")[1:]]
         firsts = zip((hardening, yield_displacement), self._strengths, strict=True)
         hardenings, strengths = ([first, *others[1:]] for first, others in firsts)

@@ -26,6 +26,7 @@ from stochlin.views.shared.words import (
     site_in_words,
     spectrum_taken,
     with_interval,
+    yielding_modes,
 )
 from stochlin.views.sites.pictures import fit_in_words
 
@@ -238,7 +239,7 @@ def details(answer: CaseAnswer, on_page: bool = False) -> list[Text]:
     """The shaking, its fit that a page draws, ductilities and drifts."""
     case = answer.case
     motions = fit_in_words(answer.spectrum, case.periods)
-    moved = [_ductilities(answer.separation), _storeys(answer)]
+    moved = [_ductilities(answer.separation), yielding_modes(case), _storeys(answer)]
     return texts([shaking(answer.shaking, case), *([] if on_page else motions), *moved])
 
 

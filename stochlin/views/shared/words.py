@@ -39,6 +39,10 @@ TURNS = (
     "Caution: {building} turns in plan, and a gap can be too small: export the displacements of joints "
     'on the edge that faces the neighbour, and name one on each floor, as points = ["12"].'
 )
+YIELDS = (
+    "Mode 1 of {building} has {share} of the mass, bears all of its strength and yields at "
+    "{displacement}; its other modes stay elastic."
+)
 NAMES = {"first": "building 1", "second": "building 2", "envelope_model": "envelope"}
 ROLES = ("first", "second", "ground", "envelope", "envelope_model", "contact", "gap", "record")
 
@@ -210,6 +214,19 @@ def site_in_words(case: Case) -> str:
 def left_out(case: Case) -> list[str]:
     """What the models leave out of buildings that turn in plan."""
     return [TURNS.format(building=building.name) for building in case.buildings if building.turning]
+
+
+def yielding_modes(case: Case) -> str:
+    """What yields of buildings by their modes with a strength of the whole building; maybe nothing."""
+    return " ".join(
+        YIELDS.format(
+            building=building.name,
+            share=per_cent(building.structure.effective_masses()[0] / building.structure.masses.sum()),
+            displacement=length(float(building.structure.oscillator().yield_displacement)),
+        )
+        for building in case.buildings
+        if building.of_first_mode
+    )
 
 
 def floors(case: Case) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from itertools import pairwise
@@ -42,7 +42,7 @@ from stochlin.models.rules.codes import AT_LEAST_1, OF_IMPORTANCE
 from stochlin.models.systems import first_period, slabs_on_columns
 from stochlin.models.uncertain import applied, median_of
 from stochlin.solver.linearization.drift_map import calibrated_closure
-from stochlin.solver.linearization.strength import strength_for_ductility
+from stochlin.solver.linearization.strength import strength_for_ductility, strength_in_metres
 
 CODE_FACTOR = Quantity("1", AT_LEAST_1, PLAUSIBLE["behaviour"])
 HEIGHT = Quantity("m", POSITIVE, PLAUSIBLE["height"])
@@ -55,6 +55,12 @@ STRENGTH, OF_HEIGHTS = "strength", {"height of its storeys": ("storey_height", "
 WITH_HARDENING = (
     *("reduction_factor", "yield_displacement", "ductility"),
     *("base_shear_coefficient", "yield_drifts", "yield_displacements"),
+)
+
+
+OF_MODES = (
+    *("base_shear_coefficient", "reduction_factor"),
+    *("yield_displacements", "pushover", "elastic"),
 )
 
 
@@ -203,11 +209,13 @@ class ByModes(WithFloors):
     """A building by the modes of a file, as programs of structural analysis write it."""
 
     described_as = "a building by its modes"
-    one_of: ClassVar[Any] = {STRENGTH: ("yield_displacements", "pushover", "elastic")}
+    one_of: ClassVar[Any] = {STRENGTH: OF_MODES}
 
     damping: Any = of(ModalBuilding, "damping", single="alone")
     hardening: Any = of(ModalBuilding, "hardening", default=None, single="alone")
     yield_displacements: Any = of(ModalBuilding, "yield_displacements", default=None, single="alone")
+    base_shear_coefficient: Any = of(RegularBuilding, "base_shear_coefficient", default=None)
+    reduction_factor: Any = of(Bilinear, "reduction_factor", default=None, uncertain=False)
     modes: str = key(TEXT, "File of its modes")
     direction: str | None = key(Word(DIRECTIONS), "Direction of the gap in the file", None)
     points: list[str] = key(ListOf(TEXT, "listed"), "Points with the shapes, one on each floor", ())
@@ -225,7 +233,8 @@ class ByModes(WithFloors):
 
     def described(self) -> Any:
         """The building."""
-        values = {**self.given("damping", "law", "yield_displacements"), **self.of_hardening()}
+        values = self.given("damping", "law", "yield_displacements", "base_shear_coefficient")
+        values |= self.of_hardening()
         make = ModalBuilding.from_table
         return self.table.made(make, table=self.of_modes, law_parameters=self.more, **values)
 
@@ -250,6 +259,11 @@ class Building:
     def strength(self) -> str:
         """The key that gives the strength."""
         return str(self.form.chosen(STRENGTH))
+
+    @property
+    def of_first_mode(self) -> bool:
+        """Whether it has a strength of the whole building, which its mode 1 bears alone."""
+        return isinstance(self.form, ByModes) and self.strength in OF_MODES[:2]
 
     @property
     def has_storeys(self) -> bool:
@@ -283,7 +297,10 @@ class Building:
         return str(modes.attrs.get("turning", ""))
 
     def on(self, site: Site) -> Building:
-        """The building with the strength that gives it its ductility on the ground of a site."""
+        """The building with the strength that it has on the ground of a site, if it depends on it."""
+        if self.of_first_mode and self.strength == "reduction_factor":
+            with self.form.table.naming("reduction_factor", "gives no strength: "):
+                return replace(self, sampled=applied(self._weaker_mode(site), self.sampled))
         if self.strength != "ductility":
             return self
         closure = calibrated_closure(self.structure, site.ground)
@@ -291,6 +308,19 @@ class Building:
         with self.form.table.naming("ductility", "has no strength: "):
             factor = float(strength_for_ductility(*target, closure=closure).reduction_factor)
         return replace(self, sampled=applied(partial(replace, reduction_factor=factor), self.sampled))
+
+    def _weaker_mode(self, site: Site) -> Callable[[Any], Any]:
+        """What lets mode 1 yield at its elastic displacement on a ground over the reduction factor."""
+        hardening = float(np.ravel(self.structure.hardening)[0])
+        factor = self.form.reduction_factor
+        mode = replace(self.structure.oscillator(), hardening=hardening, reduction_factor=factor)
+        at_yield = strength_in_metres(mode, site.ground).yield_displacement
+        return partial(_yielding, displacement=float(at_yield))
+
+
+def _yielding(building: ModalBuilding, displacement: float) -> ModalBuilding:
+    """A building by its modes, perhaps one of many samples, of which mode 1 yields."""
+    return building.yielding_at(displacement)
 
 
 def read_building(table: Table, number: int) -> Building:

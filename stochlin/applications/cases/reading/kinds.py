@@ -25,7 +25,8 @@ SPREAD = re.compile(r"(.+?)(?:\+-|\+/-|±)\s*(100|\d{1,2}(?:\.\d*+)?)\s*+%\s*", 
 FROM_TO = re.compile(r"(.+?)\sto\s(.+)", re.DOTALL)
 # Numbers with a sign between thousands, or with a decimal comma: sign, digits, decimals and unit.
 _THOUSANDS = re.compile(
-    r"\s*([-+]?)(\d{1,3}(?:([ ,.'\u2019_\xa0\u202f])\d{3})(?:\3\d{3})*)(?:[.,](\d+))?(\s*(?:[^\d.,'\u2019].*)?)",
+    r"\s*([-+]?)(\d{1,3}([ ,.'\u2019_\xa0\u202f])\d{3}(?:\3\d{3})*)"
+    r"(?:[.,](\d+))?(\s*(?:[^\d.,'\u2019].*)?)",
     re.DOTALL,
 )
 _DECIMAL_COMMA = re.compile(r"\s*([-+]?)(\d*),(\d+)(\s*(?:[^\d.,'\u2019].*)?)", re.DOTALL)
