@@ -254,6 +254,39 @@ def test_a_folder_with_a_file_for_each_table_has_the_same_modes(tmp_path: Path) 
         sl.read_modes(tmp_path / "empty")
 
 
+@pytest.mark.parametrize("of_building", ["", "Tower A - ", "tower_"])
+def test_tables_are_known_by_the_names_of_their_files(tmp_path: Path, of_building: str) -> None:
+    """As other programs save them, without a line TABLE: and with or without one of units."""
+    folder = tmp_path / "tower"
+    folder.mkdir()
+    for cells in etabs():
+        name = str(cells[0][0]).removeprefix("TABLE:  ")
+        name = name.lower().replace(" ", "_") if of_building.endswith("_") else name
+        (folder / f"{of_building}{name}.csv").write_text(as_text([cells[1:]]), encoding="utf-8")
+    of_folder = sl.read_modes(folder, direction="UX")
+    of_text = read(tmp_path, as_text(etabs()), direction="UX")
+    xr.testing.assert_identical(of_folder.drop_attrs(), of_text.drop_attrs())
+
+
+def test_masses_by_diaphragm_are_those_of_the_stories(tmp_path: Path) -> None:
+    titles = "Story|Diaphragm|Mass X|Mass Y|Mass Moment of Inertia|X Mass Center|Y Mass Center"
+    rows: Cells = [
+        [STORIES[f], "D1", 1e3 * MASSES[f], 1e3 * MASSES[f], 9.0, 1.0, 2.0] for f in (2, 1, 0)
+    ]
+    units = "||kg|kg|ton-m²|m|m"
+    of_diaphragms = changed("Mass Summary", rows, f"Mass Summary by Diaphragm:{titles}", units)
+    modes, of_stories = (
+        read(tmp_path, text, direction="UX") for text in (of_diaphragms, as_text(etabs()))
+    )
+    np.testing.assert_allclose(modes["mass"], of_stories["mass"])
+    of_towers = towers("same", OF_FLOORS).replace(
+        "Centers Of Mass And Rigidity", "Mass Summary by Diaphragm"
+    )
+    expected = read(tmp_path, towers("same", OF_FLOORS), direction="UX", tower="D1")
+    tower = read(tmp_path, of_towers, direction="UX", tower="D1")
+    xr.testing.assert_identical(tower.drop_attrs(), expected.drop_attrs())
+
+
 def towers(second: str, masses: Cells, moves: str = "D2") -> str:
     """Two towers of two floors, which move in modes of their own: 1 is that of T1, 2 that of T2."""
     names = {"T1": ("Roof", "Story1"), "T2": ("Roof", "Story1") if second == "same" else ("R2", "S2")}

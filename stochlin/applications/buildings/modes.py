@@ -115,7 +115,8 @@ def read_modes(
     readable = [*of_plain, *(table.sheet for table in [*tables.values()][:1])]
     if not readable:
         begins = f"{plain_form.HEADER} or a line 'TABLE:  {RATIOS}' of ETABS"
-        raise ValueError(f"{name} is no file of modes that is known; allowed: a file with {begins}")
+        what = f"{name} is no file of modes that is known; allowed: a file with {begins}"
+        raise ValueError(f"{what}, or a folder with '{RATIOS}.csv' and others so named")
     check_alone(readable, "modes")
     modes = csi.read(tables, choice) if tables else plain_form.read(readable[0], choice)
     return _labelled(modes, name, choice.direction)

@@ -26,6 +26,7 @@ from stochlin.applications.buildings.mode_files.csi_tables import (
     PLACES,
     RATIOS,
     STORY_DATA,
+    SUMMARY,
     keyed,
     needed_tables,
 )
@@ -68,10 +69,10 @@ class Wanted(NamedTuple):
 def read(content: Mapping[str, Table], choice: AskedModes) -> ModesOfFile:
     """The modes of tables of ETABS: a line ``TABLE:  name``, titles, units, and rows.
 
-    Needed are Modal Participating Mass Ratios, Story Definitions, Mass Summary by Story or Centers Of
-    Mass And Rigidity, Diaphragm Center Of Mass Displacements and, for ``points``, Joint Displacements.
-    Their order does not matter, and others are left alone. Where the line with the name is missing, the
-    name of the sheet says which table it is.
+    Needed are Modal Participating Mass Ratios, Story Definitions, Mass Summary by Story or by Diaphragm
+    or Centers Of Mass And Rigidity, Diaphragm Center Of Mass Displacements and, for ``points``, Joint
+    Displacements. Their order does not matter, and others are left alone. Where the line with the name
+    is missing, the name of the sheet or of the file says which table it is.
 
     The participation factor of a mode is its effective mass over the sum of mass times displacement of
     the whole model. It holds for floors that turn, for several towers, and for any scale of the shapes.
@@ -81,7 +82,8 @@ def read(content: Mapping[str, Table], choice: AskedModes) -> ModesOfFile:
     Computers and Structures, Inc., ETABS, database tables; the names of their fields are
     those of ``Results.ModalParticipatingMassRatios`` in the CSI application programming interface.
     """
-    of_mass = [OF_DIAPHRAGMS, OF_STORIES] if choice.tower else [OF_STORIES, OF_DIAPHRAGMS]
+    by_diaphragm = [OF_DIAPHRAGMS, SUMMARY]
+    of_mass = [*by_diaphragm, OF_STORIES] if choice.tower else [OF_STORIES, *by_diaphragm]
     groups = [[RATIOS], [HEIGHTS, STORY_DATA], of_mass, [OF_CENTRES]]
     groups += [[OF_JOINTS]] if choice.points else []
     ratios, *others = needed_tables(content, *groups)

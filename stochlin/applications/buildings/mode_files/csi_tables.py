@@ -1,10 +1,11 @@
-"""Tables as ETABS exports them, with their names above or on their sheets."""
+"""Tables as ETABS exports them, with their names above, on their sheets or as names of their files."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
 from functools import partial
+from pathlib import PurePath
 
 import pandas as pd
 
@@ -17,8 +18,9 @@ TITLE = re.compile(r"table:\s*(.*)", re.IGNORECASE)
 RATIOS, OF_JOINTS = "Modal Participating Mass Ratios", "Joint Displacements"
 OF_CENTRES, OF_STORIES = "Diaphragm Center Of Mass Displacements", "Mass Summary by Story"
 OF_DIAPHRAGMS, BASES = "Centers Of Mass And Rigidity", "Tower and Base Story Definitions"
+SUMMARY = "Mass Summary by Diaphragm"
 HEIGHTS, STORY_DATA = "Story Definitions", "Story Data"
-TABLES = RATIOS, OF_JOINTS, OF_CENTRES, OF_STORIES, OF_DIAPHRAGMS, BASES, HEIGHTS, STORY_DATA
+TABLES = RATIOS, OF_JOINTS, OF_CENTRES, OF_STORIES, OF_DIAPHRAGMS, SUMMARY, BASES, HEIGHTS, STORY_DATA
 # Names of columns that differ between the versions of the program.
 ALIKE = {
     **dict.fromkeys(("outputcase", "loadcase", "loadcasecombo"), "case"),
@@ -62,9 +64,15 @@ def tables_in(sheets: Sequence[Sheet]) -> dict[str, Table]:
 
 
 def _of_sheet(sheet: Sheet) -> str:
-    """The table that a sheet of a workbook is named after, in 31 characters at most; or nothing."""
-    title = spelled(sheet.name.rpartition(", sheet ")[2])
-    return next((name for name in TABLES if title and spelled(name).startswith(title)), "")
+    """The table that a sheet of a workbook is named after, in 31 characters at most, or a text; or none.
+
+    The name of a text may have words before that of the table, such as the name of the building.
+    """
+    file, _, title = sheet.name.partition(", sheet ")
+    if title:
+        return next((name for name in TABLES if spelled(name).startswith(spelled(title) or " ")), "")
+    stem = spelled(PurePath(file).stem)
+    return next((name for name in TABLES if stem.endswith(spelled(name))), "")
 
 
 def needed_tables(tables: Mapping[str, Table], *groups: Sequence[str]) -> list[Table]:
@@ -75,7 +83,9 @@ def needed_tables(tables: Mapping[str, Table], *groups: Sequence[str]) -> list[T
     if missing:
         known = listed(table.name.removeprefix("table ") for table in there.values()) or "none"
         what = f"table {', table '.join(missing)} {'are' if missing[1:] else 'is'} missing"
-        raise ValueError(f"{what}: the file has {known}; export what is missing, into the same file")
+        raise ValueError(
+            f"{what}: the file has {known}; export what is missing, into the same file or folder"
+        )
     return [known[0] for known in chosen]
 
 
