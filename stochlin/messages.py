@@ -20,6 +20,10 @@ LONGEST = 80  # of a value that is shown
 ALIKE = 0.7  # least share of equal letters of names that are mistaken for each other
 LONGEST_MESSAGE = 2000  # on a terminal, with all names that are allowed
 SMALLER = "take fewer cells or paths, or a shorter motion"
+# An argument as Python has it, maybe with its value, and not within a name or a text.
+_ARGUMENT = re.compile(
+    r"(?<![\w.'\"])([a-z][a-z_0-9]*)=(?!=)('[^']*'|True|False|\d[\w.]*)?(?![\w\"(\[])"
+)
 # Called before a function is compiled, which takes up to seconds, and then kept.
 WHEN_COMPILING: list[Callable[[], None]] = []
 
@@ -155,6 +159,20 @@ def check_call(
         signature.bind(*args, **kwargs)
     except TypeError as error:
         raise TypeError(f"{owner}: {error}; allowed: {', '.join(known)}") from None
+
+
+def as_written(text: str, names: Mapping[str, str], written: Callable[[str, str | None], str]) -> str:
+    """A message in which arguments such as ``direction='UX'`` or ``units=`` are named as a user does.
+
+    ``names`` has the names that the user knows, by those of the arguments, and ``written`` gives the
+    text of such a name and of the value, which is None where the message leaves it open.
+    """
+
+    def replaced(match: re.Match[str]) -> str:
+        known = names.get(match[1])
+        return match[0] if known is None else written(known, match[2])
+
+    return _ARGUMENT.sub(replaced, text)
 
 
 def refuse(name: str, what: str, arguments: Mapping[str, object]) -> None:

@@ -88,7 +88,10 @@ def building(
             units = _pair("--pushover-units", pushover_units, "mm,kN")
             columns = _pair("--pushover-columns", pushover_columns, "1,2")
             numbers = [int(name) if name.isdigit() else name for name in columns]
-            ideal = bilinear_of(read_pushover(pushover, **pushover_options(units, numbers)))
+            called = dict.fromkeys(("length_units", "force_units"), "--pushover-units")
+            called |= dict.fromkeys(("displacement_column", "force_column"), "--pushover-columns")
+            with bad_input(**called):
+                ideal = bilinear_of(read_pushover(pushover, **pushover_options(units, numbers)))
             of_modes = of_modes.with_pushover(ideal)
         table = with_masses(table, of_modes)
         show(lines(building_sections(table, of_modes, ideal)))

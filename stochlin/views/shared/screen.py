@@ -21,6 +21,7 @@ from stochlin.messages import (
     LONGEST_MESSAGE,
     WHEN_COMPILING,
     DoubtfulInput,
+    as_written,
     brief,
     plain,
     sentence,
@@ -42,6 +43,7 @@ FILE = click.Path(dir_okay=False, path_type=Path)
 # Consoles that know few signs are still about.
 PLAIN = {ord("\N{MINUS SIGN}"): "-", ord("\N{EN DASH}"): "-", ord("\N{NO-BREAK SPACE}"): " "}
 PLAIN |= {ord("²"): "^2", ord("³"): "^3"}
+QUOTE = "'"
 SPELLED = "spelled out"  # what a stream does with signs that its encoding does not have
 
 
@@ -57,19 +59,37 @@ codecs.register_error(SPELLED, _spelled)
 
 
 @contextmanager
-def bad_input() -> Iterator[None]:
-    """Show an error of the input in one sentence with exit status 2, failed work with status 1."""
+def bad_input(**called: str) -> Iterator[None]:
+    """Show an error of the input in one sentence with exit status 2, failed work with status 1.
+
+    Arguments that an error names are written as options, by the names in ``called`` if these differ.
+    """
     try:
         yield
     except BrokenPipeError:
         raise  # whoever reads has seen enough; click ends quietly
     except (ValueError, TypeError, OSError, MemoryError) as error:
-        message = sentence(error, LONGEST_MESSAGE)
+        message, options = sentence(error, LONGEST_MESSAGE), _options() | called
+        message = as_written(message, options, _as_option)
+        subject, _, others = message.partition(" = ")
+        message = f"{options[subject]} {others}" if subject in options else message
         if isinstance(error, OSError) and error.errno in FULL:
             raise click.ClickException(message) from error
         raise click.UsageError(message) from error
     except (ArithmeticError, RuntimeError, ImportError) as error:
         raise click.ClickException(sentence(error, LONGEST_MESSAGE)) from error
+
+
+def _options() -> dict[str, str]:
+    """The options of the command that runs, by the names of their arguments."""
+    context = click.get_current_context(silent=True)
+    known = context.command.params if context else []
+    return {str(each.name): each.opts[0] for each in known if each.opts[0].startswith("--")}
+
+
+def _as_option(option: str, value: str | None) -> str:
+    """An option with its value, if that is known."""
+    return option if value is None else f"{option} {value.strip(QUOTE)}"
 
 
 @contextmanager

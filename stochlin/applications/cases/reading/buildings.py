@@ -136,7 +136,9 @@ class WithFloors(OfBuilding):
         if not self.pushover:
             return structure
         path = self.table.path("pushover")
-        with self.table.naming("pushover"):
+        called = dict.fromkeys(("length_units", "force_units"), "pushover_units")
+        called |= dict.fromkeys(("displacement_column", "force_column"), "pushover_columns")
+        with self.table.naming("pushover", **called):
             curve = read_pushover(path, **pushover_options(self.pushover_units, self.pushover_columns))
             ideal = bilinear_of(curve, hardening=self.hardening)
             median_of(structure).with_pushover(ideal)  # with its warnings

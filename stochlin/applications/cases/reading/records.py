@@ -154,7 +154,7 @@ class OfFile(OfHazard):
         paths = self.table.paths("file", self.file)
         options = self.given("units", "investigation_time", "column", "frequency_column")
         options["site"] = self.coordinates or self.site
-        with self.table.naming("file"):
+        with self.table.naming("file", period="sa_period"):
             return read_hazard(paths, **self.of, **options)
 
 

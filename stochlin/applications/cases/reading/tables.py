@@ -10,8 +10,17 @@ from dataclasses import MISSING, dataclass, field, replace
 from pathlib import Path
 from typing import Any, ClassVar, TypeVar, dataclass_transform
 
-from stochlin.applications.cases.reading.kinds import TEXT, Inner, Key, Quantity, Word, keys_of
-from stochlin.messages import LONGEST_MESSAGE, DoubtfulInput, brief, listed, nearest, plain, sentence
+from stochlin.applications.cases.reading.kinds import TEXT, Inner, Key, ListOf, Quantity, Word, keys_of
+from stochlin.messages import (
+    LONGEST_MESSAGE,
+    DoubtfulInput,
+    as_written,
+    brief,
+    listed,
+    nearest,
+    plain,
+    sentence,
+)
 from stochlin.removed import instead_of
 from stochlin.solver.tables.inputs import input_path
 from stochlin.solver.tables.toml import read_toml
@@ -51,6 +60,7 @@ class Table:
     source: Source = field(repr=False)
     values: Mapping[str, Any]
     place: Place = ()
+    keys: Mapping[str, Key] = field(default_factory=dict, repr=False, compare=False)  # once it is read
 
     def __contains__(self, name: str) -> bool:
         return name in self.values
@@ -75,16 +85,28 @@ class Table:
         warnings.warn(str(self.error(name, what)), DoubtfulInput, stacklevel=2)
 
     @contextmanager
-    def naming(self, name: str | None, what: str = "cannot be used: ") -> Iterator[None]:
-        """Add the file, the line and the key, or the one that it names, to errors inside the context."""
+    def naming(self, name: str | None, what: str = "cannot be used: ", **called: str) -> Iterator[None]:
+        """Add the file, the line and the key, or the one that it names, to errors inside the context.
+
+        Arguments that an error asks for are written as keys, by the names in ``called`` if these differ.
+        """
         try:
             yield
         except (OSError, ValueError, TypeError, ArithmeticError) as error:
-            text = sentence(error, LONGEST_MESSAGE)
+            names = dict(zip(self.keys, self.keys, strict=True)) | called
+            text = as_written(sentence(error, LONGEST_MESSAGE), names, self._as_key)
             if name is None:
                 about = text.partition(";")[0]
                 name = next((n for n in self.values if re.search(rf"\b{re.escape(n)}\b", about)), "")
             raise self.error(name, f"{what}{text}") from error
+
+    def _as_key(self, name: str, value: str | None) -> str:
+        """A key with a value that Python has written, or with dots in its place."""
+        kind, dots = self.keys[name].kind, '"..."'
+        if isinstance(kind, ListOf) and kind.length:
+            dots = f"[{', '.join([dots] * kind.length)}]"
+        text = (value or dots).replace("'", '"')
+        return f"{name} = {text.lower() if text in ('True', 'False') else text}"
 
     def table(self, name: str, *number: int, forms: Sequence[type[Form]] = ()) -> Table:
         """The table of this name, of several that of a number; an empty one if there is none."""
@@ -141,7 +163,7 @@ class Table:
             raise self.error(missing[0], f"is missing{also}; allowed: {keys[missing[0]].kind.words}")
         values = {n: self.value(n, each.kind) for n, each in keys.items() if n in self}
         more = {n: values.pop(n) for n in [*values] if n not in keys_of(form)}
-        return form(table=self, more=more, **values)
+        return form(table=replace(self, keys=keys), more=more, **values)
 
     def made(self, build: Callable[..., M], /, **values: Any) -> M:
         """A model of these values; its error is at the key that it names."""
