@@ -18,7 +18,7 @@ KIND = re.compile(r"^\| \[[^]]*\]\(#([\w-]+)\).*?`stochlin/([\w/]+)/[`<]", re.MU
 LISTED = (
     *("rules", "records/test_files.py", "cases/test_codes.py", "separation/test_set_back.py"),
     *("house/test_rooms_and_names.py", "house/test_messages.py", "house/test_copies.py"),
-    *("house/test_models_are_values.py", "answers/test_answers.py"),
+    *("house/test_models_are_values.py", "linearization/test_peaks.py", "answers/test_answers.py"),
 )
 OURS = "not independent and not manual"  # of other programs, and of the page that is made of them
 

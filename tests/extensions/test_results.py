@@ -23,7 +23,7 @@ FRAME = sl.ShearBuilding(
 def residual(example):
     """The result of the page, and the drifts at the end."""
     example("A result of simulate", RESULTS)
-    register_result("last_drift", ["element"])(
+    register_result("last_drift", ["element"], units="m", long_name="drift at the end")(
         lambda motions: motions.displacement @ motions.moving.system.drifts.T
     )
     yield
@@ -74,6 +74,13 @@ def test_it_has_unit_and_mean_and_is_infinite_where_a_structure_falls():
     linked = [sl.Bilinear(t, **YIELDING, mass=1e5) for t in (0.5, 1.0)]
     table = sl.simulate(linked, GROUND, **MOTION | {"duration": 12.0}, link=sl.Link(stiffness=1e6))
     assert "residual_drift" not in table
+
+
+@pytest.mark.invariant
+@pytest.mark.parametrize("stated", [{}, {"units": "m"}, {"long_name": "drift at the end"}])
+def test_a_result_without_unit_or_long_name_is_refused(stated):
+    with pytest.raises(ValueError, match="'end_drift' lacks units and long_name; give both"):
+        register_result("end_drift", ["element"], **stated)
 
 
 @pytest.mark.invariant

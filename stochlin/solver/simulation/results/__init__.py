@@ -13,6 +13,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.registry import LAST, Registry
 from stochlin.solver.simulation.structures_in_motion import PATH, StructuresInMotion, pairs_of
 from stochlin.solver.tables.labels import ELEMENT, FLOOR
+from stochlin.solver.variables import unit_and_long_name
 
 RESULTS: Registry[Result] = Registry("result of a simulation", "stochlin.solver.simulation.results")
 Values = Callable[["EndedMotions"], "Array | None"]
@@ -90,8 +91,10 @@ def register_result(
     The values have the motions as first dimension, and after it those of ``over``; None stands for
     structures that have no such result. ``floor`` and ``element`` are ``structure`` if all are
     oscillators. With ``mean``, the mean over the motions is reported, too, with its standard error. A
-    name that `variables` does not have needs ``units`` and a ``long_name``.
+    name that `variables` does not have needs ``units`` and a ``long_name``, else a ValueError is raised.
     """
+    if not (units and long_name) and unit_and_long_name(name) is None:
+        raise ValueError(f"the result {name!r} lacks units and long_name; give both")
 
     def add(values: Values) -> Values:
         described = (units, long_name) if long_name else None
