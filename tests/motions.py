@@ -40,7 +40,7 @@ def motion(values: Any, dt: float = 0.02, start: float = 0.0, **attrs: Any) -> x
     """Accelerations in equal steps of time."""
     values = np.asarray(values, float)
     time = start + dt * np.arange(values.size)
-    return xr.DataArray(values, dims="time", coords={"time": time}, attrs=attrs)
+    return xr.DataArray(values, dims="time", coords={"time": time}, attrs={"units": "m/s^2"} | attrs)
 
 
 def finer(record: xr.DataArray, parts: int) -> xr.DataArray:

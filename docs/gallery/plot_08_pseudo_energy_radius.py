@@ -19,7 +19,9 @@ time = 0.02 * np.arange(1500)
 noise = np.random.default_rng(1).standard_normal(time.size)
 filtered = np.convolve(noise, np.exp(-1.5 * time) * np.sin(8 * time), "full")[: time.size]
 shape = np.minimum(time / 4, 1) * np.exp(-0.25 * np.maximum(time - 12, 0))
-record = xr.DataArray(0.3 * shape * filtered, dims="time", coords={"time": time})
+record = xr.DataArray(
+    0.3 * shape * filtered, dims="time", coords={"time": time}, attrs={"units": "m/s^2"}
+)
 chart = portrait_chart(record, period=1.0, damping=0.05)
 
 figure, axes = plt.subplots(figsize=(4.6, 5.0), layout="constrained")

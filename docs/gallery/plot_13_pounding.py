@@ -21,7 +21,7 @@ time = 0.02 * np.arange(1000)
 noise = np.random.default_rng(3).standard_normal(time.size)
 filtered = np.convolve(noise, np.exp(-3 * time) * np.sin(12 * time), "full")[: time.size]
 shaking = 0.4 * filtered * sl.GammaEnvelope(1.0, 0.2).at(time)
-record = xr.DataArray(shaking, dims="time", coords={"time": time})
+record = xr.DataArray(shaking, dims="time", coords={"time": time}, attrs={"units": "m/s^2"})
 
 tall = sl.ShearBuilding([2e5] * 10, [2.5e8] * 10, [3.2] * 10, 0.05, hardening=0.05, yield_drifts=0.01)
 low = sl.ShearBuilding([2e5] * 5, [3e8] * 5, [3.2] * 5, 0.05, hardening=0.05, yield_drifts=0.01)

@@ -12,7 +12,7 @@ import functools
 import inspect
 import types
 import typing
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Annotated, Any, Literal, ParamSpec, TypeGuard, TypeVar
@@ -207,7 +207,10 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
             if name in values:
                 check(name, values[name])
         warn_caller(function.__name__, _doubts(function.__name__, values))
-        return function(*args, **kwargs)
+        made = function(*args, **kwargs)
+        if isinstance(made, Model):  # of a file, or computed
+            warn_caller(function.__name__, made.doubts())
+        return made
 
     return call
 
@@ -219,6 +222,8 @@ def _doubts(name: str, values: dict[str, Any]) -> Iterator[str]:
     metres = name in IN_METRES or (reduced and name == "pounding_fragility")
     values["intensity"] = getattr(median_of(values.get("ground")), "intensity", 0) if metres else 0
     yield from implausible(values)
+    for each in (each for each in values.values() if isinstance(each, Mapping)):  # facts for codes
+        yield from implausible(each)
     several = values.get("structures")
     for each in (*values.values(), *(several if isinstance(several, (list, tuple)) else ())):
         structure = median_of(each)

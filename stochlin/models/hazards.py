@@ -2,23 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal, get_args
 
 import numpy as np
 import xarray as xr
+from scipy.constants import g
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief
 from stochlin.models.arguments import Number, OneOf
 from stochlin.models.parameters import POSITIVE, Model, Parameter, Range, check, parameter
+from stochlin.models.plausible import PLAUSIBLE
 from stochlin.models.uncertain import as_array
 
 Exceeded = Literal["pga", "sa", "intensity"]
 MEASURES: tuple[Exceeded, ...] = get_args(Exceeded)
 FEWEST = 2  # smallest number of points of a curve
 MOST_OFTEN = 1e4  # [1/yr], about once an hour, above which an annual frequency has another unit
+OF_DESIGN = 475.0  # yr, return period of the shaking of a design, 10 % in 50 years
 _ROUNDING = 1e-9  # relative rounding error allowed at the ends of a curve
 
 
@@ -46,6 +49,28 @@ class Hazard(Model):
     def intensity(self, return_period: Parameter) -> Any:
         """Intensity, in the unit of the measure, that is exceeded with a return period [yr]."""
         raise NotImplementedError
+
+    def of_design(self) -> float:
+        """Intensity, in the unit of the measure, with a return period of 475 years; NaN for a scan."""
+        return float("nan")
+
+    def doubts(self) -> Iterator[str]:
+        """Text on the shaking of a design, if it is implausible.
+
+        A spectral acceleration is compared with the lowest and the highest of the spectra of EN 1998-1,
+        3.2.2.2, for the limits of the ground acceleration: that of type 2 on ground A, and the plateau.
+        """
+        design, limits, units = self.of_design(), PLAUSIBLE["pga of 475 years"], "m/s^2"
+        if self.measure == "intensity":
+            limits, units = PLAUSIBLE["intensity"], "m^2/s^3"
+        elif self.period is not None:
+            low = 2.5 * min(1.0, 0.25 / self.period, 0.3 / self.period**2) * limits.low
+            high = 2.5 * limits.high
+            usual = f"{low / g:.2g} to {high / g:.2g} g"
+            limits = limits._replace(low=low, high=high, usual=usual)
+        if text := limits.doubt(design):
+            of_period = f"{self.measure} with a return period of {OF_DESIGN:g} years"
+            yield f"its {of_period} is {design:.3g} {units}; {text}"
 
 
 def _of(values: Any, name: str) -> float | xr.DataArray:
@@ -77,6 +102,12 @@ class HazardCurve(Hazard):
         If there are fewer than two points, or not as many frequencies as intensities; if a number is not
         positive, the intensities do not increase or the frequencies do not decrease; if the measure is
         unknown; or if a period is missing or not allowed.
+
+    Warns
+    -----
+    ImplausibleInput
+        If the shaking with a return period of 475 years is that of a site of low seismicity, as if
+        intensities were in g, or more than any site has.
 
     References
     ----------
@@ -113,6 +144,16 @@ class HazardCurve(Hazard):
         """Intensity, in the unit of the measure, that is exceeded with a return period [yr]."""
         years = [1 / frequency for frequency in self.frequencies]
         return self._between("return_period", return_period, years, self.intensities)
+
+    def of_design(self) -> float:
+        """Intensity, in the unit of the measure, with a return period of 475 years.
+
+        Beyond the curve it grows with the third root of the return period (EN 1998-1, 2.1(4)), and
+        ``S0`` with the square of that.
+        """
+        years = float(np.clip(OF_DESIGN, 1 / self.frequencies[0], 1 / self.frequencies[-1]))
+        exponent = 2 / 3 if self.measure == "intensity" else 1 / 3
+        return float(self.intensity(years) * (OF_DESIGN / years) ** exponent)
 
     def describe(self) -> str:
         """The curve with its points in one line; long tables are shortened."""
@@ -153,6 +194,12 @@ class PowerLawHazard(Hazard):
     ValueError, TypeError
         If a number is out of range, the measure is unknown, or a period is missing or not allowed.
 
+    Warns
+    -----
+    ImplausibleInput
+        If the shaking with a return period of 475 years is that of a site of low seismicity, as if
+        ``k0`` were the frequency at 1 g, or more than any site has.
+
     References
     ----------
     Cornell, C. A. (1968), Engineering seismic risk analysis, Bull. Seismol. Soc. Am. 58.
@@ -177,6 +224,11 @@ class PowerLawHazard(Hazard):
         """Intensity, in the unit of the measure, that is exceeded with a return period [yr]."""
         law, value = self.arrays(), _of(return_period, "return_period")
         return _applied(lambda years, k0, k: np.power(k0 * years, 1 / k), value, *law.values())
+
+    def of_design(self) -> float:
+        """Intensity, in the unit of the measure, with a return period of 475 years; NaN for a scan."""
+        design = self.intensity(OF_DESIGN)
+        return design if isinstance(design, float) else float("nan")
 
 
 def check_curve(intensities: Array, frequencies: Array, places: Sequence[str]) -> None:

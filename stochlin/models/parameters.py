@@ -15,8 +15,15 @@ import xarray as xr
 
 from stochlin.messages import Named, brief, hyphenated, sentence
 from stochlin.models.descriptions import stated
-from stochlin.models.plausible import implausible, warn_caller
-from stochlin.models.uncertain import TAKERS, Uncertain, UncertainModel, as_array, median_of
+from stochlin.models.plausible import Plausible, implausible, limits_of, warn_caller
+from stochlin.models.uncertain import (
+    TAKERS,
+    Uncertain,
+    UncertainModel,
+    WithoutCells,
+    as_array,
+    median_of,
+)
 from stochlin.models.units import size_of
 from stochlin.models.values import CASE, ByValue
 
@@ -64,9 +71,19 @@ def parameter(
     default: Any = dataclasses.MISSING,
     *,
     scalar: bool = False,
+    plausible: Plausible | None = None,
 ) -> Any:
-    """Declare a physical parameter of a model as a dataclass field; a ``scalar`` takes no array."""
-    metadata = {"units": units, "long_name": long_name, "allowed": allowed, "scalar": scalar}
+    """Declare a physical parameter of a model as a dataclass field; a ``scalar`` takes no array.
+
+    Its ``plausible`` values are by default those of its name.
+    """
+    metadata = {
+        "units": units,
+        "long_name": long_name,
+        "allowed": allowed,
+        "scalar": scalar,
+        "plausible": plausible,
+    }
     return dataclasses.field(default=default, metadata=metadata)
 
 
@@ -81,7 +98,8 @@ class _Kind(Named):
             self.check_uncertain(uncertain)
         made = UncertainModel.of(self, args, kwargs) if uncertain else super().__call__(*args, **kwargs)
         values["intensity"] = None  # only functions that give metres ask about it
-        warn_caller(self.__name__, [*implausible(values)] or median_of(made).doubts())
+        odd = implausible(values, self.limits(), of_one=issubclass(self, WithoutCells))
+        warn_caller(self.__name__, [*odd] or median_of(made).doubts())
         return made
 
 
@@ -138,6 +156,13 @@ class Model(ByValue, metaclass=_Kind):
     def allowed(cls, name: str) -> Range:
         """The allowed values of a parameter."""
         return cls.__dataclass_fields__[name].metadata["allowed"]
+
+    @classmethod
+    @functools.cache
+    def limits(cls) -> Mapping[str, Plausible]:
+        """The plausible values of what describes the model, by name."""
+        fields = dataclasses.fields(cls)
+        return {f.name: f.metadata.get("plausible") or limits_of(f.name) for f in fields}
 
     @classmethod
     def units(cls, name: str) -> str:

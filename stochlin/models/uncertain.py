@@ -243,7 +243,7 @@ def takes_uncertain(build: Callable[..., One]) -> Callable[..., One]:
             made: Any = UncertainModel.of(MethodType(either, kind), values, kwargs)
         else:
             made = build(*args, **kwargs)
-        warn_caller(build.__qualname__, [*implausible(kwargs)] or median_of(made).doubts())
+        warn_caller(build.__qualname__, [*implausible(kwargs, of_one=True)] or median_of(made).doubts())
         return made
 
     return either

@@ -29,7 +29,7 @@ WALL, FRONT = -10.0, 10.0  # y of the corners
 DT = 0.02
 SAMPLES, FINE = DT * np.arange(301), DT / 10 * np.arange(3001)
 SHAKING = 4.0 * np.sin(2 * np.pi * SAMPLES * (0.8 + 0.3 * SAMPLES)) * np.sin(np.pi * SAMPLES / 6)
-MOTION = xr.DataArray(SHAKING, dims="time", coords={"time": SAMPLES})
+MOTION = xr.DataArray(SHAKING, dims="time", coords={"time": SAMPLES}, attrs={"units": "m/s^2"})
 TURNING = (WIDTH**2 + DEPTH**2) / 12  # square of the radius of gyration [m^2]
 MASS = np.kron(MASSES, [1.0, 1.0, TURNING])
 PUSHED = np.tile([1.0, 0.0, 0.0], 3)  # by the ground
@@ -94,6 +94,7 @@ def test_a_corner_moves_as_that_of_the_whole_plan(y: float) -> None:
     np.testing.assert_allclose(gaps.peak_1, peaks[-1], rtol=1e-4)
 
 
+@pytest.mark.extreme
 def test_a_blow_at_a_corner_turns_the_plan() -> None:
     """Springs between the floors of the corner and a neighbour, by DOP853 of scipy."""
     gap, spring = 0.02, 2e7

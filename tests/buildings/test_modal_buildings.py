@@ -107,7 +107,7 @@ def test_all_modes_of_an_elastic_chain_pound_like_the_chain(contact: Any, motion
 def test_one_mode_that_yields_is_the_yielding_oscillator() -> None:
     """Displacements are those of the oscillator times the moves of the floors; so is its ductility."""
     strength = {"hardening": 0.1, "yield_displacements": 0.01}
-    stiff = sl.ShearBuilding([2e5, 1e5, 4e5], [4e8, 4e8, 9e8], [3.0] * 3, 0.05)
+    stiff = sl.ShearBuilding([2e5, 1e5, 4e5], [4e8, 9e8, 4e8], [3.0] * 3, 0.05)
     one = sl.ModalBuilding(**modes_of(stiff, 1), **strength)
     first, moves = one.oscillator(), one.first_mode_moves().to_numpy()
     assert (first.hardening, first.yield_displacement) == (0.1, 0.01)

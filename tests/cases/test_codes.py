@@ -237,6 +237,7 @@ def test_countries_have_their_code_with_its_factors(tmp_path: Path) -> None:
     assert of_codes(of_spectrum)["design_pga"] == pytest.approx(0.25 * 1.15 * G, rel=1e-12)
 
 
+@pytest.mark.extreme
 @pytest.mark.paper
 def test_factors_of_every_code_by_hand() -> None:
     """Displacements of 1 and 2 cm under design forces, of two properties whose floors do not align."""

@@ -54,14 +54,14 @@ def read(folder: Path, hazard: str, wanted: str = "") -> Case:
             f"{HAZARD}{TWO}frequencies = [0.01, 0.001]\n",
             sl.HazardCurve([0.1 * G, 0.2 * G], [0.01, 0.001]),
         ),
-        (f'{HAZARD}k0 = 1e-4\nk = 2\nunits = "m/s^2"\n', sl.PowerLawHazard(1e-4, 2.0)),
+        (f'{HAZARD}k0 = 0.01\nk = 2\nunits = "m/s^2"\n', sl.PowerLawHazard(0.01, 2.0)),
         (
             f'{HAZARD.replace("pga", "sa")}sa_period = "1 s"\n{TWO}frequencies = [0.01, 0.001]\n',
             sl.HazardCurve([0.1 * G, 0.2 * G], [0.01, 0.001], measure="sa", period=1.0),
         ),
         (
-            f'{HAZARD.replace("pga", "intensity")}k0 = 1e-5\nk = 1.3\nunits = "cm^2/s^3"\n',
-            sl.PowerLawHazard(1e-5 * 1e-4**1.3, 1.3, measure="intensity"),
+            f'{HAZARD.replace("pga", "intensity")}k0 = 1e-2\nk = 1.3\nunits = "cm^2/s^3"\n',
+            sl.PowerLawHazard(1e-2 * 1e-4**1.3, 1.3, measure="intensity"),
         ),
     ],
 )

@@ -131,12 +131,12 @@ DOUBTS = {
     "kN/m for MN/m": (
         BUILDING,
         chain('["300 t"]', '["300 kN/m"]'),
-        "it has a first period of 6.28 s with 1 storeys",
+        "a first period of 6.28 s is 55 times 0.05 h^0.75 of a height of 3 m",
     ),
     "MN/m for kN/m": (
         BUILDING,
         chain('["300 t", "300 t"]', '["3e8 kN/m", "3e8 kN/m"]'),
-        "it has a first period of 0.0102 s with 2 storeys",
+        "a first period of 0.0102 s is 0.053 times 0.05 h^0.75 of a height of 6 m",
     ),
     "unused": (STRENGTH, STRENGTH + "behaviour_factor = 3\n", "is not used; name your code"),
 }

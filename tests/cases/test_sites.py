@@ -35,7 +35,9 @@ MOTIONS = sl.simulated_motions(sl.named_ground("firm", 0.01), **QUAKE, paths=12,
 def test_intensity_of_a_sine_in_closed_form() -> None:
     """Of amplitude a: PGA a, rms a/sqrt(2), and a spectral acceleration a/(2 xi) at resonance."""
     time = 0.005 * np.arange(8001)
-    record = xr.DataArray(3.0 * np.sin(2 * np.pi * time), dims="time", coords={"time": time})
+    record = xr.DataArray(
+        3.0 * np.sin(2 * np.pi * time), dims="time", coords={"time": time}, attrs={"units": "m/s^2"}
+    )
     table = recorded_shaking(record, [1.0, 0.02, 1.0])
     assert float(table["peak_ground_acceleration"]) == pytest.approx(3.0)
     assert float(table["rms_acceleration"]) == pytest.approx(3.0 / np.sqrt(2), rel=1e-2)

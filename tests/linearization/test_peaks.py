@@ -178,6 +178,7 @@ def test_peaks_of_yielding_structures_by_the_drift_closure_are_those_of_motions(
     assert np.abs(poor).max() > np.abs(good).max()
 
 
+@pytest.mark.extreme
 def test_drift_grows_with_the_motion_and_stiff_structures_are_flagged():
     weak = sl.Bilinear(1.0, 0.05, 0.05, reduction_factor=3)
     ends = [sl.peak_response(weak, LONG, duration, closure="drift") for duration in (1e6, 2e6)]

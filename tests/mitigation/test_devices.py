@@ -26,7 +26,12 @@ def pair():
 
 def harmonic(frequency, amplitude=1.0, duration=60.0, dt=0.005):
     time = dt * np.arange(round(duration / dt) + 1)
-    return xr.DataArray(amplitude * np.sin(frequency * time), dims="time", coords={"time": time})
+    return xr.DataArray(
+        amplitude * np.sin(frequency * time),
+        dims="time",
+        coords={"time": time},
+        attrs={"units": "m/s^2"},
+    )
 
 
 @pytest.mark.parametrize("within_storey", [False, True])

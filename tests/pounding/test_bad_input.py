@@ -12,7 +12,7 @@ CONTACT = sl.Kelvin(1e8, restitution=0.65)
 ONE = sl.Bilinear(1.0, 0.05, mass=2e5)
 TWO = sl.Bilinear(0.5, 0.05, mass=3e5)
 TIME = 0.02 * np.arange(100)
-MOTION = xr.DataArray(np.sin(6 * TIME), dims="time", coords={"time": TIME})
+MOTION = xr.DataArray(np.sin(6 * TIME), dims="time", coords={"time": TIME}, attrs={"units": "m/s^2"})
 
 
 def tower(heights, **other):

@@ -32,7 +32,9 @@ def motions(count=8, dt=0.01, samples=1200):
         noise = np.random.default_rng(seed).standard_normal(samples)
         pulse = np.exp(-4 * time) * np.sin(12 * time)
         values = np.convolve(noise, pulse)[:samples] * np.sin(np.pi * time / time[-1])
-        yield xr.DataArray(4 * values / abs(values).max(), dims="time", coords={"time": time})
+        yield xr.DataArray(
+            4 * values / abs(values).max(), dims="time", coords={"time": time}, attrs={"units": "m/s^2"}
+        )
 
 
 @cache

@@ -20,7 +20,7 @@ def motion(samples=1200, dt=0.02, seed=0):
     shape = np.minimum(time / 4, 1) * np.exp(-0.1 * np.maximum(time - 12, 0))
     noise = np.convolve(np.random.default_rng(seed).standard_normal(samples), np.ones(6) / 6, "same")
     values = 4 * shape * (np.sin(9 * time) + 2 * noise)
-    return xr.DataArray(values, dims="time", coords={"time": time})
+    return xr.DataArray(values, dims="time", coords={"time": time}, attrs={"units": "m/s^2"})
 
 
 def tower(storeys=5, height=3.2, **changes):

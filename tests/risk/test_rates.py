@@ -50,6 +50,7 @@ def test_what_pounds_and_then_does_not_is_counted_where_it_does():
     assert found == pytest.approx(wanted, rel=1e-6)
 
 
+@pytest.mark.extreme
 @pytest.mark.parametrize("first", [0, 2, 4, 6])
 @pytest.mark.parametrize("last", [8, 12, 16, 24])
 @pytest.mark.parametrize("gap", [0.03, 0.3, 3.0])

@@ -41,6 +41,7 @@ def test_it_is_eq_3_of_the_radii_of_both_alone_and_eq_4():
 
 
 @pytest.mark.paper
+@pytest.mark.extreme
 def test_least_damping_of_a_steady_hum_is_that_of_the_closed_form():
     """In a sinusoid, ``r_PER`` of a soft and of a stiff structure and eq. (4) are known."""
     soft, stiff = sl.Bilinear(1.0, 0.05), sl.Bilinear(0.5, 0.05)
@@ -101,7 +102,7 @@ def test_least_damping_put_back_gives_the_gap(options):
 
 @pytest.mark.invariant
 def test_wide_gap_needs_nothing_and_damping_one_of_two_equal_buildings_parts_them():
-    wide = sl.damping_for_gap(noise(), FIRST, SECOND, 3.0)
+    wide = sl.damping_for_gap(noise(), FIRST, SECOND, 1.0)
     assert wide.least_added_damping.values.tolist() == [0.0, 0.0, 0.0]
     equal = sl.damping_for_gap(noise(), FIRST, FIRST, 1e-3)
     assert (equal.critical_gap.sel(damped="structure 1").diff("added_damping")[:5] > 0).all()

@@ -82,7 +82,9 @@ def burst_and_tail(start):
     time = 0.02 * np.arange(3000)
     noise = np.random.default_rng(2).standard_normal(3000)
     values = noise * np.exp(-((time - 5) ** 2)) + 0.2 * np.sin(40 * time) * (time > start)
-    return xr.DataArray(values, dims="time", coords={"time": time}, attrs={"source": "burst"})
+    return xr.DataArray(
+        values, dims="time", coords={"time": time}, attrs={"source": "burst", "units": "m/s^2"}
+    )
 
 
 @pytest.mark.slow

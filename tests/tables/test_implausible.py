@@ -38,10 +38,12 @@ QUESTIONS = {
     "simulated_motions: intensity = 1: ": lambda: sl.simulated_motions(DEFAULT, 8.0),
     "existing_gap: gap = 5: .* in cm": lambda: sl.existing_gap(*PAIR, FIRM, gap=5.0, **FEW),
     "simulate: duration = 3: .* before its strong": lambda: sl.simulate(PAIR, FIRM, **SECONDS),
-    "confidence = 0.009": lambda: sl.separation(*PAIR, FIRM, confidence=0.009, **FEW),
+    "confidence = 0.1: .* is it the probab": lambda: sl.separation(*PAIR, FIRM, confidence=0.1, **FEW),
     "code_gaps: behaviour_1 = 40: ": lambda: sl.code_gaps(0.1, 0.1, behaviour_1=40.0, behaviour_2=3.0),
     "ShearBuilding.regular: storey_height = 3200: .* mm": lambda: tower(storey_height=3200.0),
-    "ShearBuilding.regular: storey 1, 3.2 m high, yields at .* usual": lambda: tower(period=9.0),
+    "ShearBuilding.regular: storey 1, 3.2 m high, yields at .* usual": lambda: tower(
+        period=5.5, base_shear_coefficient=0.5
+    ),
     "ShearBuilding: masses = 400: .* in t": lambda: sl.ShearBuilding([400.0], [1e8], [3.0], 0.05),
     "Bilinear: mass = 400: .* in t": lambda: sl.Bilinear(1.0, 0.05, mass=400.0),
     "Bilinear: period = 500: .* 20 s; is it in ms": lambda: sl.Bilinear(500.0, 0.05),

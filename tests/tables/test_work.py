@@ -21,7 +21,7 @@ STIFF = [
     sl.BoucWen(T, 0.05, 0.05, yield_displacement=0.01, mass=1e6, exponent=1.0) for T in (1.0, TINIEST)
 ]
 TIME = 0.01 * np.arange(2000)
-RECORD = xr.DataArray(np.sin(TIME), dims="time", coords={"time": TIME})
+RECORD = xr.DataArray(np.sin(TIME), dims="time", coords={"time": TIME}, attrs={"units": "m/s^2"})
 
 
 def axis(name: str, count: int) -> xr.DataArray:
@@ -60,6 +60,7 @@ ASKED: dict[str, Callable[[], xr.Dataset]] = {
 }
 
 
+@pytest.mark.extreme
 @pytest.mark.parametrize("asked", ASKED)
 def test_too_much_is_refused_before_the_work(asked: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(checks, "_installed", lambda: 16e9)

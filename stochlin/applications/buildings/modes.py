@@ -17,7 +17,7 @@ from stochlin.applications.sheets.sheets import check_alone, sheets_of
 from stochlin.messages import DoubtfulInput, brief, listed, plain
 from stochlin.models.arguments import Label, checked
 from stochlin.models.buildings.base import FLOOR, MODE
-from stochlin.models.buildings.modal import ModalBuilding, effective_masses_of
+from stochlin.models.buildings.modal import ModalBuilding, doubt_of_shape, effective_masses_of
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.inputs import input_path
 
@@ -167,7 +167,7 @@ def _labelled(modes: ModesOfFile, name: str, direction: str | None) -> xr.Datase
     if modes.participation is not None and modes.modal_masses is not None:
         table["participation"] = MODE, modes.participation[longest]
         table["modal_mass"] = MODE, modes.modal_masses[longest]
-    _doubt_order(table, name)
+    _warn_of_order(table, name)
     table = labels.label(table)
     table = labels.with_run_information(table, f"Modes of {name}", "read_modes", {})
     keys = "source", "direction", "left_out", "turning", "below_ground"
@@ -175,12 +175,9 @@ def _labelled(modes: ModesOfFile, name: str, direction: str | None) -> xr.Datase
     return table.assign_attrs({key: text for key, text in zip(keys, about, strict=True) if text})
 
 
-def _doubt_order(table: xr.Dataset, name: str) -> None:
+def _warn_of_order(table: xr.Dataset, name: str) -> None:
     """Warn if the leading mode moves most below, as if the floors were upside down."""
     shapes, known = table["shape"].values, table.get("modal_mass")
     own = effective_masses_of(shapes, table["mass"].values) if known is None else known.values
-    leading = np.abs(shapes[np.argmax(own)])
-    if leading[0] > leading[-1]:
-        what = f"{name}: the leading mode moves {leading[0]:g} at the lowest floor"
-        cure = f"and {leading[-1]:g} at the roof; are the floors in order?"
-        warnings.warn(f"{what} {cure}", DoubtfulInput, stacklevel=4)
+    for text in doubt_of_shape(shapes[np.argmax(own)]):
+        warnings.warn(f"{name}: {text}", DoubtfulInput, stacklevel=4)

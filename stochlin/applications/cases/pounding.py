@@ -91,7 +91,7 @@ def pound_case(
         shaken, what = dict(records), f"{len(records)} records"
         strength = xr.concat(strengths, "record", combine_attrs="drop")
     gaps, steps = list(case.wanted.existing), steps_per_contact
-    with case.whole.table.naming("", ""):
+    with case.whole.table.naming("", ""), case.whole.table.asking("contact"):
         table = pound(structures, gaps, case.contact, shaken, steps_per_contact=steps, progress=progress)
     table = _named(table.assign(strength.data_vars), case, structures)
     if {"contact", "time"} <= set(table.dims):

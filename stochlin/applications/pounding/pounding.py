@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from typing import Annotated, Any
 
@@ -24,8 +25,10 @@ from stochlin.applications.records.cells import RECORD, RecordedMotions, Records
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.pounding.run import StepCounts
+from stochlin.messages import ImplausibleInput
 from stochlin.models.arguments import Quantiles, Whole, checked
 from stochlin.models.links import Link
+from stochlin.models.plausible import PLAUSIBLE
 from stochlin.models.systems import AnyStructure
 from stochlin.solver.simulation.finite_motions import (
     Columns,
@@ -174,6 +177,12 @@ def pound(
         stiffness after yielding falls, as in `simulate`. With several motions the results of such a
         motion are NaN; only if all motions fail, the error of the first is raised.
 
+    Warns
+    -----
+    ImplausibleInput
+        If a gap is above 1 m, or a contact is pressed together by more than 2 cm, as if its stiffness
+        were in another unit.
+
     Notes
     -----
     Each of several motions gives exactly the results that it gives alone. A motion that fails, for
@@ -212,7 +221,9 @@ def pound(
     --------
     >>> import numpy as np, xarray as xr, stochlin as sl
     >>> time = 0.02 * np.arange(500)
-    >>> record = xr.DataArray(np.sin(2 * np.pi * time), dims="time", coords={"time": time})
+    >>> record = xr.DataArray(
+    ...     np.sin(2 * np.pi * time), dims="time", coords={"time": time}, attrs={"units": "m/s^2"}
+    ... )
     >>> soft = sl.Bilinear(period=1.2, damping=0.05, mass=2e5)
     >>> stiff = sl.Bilinear(period=0.6, damping=0.05, mass=3e5)
     >>> bumper = sl.Kelvin(stiffness=1e8, restitution=0.65)
@@ -247,6 +258,10 @@ def pound(
         table = table.drop_dims(OF_CONTACTS, errors="ignore")
     else:
         table = table.merge(between_neighbours(table))
+        deepest = float(table["deepest_compression"].max())  # NaN of impacts without one is left out
+        if text := PLAUSIBLE["penetration"].doubt(deepest):
+            what = f"pound: a contact is pressed together by {deepest:.3g} m"
+            warnings.warn(f"{what}; {text}", ImplausibleInput, stacklevel=3)
     call, described = f"steps_per_contact={steps_per_contact}", motions.describe()
     if motions.names is not None:
         table = with_statistics(table, over, levels)

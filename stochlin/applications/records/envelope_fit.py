@@ -83,7 +83,7 @@ def fit_envelope(record: xr.DataArray, model: FittedEnvelope = "amin_ang") -> En
     >>> import numpy as np, stochlin as sl, xarray as xr
     >>> time = 0.01 * np.arange(4000)
     >>> shape = sl.GammaEnvelope(2.0, 0.4).at(time) * np.sin(30 * time)
-    >>> record = xr.DataArray(shape, dims="time", coords={"time": time})
+    >>> record = xr.DataArray(shape, dims="time", coords={"time": time}, attrs={"units": "m/s^2"})
     >>> round(sl.fit_envelope(record, "gamma").power, 1)
     2.0
     """

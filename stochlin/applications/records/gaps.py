@@ -96,7 +96,9 @@ def recorded_gap(
     --------
     >>> import numpy as np, xarray as xr, stochlin as sl
     >>> time = 0.02 * np.arange(1000)
-    >>> record = xr.DataArray(np.sin(2 * np.pi * time), dims="time", coords={"time": time})
+    >>> record = xr.DataArray(
+    ...     np.sin(2 * np.pi * time), dims="time", coords={"time": time}, attrs={"units": "m/s^2"}
+    ... )
     >>> soft, stiff = sl.Bilinear(period=1.1, damping=0.05), sl.Bilinear(period=0.9, damping=0.05)
     >>> table = sl.recorded_gap(soft, stiff, record)
     >>> float(table.separation) < float(table.peak_1 + table.peak_2)

@@ -12,7 +12,7 @@ import numpy.typing as npt
 import xarray as xr
 from scipy import constants
 
-from stochlin.applications.records.columns import LONGEST_STEP, TIME_TOLERANCE
+from stochlin.applications.records.columns import TIME_TOLERANCE
 from stochlin.applications.records.components import identifies
 from stochlin.applications.records.files import chosen, read_channels
 from stochlin.applications.records.formats import Series
@@ -21,6 +21,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import DoubtfulInput, brief
 from stochlin.models.arguments import Seconds, Truth, Whole, checked, is_number
 from stochlin.models.parameters import Range
+from stochlin.models.plausible import PLAUSIBLE
 from stochlin.models.units import size_of, stated_size
 from stochlin.solver.tables import labels
 
@@ -35,7 +36,6 @@ SHORTEST_STEP = 1e-6  # s, of a file
 LARGEST_ACCELERATION = 1e9  # m/s^2
 STEPS = Range(1e-9, 1e9, include_lower=True, include_upper=True)  # s
 _ROWS_OF_A_SERIES = 5  # fewest numbers in a row; the usual components of a motion are three
-LARGEST_PEAK = 3 * constants.g  # m/s^2; larger ones give a warning
 
 
 @checked
@@ -111,8 +111,9 @@ def read_record(
     Warns
     -----
     UserWarning
-        If the record is implausible: a peak of more than 3 g, a time step of more than 0.5 s, or one of
-        five or more columns without names beside no time, which may be rows of one series.
+        If the record is implausible: a peak of more than 3 g, a time step of more than 0.5 s, a
+        duration of more than 600 s, or one of five or more columns without names beside no time, which
+        may be rows of one series.
 
     Examples
     --------
@@ -140,10 +141,12 @@ def recorded(series: Series, name: str, dt: float | None, units: str | None) -> 
 def _doubts(record: xr.DataArray, series: Series) -> Iterator[str]:
     """Texts of warnings on an implausible record, each as a question."""
     peak, step = float(np.abs(record).max()), record.attrs["dt"]
-    if peak > LARGEST_PEAK:
-        yield f"its peak is {peak / constants.g:.4g} g, more than 3 g; are the units right?"
-    if step > LONGEST_STEP:
-        yield f"its time step is {step:.6g} s, and that of records a hundredth; is time in seconds?"
+    if text := PLAUSIBLE["peak of a record"].doubt(peak):
+        yield f"its peak is {peak / constants.g:.4g} g; {text}"
+    if text := PLAUSIBLE["time step of a record"].doubt(step):
+        yield f"its time step is {step:.6g} s; {text}"
+    if text := PLAUSIBLE["duration"].doubt(step * record.size):
+        yield f"its duration is {step * record.size:.6g} s; {text}"
     if series.nameless >= _ROWS_OF_A_SERIES:
         yield f"its {series.nameless} columns may be rows of one series; is it one, with wrapped=True?"
 
@@ -170,18 +173,16 @@ def strong_part(record: xr.DataArray, start: float = 0.05, end: float = 0.95) ->
     return part
 
 
-def checked_array(
-    array: xr.DataArray, role: str, dim: str, usual: str | None = None
-) -> tuple[Array, Array]:
-    """Coordinate and accelerations [m/s^2] of an array over one dimension, checked; raises errors.
-
-    Without an attribute ``units`` it has the ``usual`` ones, if there are some.
-    """
+def checked_array(array: xr.DataArray, role: str, dim: str) -> tuple[Array, Array]:
+    """Coordinate and accelerations [m/s^2] of an array over one dimension, checked; raises errors."""
     if not isinstance(array, xr.DataArray):
         raise TypeError(f"{role} is a {type(array).__name__}; allowed: an xarray.DataArray")
     if array.dims != (dim,) or dim not in array.coords:
         raise ValueError(f"{role} has the dimensions {array.dims}; allowed: {dim} with its coordinate")
-    units = array.attrs.get("units", usual)
+    if "units" not in array.attrs:
+        cure = '.assign_attrs(units="m/s^2"), if it is so'
+        raise ValueError(f"{role} has no attribute units; allowed: m/s^2, stated by {cure}")
+    units = array.attrs["units"]
     if size_of(str(units), "m/s^2") != 1:
         raise ValueError(f"{role} has units {brief(units)}; allowed: m/s^2, stated in its attributes")
     if not {array.dtype.kind, array[dim].dtype.kind} <= set("iuf"):
@@ -192,11 +193,11 @@ def checked_array(
 def checked_record(record: xr.DataArray) -> tuple[npt.NDArray[np.float64], float]:
     """Values [m/s^2] and time step [s] of a record, checked.
 
-    A record is a DataArray over an evenly spaced ``time`` [s], with units m/s^2 or without units, and
+    A record is a DataArray over an evenly spaced ``time`` [s], with the attribute ``units`` m/s^2, and
     with at least 16 finite samples that are not all zero, of at most 1e9 m/s^2, and a time step from
     1e-9 to 1e9 s. Otherwise a TypeError or ValueError is raised.
     """
-    time, values = checked_array(record, "record", "time", "m/s^2")
+    time, values = checked_array(record, "record", "time")
     if values.size < MINIMUM_SAMPLES:
         raise ValueError(f"record has {values.size} samples; allowed: at least {MINIMUM_SAMPLES}")
     if not np.isfinite(values).all():

@@ -74,7 +74,9 @@ def pseudo_energy_radius(
     --------
     >>> import numpy as np, xarray as xr, stochlin as sl
     >>> time = 0.02 * np.arange(1000)
-    >>> record = xr.DataArray(np.sin(2 * np.pi * time), dims="time", coords={"time": time})
+    >>> record = xr.DataArray(
+    ...     np.sin(2 * np.pi * time), dims="time", coords={"time": time}, attrs={"units": "m/s^2"}
+    ... )
     >>> table = sl.pseudo_energy_radius(record, period=[0.2, 1.0], damping=0.05)
     >>> bool((table.pseudo_energy_radius >= table.displacement_max).all())
     True
@@ -151,7 +153,9 @@ def response_spectrum(
     --------
     >>> import numpy as np, xarray as xr, stochlin as sl
     >>> time = 0.02 * np.arange(1000)
-    >>> record = xr.DataArray(np.sin(2 * np.pi * time), dims="time", coords={"time": time})
+    >>> record = xr.DataArray(
+    ...     np.sin(2 * np.pi * time), dims="time", coords={"time": time}, attrs={"units": "m/s^2"}
+    ... )
     >>> table = sl.response_spectrum(record, period=[0.2, 1.0, 5.0], damping=0.05)
     >>> int(table.displacement_max.argmax("case"))
     1
@@ -244,7 +248,9 @@ def respond(
     --------
     >>> import numpy as np, xarray as xr, stochlin as sl
     >>> time = 0.02 * np.arange(500)
-    >>> record = xr.DataArray(np.sin(2 * np.pi * time), dims="time", coords={"time": time})
+    >>> record = xr.DataArray(
+    ...     np.sin(2 * np.pi * time), dims="time", coords={"time": time}, attrs={"units": "m/s^2"}
+    ... )
     >>> building = sl.Bilinear(period=1.0, damping=0.05, hardening=0.05, yield_displacement=0.02)
     >>> motion = sl.respond(building, record, refine=4)
     >>> motion.sizes["time"], float(abs(motion.z).max())

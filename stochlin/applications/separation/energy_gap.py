@@ -85,7 +85,9 @@ def energy_gap(
     --------
     >>> import numpy as np, xarray as xr, stochlin as sl
     >>> time = 0.02 * np.arange(1000)
-    >>> record = xr.DataArray(np.sin(5 * time), dims="time", coords={"time": time})
+    >>> record = xr.DataArray(
+    ...     np.sin(5 * time), dims="time", coords={"time": time}, attrs={"units": "m/s^2"}
+    ... )
     >>> soft, stiff = sl.Bilinear(period=1.1, damping=0.05), sl.Bilinear(period=0.9, damping=0.05)
     >>> table = sl.energy_gap(soft, stiff, record)
     >>> radii = table.pseudo_energy_radius_1, table.pseudo_energy_radius_2
@@ -174,7 +176,9 @@ def damping_for_gap(
     --------
     >>> import numpy as np, xarray as xr, stochlin as sl
     >>> time = 0.02 * np.arange(1000)
-    >>> record = xr.DataArray(np.sin(5 * time), dims="time", coords={"time": time})
+    >>> record = xr.DataArray(
+    ...     np.sin(5 * time), dims="time", coords={"time": time}, attrs={"units": "m/s^2"}
+    ... )
     >>> soft, stiff = sl.Bilinear(period=1.1, damping=0.05), sl.Bilinear(period=0.9, damping=0.05)
     >>> table = sl.damping_for_gap(record, soft, stiff, gap=0.04)
     >>> bool(0 < table.least_added_damping.sel(damped="both") < 0.4)

@@ -168,7 +168,7 @@ def fit_ground(
     >>> phase = np.random.default_rng(1).uniform(0, 2 * np.pi, psd.size)
     >>> spectrum = np.sqrt(psd.values * step) * np.exp(1j * phase)
     >>> history = np.fft.irfft(spectrum) * time.size
-    >>> record = xr.DataArray(history, dims="time", coords={"time": time})
+    >>> record = xr.DataArray(history, dims="time", coords={"time": time}, attrs={"units": "m/s^2"})
     >>> ground = sl.fit_ground(record, part=(0, 1))
     >>> round(ground.period, 2), round(ground.damping, 1), round(ground.intensity, 3)
     (1.0, 0.3, 0.01)

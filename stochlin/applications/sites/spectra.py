@@ -19,6 +19,7 @@ from stochlin.applications.sites.spectrum_files import AskedSpectrum, points_in
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import DoubtfulInput, brief, listed, plain
 from stochlin.models.arguments import DampingRatio, Truth, checked, is_number
+from stochlin.models.plausible import PLAUSIBLE
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.inputs import input_path
 
@@ -30,7 +31,6 @@ WIDEST = 2.0  # ratio of two consecutive periods, beyond which it matters what i
 Between = Literal["logarithmic", "linear"]
 BETWEEN: tuple[Between, ...] = get_args(Between)
 FINER = 33  # points from one to the next of a linear spectrum
-LEAST, MOST = 0.0025, 7.5  # plausible ordinates [g], 2.5 times ground accelerations of 0.001 and 3 g
 
 
 def labelled(period: Array, values: Array, damping: float, source: str) -> xr.DataArray:
@@ -199,14 +199,14 @@ def read_spectrum(
     request = AskedSpectrum(units, damping, period_column, column, site)
     period, values, places, about = points_in(path, request)
     check_ordinates(period, values, places)
-    largest = values.max() / constants.g
-    wide = between is None and (period[1:] > WIDEST * period[:-1])[period[:-1] > 0].any()
-    doubts = {
-        f"its largest ordinate is {largest:.3g} g; are its units right?": not LEAST < largest < MOST,
-        "its points are far apart; is it linear in logarithms between them, or between='linear'?": wide,
-    }
-    for warning in (text for text, holds in doubts.items() if holds):
-        warnings.warn(f"{name}: {warning}", DoubtfulInput, stacklevel=3)
+    largest = float(values.max())
+    if text := PLAUSIBLE["largest ordinate"].doubt(largest):
+        what = f"{name}: its largest ordinate is {largest / constants.g:.3g} g"
+        warnings.warn(f"{what}; {text}", DoubtfulInput, stacklevel=3)
+    if between is None and (period[1:] > WIDEST * period[:-1])[period[:-1] > 0].any():
+        what = f"{name}: its points are far apart"
+        cure = "is it linear in logarithms between them, or between='linear'?"
+        warnings.warn(f"{what}; {cure}", DoubtfulInput, stacklevel=3)
     if between == "linear":
         finer = np.unique(np.linspace(period[:-1], period[1:], FINER))
         period, values = finer, np.interp(finer, period, values)

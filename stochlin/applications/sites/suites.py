@@ -47,7 +47,7 @@ from stochlin.models.arguments import (
     Whole,
     checked,
 )
-from stochlin.models.plausible import Plausible
+from stochlin.models.plausible import PLAUSIBLE
 from stochlin.solver.tables.inputs import input_path, read_text
 
 FILE = "file"  # name of the table column with the paths of the records
@@ -56,7 +56,6 @@ PEER_TABLE = "_SearchResults.csv"
 PEER_FILES, PEER_FACTOR = r"Horizontal-[12] Acc\. Filename", "Scale Factor"
 PEER_ABOUT = {"event": ("Earthquake Name", "Year"), "station": ("Station Name",)}
 ABOUT = ("event", "station", "component")  # columns that become attributes
-SCALE = Plausible(0.1, 10.0, "0.1 to 10, which leave a record one of its kind")
 
 Suite = dict[str, xr.DataArray]
 Row = Mapping[str, str]
@@ -372,7 +371,7 @@ def scale_records(
         if pga is None:
             own = response_spectrum(record, periods, damping).pseudo_acceleration.to_numpy()
         factor = float(np.exp(np.mean(np.log(target / own))))
-        if warning := SCALE.doubt(factor):
+        if warning := PLAUSIBLE["scale of a record"].doubt(factor):
             what = f"{plain(name)} is scaled by {factor:.3g}; {warning}"
             warnings.warn(what, DoubtfulInput, stacklevel=3)
         suite[name] = scaled_record(record, factor)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from abc import abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
@@ -17,6 +17,7 @@ from stochlin.messages import DoubtfulInput, brief
 from stochlin.models.arguments import is_number
 from stochlin.models.laws.hysteretic import Hysteretic, law_of
 from stochlin.models.parameters import Model
+from stochlin.models.plausible import PLAUSIBLE, doubts_of_size
 from stochlin.models.states import in_words
 from stochlin.models.structures import HARDENING, Structure
 from stochlin.models.uncertain import WithoutCells, as_array
@@ -190,6 +191,13 @@ class MultistoreyBuilding(WithoutCells, Model):
     def _of_first_mode(self, period: float, yield_displacement: float, hardening: float) -> Self:
         """The building whose first mode is such an oscillator."""
 
+    def doubts(self) -> Iterator[str]:
+        """Texts on what follows from the parameters and is implausible, as of all buildings."""
+        height = float(self.levels()[-1])
+        yield from doubts_of_size(float(self.mode_periods()[0]), height, self.storeys)
+        masses = self._numbers("masses")
+        yield from doubt_of_order("mass", masses, masses[0])
+
     def levels(self) -> Array:
         """Levels of the floors above the ground [m], (storeys,)."""
         return np.cumsum(self._numbers("heights"))
@@ -213,6 +221,14 @@ class MultistoreyBuilding(WithoutCells, Model):
         """The law and its parameters, if it is not the bilinear one."""
         parts = [] if self.law == "bilinear" else [f"law {in_words(self.law)}"]
         return parts + [f"{name} {brief(value)}" for name, value in (self.law_parameters or {}).items()]
+
+
+def doubt_of_order(what: str, values: Array, lowest: float) -> Iterator[str]:
+    """Text on values of storeys that grow from the lowest to the roof, as if listed from there down."""
+    growth = values[-1] / lowest
+    text = PLAUSIBLE[f"{what} upwards"].doubt(growth)
+    if text and (np.diff(values) >= 0).all():
+        yield f"the {what} of storeys grows upwards, {growth:.3g} times up to the roof; {text}"
 
 
 def check_ranges(model: Model, prefix: str) -> None:

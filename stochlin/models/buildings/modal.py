@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import KW_ONLY, dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, Self
@@ -27,6 +27,7 @@ from stochlin.models.buildings.base import (
 )
 from stochlin.models.buildings.shear import SHEAR
 from stochlin.models.parameters import PERIODS, POSITIVE, Parameter, Range, parameter
+from stochlin.models.plausible import PLAUSIBLE, implausible
 from stochlin.models.structures import DAMPING, HARDENING, Structure
 from stochlin.models.uncertain import as_array, takes_uncertain
 
@@ -107,7 +108,8 @@ class ModalBuilding(MultistoreyBuilding):
     Warns
     -----
     DoubtfulInput
-        If the modes have less than 90 % of the mass together.
+        If the modes have less than 90 % of the mass together; if the leading mode moves more at the
+        lowest floor than at the roof; or for a value that no building has, as of a `ShearBuilding`.
 
     References
     ----------
@@ -336,6 +338,13 @@ class ModalBuilding(MultistoreyBuilding):
         """Displacement of each floor over that of `oscillator` [-], over ``floor``."""
         return numbered(self.moves()[:, self.leading], FLOOR, *MOVES)
 
+    def doubts(self) -> Iterator[str]:
+        """Texts on what follows from the parameters and is implausible, also of those of a file."""
+        of_table = {name: self._numbers(name) for name in ("masses", "heights")}
+        yield from implausible(of_table, self.limits(), of_one=True)
+        yield from super().doubts()
+        yield from doubt_of_shape(self._numbers("shapes")[self.leading])
+
     def oscillator(self) -> Structure:
         """The mode with the largest effective mass [kg] as an oscillator.
 
@@ -418,6 +427,14 @@ def effective_masses_of(shapes: Array, masses: Array) -> Array:
     """Effective modal masses [kg] of shapes (modes, floors) that describe the whole motion."""
     effective: Array = (shapes @ masses) ** 2 / (shapes**2 @ masses)
     return effective
+
+
+def doubt_of_shape(leading: Array) -> Iterator[str]:
+    """Text on the shape of the leading mode, if it moves most below, as with floors upside down."""
+    lowest, roof = abs(leading[0]), abs(leading[-1])
+    ratio = lowest / roof if roof > 0 else np.inf
+    if text := PLAUSIBLE["mode downwards"].doubt(ratio):
+        yield f"the leading mode moves {lowest:g} at the lowest floor and {roof:g} at the roof; {text}"
 
 
 def _give(shapes: Array, masses: Array, modal_masses: Array) -> bool:

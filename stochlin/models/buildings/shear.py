@@ -24,6 +24,7 @@ from stochlin.models.buildings.base import (
     STOREY,
     MultistoreyBuilding,
     check_ranges,
+    doubt_of_order,
     numbered,
 )
 from stochlin.models.parameters import (
@@ -44,7 +45,6 @@ if TYPE_CHECKING:
 
 OF_STOREYS = ("masses", "stiffnesses", "heights", "yield_drifts", "dampers")
 STOREYS = Whole(1, MOST_STOREYS)
-DRIFT_LIMIT = 0.1  # largest plausible yield drift over the height of a storey
 SHEAR = Range(upper=100.0, include_upper=True, reason="of the weight; a stronger one is elastic")
 
 
@@ -115,6 +115,12 @@ class ShearBuilding(MultistoreyBuilding):
         length or have more than 200 storeys, yield drifts are given without hardening, the law is not
         known or not odd, the weight above a storey takes all its elastic stiffness, or the modes of
         Rayleigh damping are not two different ones of the building, or leave mode 1 no vibration.
+
+    Warns
+    -----
+    ImplausibleInput
+        If no building has a value; if the first period does not fit the height; or if storeys grow
+        stiffer or floors heavier from each one to the next, as if listed from the roof down.
 
     References
     ----------
@@ -337,13 +343,19 @@ class ShearBuilding(MultistoreyBuilding):
         )
 
     def doubts(self) -> Iterator[str]:
-        """Text on the storey that yields at the largest drift, if that is implausible for its height."""
+        """Texts on what follows from the parameters and is implausible."""
+        yield from super().doubts()
+        stiffnesses = self._numbers("stiffnesses")
+        if self.storeys > 2:  # the first storey may be a soft one
+            yield from doubt_of_order("stiffness", stiffnesses, stiffnesses[1])
         heights, drifts = self._numbers("heights"), self._numbers("yield_drifts", 0.0)
         worst = int(np.argmax(drifts / heights))
         drift, height = drifts[worst], heights[worst]
-        if drift > DRIFT_LIMIT * height and PLAUSIBLE["heights"].holds(height):
-            usual = f"usual are up to {DRIFT_LIMIT * height:.2g} m; are units and period right?"
-            yield f"storey {worst + 1}, {height:g} m high, yields at {drift:.3g} m; {usual}"
+        if (text := PLAUSIBLE["yield drift"].doubt(drift / height)) and (
+            PLAUSIBLE["heights"].holds(height)
+        ):
+            share = f"{drift:.3g} m, {drift / height:.2g} of its height"
+            yield f"storey {worst + 1}, {height:g} m high, yields at {share}; {text}"
 
     def geometric_stiffness(self) -> Array:
         """Reduction of the stiffness of each storey by the P-delta effect [N/m], (storeys,).

@@ -28,6 +28,7 @@ from stochlin.models.parameters import (
     check,
     parameter,
 )
+from stochlin.models.plausible import ANY
 from stochlin.registry import Registry
 
 DAMPING = NOT_NEGATIVE
@@ -91,7 +92,7 @@ class Damped(Element):
     Each subclass has its own relation between damping and coefficient of restitution.
     """
 
-    damping: Parameter = parameter("1", "damping of the contact", DAMPING)
+    damping: Parameter = parameter("1", "damping of the contact", DAMPING, plausible=ANY)
 
     damping_name: ClassVar[str]  # name of the argument that gives the damping
     relation: ClassVar[Relation]
@@ -151,7 +152,7 @@ class Damped(Element):
 class WithRatio(Damped):
     """An element with the damping ratio ``xi = c/(2 sqrt(k m))``, ``m`` being the reduced mass."""
 
-    damping: Parameter = parameter("1", "damping ratio of the contact", DAMPING)
+    damping: Parameter = parameter("1", "damping ratio of the contact", DAMPING, plausible=ANY)
     damping_name: ClassVar[str] = "damping_ratio"
 
     def __init__(
@@ -402,7 +403,7 @@ class HertzDamp(Damped):
 
     law: ClassVar[ForceLaw] = ForceLaw(over_approach=True)
     stiffness: Parameter = parameter("N/m^n", "stiffness of the contact", POSITIVE)
-    damping: Parameter = parameter("1", "damping factor of the contact", DAMPING)
+    damping: Parameter = parameter("1", "damping factor of the contact", DAMPING, plausible=ANY)
     exponent: Parameter = parameter("1", "exponent of the contact", EXPONENT, SPHERES)
 
     damping_name: ClassVar[str] = "damping_factor"

@@ -24,12 +24,14 @@ from stochlin.models.parameters import (
     expect,
     parameter,
 )
+from stochlin.models.plausible import PLAUSIBLE
 from stochlin.models.uncertain import as_array, median_of
 from stochlin.registry import Registry
 
 __all__ = ["Filter"]  # which grounds of other packages need
 
 GROUNDS: Registry[type[Ground]] = Registry("ground", "stochlin.models.grounds")
+OF_GROUND = PLAUSIBLE["ground_damping"]
 POSITIVE_DAMPING = Range(reason="an undamped ground has no stationary motion")
 
 
@@ -196,7 +198,7 @@ class KanaiTajimi(Ground):
     name: ClassVar[str] = "Kanai-Tajimi"
     fit: ClassVar[Fit] = Fit({"damping": (2e-3, 3.0)}, ((0.02,), (0.06,), (0.2,), (0.6,)))
     period: Parameter = parameter("s", "ground period", PERIODS)
-    damping: Parameter = parameter("1", "ground damping ratio", POSITIVE_DAMPING)
+    damping: Parameter = parameter("1", "ground damping ratio", POSITIVE_DAMPING, plausible=OF_GROUND)
     intensity: Parameter = parameter("m^2/s^3", "two-sided PSD of the white noise", POSITIVE, 1.0)
 
     @staticmethod
@@ -250,9 +252,13 @@ class CloughPenzien(Ground):
         [(*soil, *layer) for soil in KanaiTajimi.fit.starts for layer in ((1.5, 0.3), (6.0, 0.6))],
     )
     period: Parameter = parameter("s", "ground period", PERIODS)
-    damping: Parameter = parameter("1", "ground damping ratio", POSITIVE_DAMPING)
-    high_pass_period: Parameter = parameter("s", "high-pass period", PERIODS)
-    high_pass_damping: Parameter = parameter("1", "high-pass damping ratio", POSITIVE)
+    damping: Parameter = parameter("1", "ground damping ratio", POSITIVE_DAMPING, plausible=OF_GROUND)
+    high_pass_period: Parameter = parameter(
+        "s", "high-pass period", PERIODS, plausible=PLAUSIBLE["period"]
+    )
+    high_pass_damping: Parameter = parameter(
+        "1", "high-pass damping ratio", POSITIVE, plausible=OF_GROUND
+    )
     intensity: Parameter = parameter("m^2/s^3", "two-sided PSD of the white noise", POSITIVE, 1.0)
 
     @staticmethod

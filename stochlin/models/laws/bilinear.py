@@ -66,9 +66,9 @@ class Bilinear(Structure):
 
     Warns
     -----
-    UserWarning
-        If a number is one that no building has, such as a period of 500 s, a mass of 400 kg, a reduction
-        factor above 20 or a yield displacement above 2 m; and, by functions that take the structure, if
+    ImplausibleInput
+        If a number is one that no building has, such as a period of 500 s, a damping ratio of 0.3 or a
+        mass of 400 kg; and, by functions that take the structure, if
         it has a hardening ratio and no strength. Arrays are not asked about.
 
     References

@@ -77,7 +77,9 @@ def portrait_chart(record: xr.DataArray, period: float, damping: float) -> xr.Da
     --------
     >>> import numpy as np, xarray as xr
     >>> time = np.arange(0, 10, 0.01)
-    >>> record = xr.DataArray(np.sin(2 * np.pi * time), dims="time", coords={"time": time})
+    >>> record = xr.DataArray(
+    ...     np.sin(2 * np.pi * time), dims="time", coords={"time": time}, attrs={"units": "m/s^2"}
+    ... )
     >>> from stochlin.charts import portrait_chart
     >>> chart = portrait_chart(record, period=1.0, damping=0.05)
     >>> bool(chart.displacement.max() <= chart.pseudo_energy_radius)
@@ -153,7 +155,9 @@ def energy_chart(
     --------
     >>> import numpy as np, xarray as xr
     >>> time = np.arange(0, 10, 0.01)
-    >>> record = xr.DataArray(np.sin(2 * np.pi * time), dims="time", coords={"time": time})
+    >>> record = xr.DataArray(
+    ...     np.sin(2 * np.pi * time), dims="time", coords={"time": time}, attrs={"units": "m/s^2"}
+    ... )
     >>> from stochlin.charts import energy_chart
     >>> chart = energy_chart(record, 1.0, 0.05, hardening=0.05, reduction_factor=4.0)
     >>> bool((chart.hysteretic_energy_radius.sel(reduction_factor=1.0) == 0).all())
@@ -241,7 +245,9 @@ def recorded_gap_chart(record: xr.DataArray, damping: float, points: Points = 61
     --------
     >>> import numpy as np, xarray as xr
     >>> time = np.arange(0, 10, 0.01)
-    >>> record = xr.DataArray(np.sin(2 * np.pi * time), dims="time", coords={"time": time})
+    >>> record = xr.DataArray(
+    ...     np.sin(2 * np.pi * time), dims="time", coords={"time": time}, attrs={"units": "m/s^2"}
+    ... )
     >>> from stochlin.charts import recorded_gap_chart
     >>> chart = recorded_gap_chart(record, damping=0.05, points=5)
     >>> float(abs(chart.separation.values.diagonal()).max())

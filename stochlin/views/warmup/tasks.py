@@ -43,7 +43,9 @@ def _tower(period: Any = 0.8) -> ShearBuilding:
 
 def _record() -> xr.DataArray:
     time = 0.02 * np.arange(200)
-    return xr.DataArray(3 * np.sin(9 * time), dims="time", coords={"time": time})
+    return xr.DataArray(
+        3 * np.sin(9 * time), dims="time", coords={"time": time}, attrs={"units": "m/s^2"}
+    )
 
 
 def _finite(structures: Sequence[Any], ground: Any, link: Link | None = None) -> None:

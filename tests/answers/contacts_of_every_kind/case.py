@@ -7,7 +7,7 @@ import stochlin as sl
 
 time = 0.02 * np.arange(250)
 shaking = 3.0 * np.sin(6 * time) * time / 2 * np.exp(1 - time / 2)
-motion = xr.DataArray(shaking, dims="time", coords={"time": time})
+motion = xr.DataArray(shaking, dims="time", coords={"time": time}, attrs={"units": "m/s^2"})
 pair = [
     sl.Bilinear(1.2, 0.05, 0.05, yield_displacement=0.05, mass=2e5),
     sl.BoucWen(0.6, 0.05, 0.1, yield_displacement=0.02, mass=3e5, exponent=2),

@@ -7,7 +7,7 @@ import stochlin as sl
 
 time = 0.02 * np.arange(401)
 shaking = 4.0 * np.sin(2 * np.pi * time * (0.6 + 0.1 * time)) * np.sin(np.pi * time / 8)
-motion = xr.DataArray(shaking, dims="time", coords={"time": time})
+motion = xr.DataArray(shaking, dims="time", coords={"time": time}, attrs={"units": "m/s^2"})
 five = sl.ShearBuilding(
     [2.5e5, 2.5e5, 2.2e5, 2.2e5, 1.8e5],
     [4e8, 3.6e8, 3e8, 2.4e8, 1.6e8],

@@ -7,7 +7,7 @@ import stochlin as sl
 
 time = 0.02 * np.arange(251)
 shaking = 3.0 * np.sin(2 * np.pi * time * (0.7 + 0.1 * time)) * np.sin(np.pi * time / 5)
-motion = xr.DataArray(shaking, dims="time", coords={"time": time})
+motion = xr.DataArray(shaking, dims="time", coords={"time": time}, attrs={"units": "m/s^2"})
 turns = 0.02 * np.array([1.5, -1.5, 3.0, -3.0, 1.0, -4.0, 4.0])
 hardens = {"period": 0.8, "damping": 0.05, "hardening": 0.05, "yield_displacement": 0.02}
 level = hardens | {"hardening": 1e-9}

@@ -1,13 +1,19 @@
 """A linked row through a motion; what one hit at full energy would do."""
 
+import warnings
+
 import numpy as np
 import xarray as xr
 
 import stochlin as sl
 
+warnings.filterwarnings("ignore", "pound: a contact")  # a soft one, on purpose
 time = 0.02 * np.arange(200)
 motion = xr.DataArray(
-    2.5 * np.sin(7 * time) * np.sin(np.pi * time / 4), dims="time", coords={"time": time}
+    2.5 * np.sin(7 * time) * np.sin(np.pi * time / 4),
+    dims="time",
+    coords={"time": time},
+    attrs={"units": "m/s^2"},
 )
 row = [sl.Bilinear(T, 0.05, mass=m) for T, m in ((1.0, 2e5), (0.5, 3e5), (0.8, 1e5))]
 bumper = sl.Kelvin(1e8, restitution=0.65)

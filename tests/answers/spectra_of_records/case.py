@@ -7,7 +7,9 @@ import stochlin as sl
 
 wave = sl.read_record("wave.txt", dt=0.02, units="g")
 time = wave.time.values
-sweep = xr.DataArray(np.sin(time * (3 + time)), dims="time", coords={"time": time})
+sweep = xr.DataArray(
+    np.sin(time * (3 + time)), dims="time", coords={"time": time}, attrs={"units": "m/s^2"}
+)
 records = {"wave": wave, "sweep": sweep}
 period = xr.DataArray([0.2, 0.5, 1.0, 2.0], dims="period", coords={"period": [0.2, 0.5, 1.0, 2.0]})
 sl.response_spectrum(records, period, 0.05).to_netcdf("elastic.nc")

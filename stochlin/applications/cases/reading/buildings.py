@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from itertools import pairwise
@@ -37,7 +37,7 @@ from stochlin.models.buildings.shear import RegularBuilding, ShearBuilding
 from stochlin.models.laws import laws_in_numbers
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Range
-from stochlin.models.plausible import PLAUSIBLE
+from stochlin.models.plausible import PLAUSIBLE, doubts_of_size
 from stochlin.models.rules.codes import AT_LEAST_1, OF_IMPORTANCE
 from stochlin.models.systems import first_period, slabs_on_columns
 from stochlin.models.uncertain import applied, median_of
@@ -50,7 +50,6 @@ MOVE = Quantity("m", NOT_NEGATIVE, PLAUSIBLE["displacements"])
 DIVISOR = Quantity("1", OF_IMPORTANCE)
 DUCTILITY = Quantity("1", Range(1.0, reason="1 for a building that just does not yield"))
 TWO_MODES = ListOf(Integer(1, MOST_STOREYS), length=2)
-PER_STOREY = 0.01, 2.0  # s, first periods over the number of storeys without a warning
 STRENGTH, OF_HEIGHTS = "strength", {"height of its storeys": ("storey_height", "heights")}
 WITH_HARDENING = (
     *("reduction_factor", "yield_displacement", "ductility"),
@@ -138,7 +137,7 @@ class WithFloors(OfBuilding):
         path = self.table.path("pushover")
         called = dict.fromkeys(("length_units", "force_units"), "pushover_units")
         called |= dict.fromkeys(("displacement_column", "force_column"), "pushover_columns")
-        with self.table.naming("pushover", **called):
+        with self.table.naming("pushover", **called), self.table.asking("pushover"):
             curve = read_pushover(path, **pushover_options(self.pushover_units, self.pushover_columns))
             ideal = bilinear_of(curve, hardening=self.hardening)
             median_of(structure).with_pushover(ideal)  # with its warnings
@@ -230,7 +229,8 @@ class ByModes(WithFloors):
         """The modes of the file, read once."""
         path = self.table.path("modes")
         options = self.given("direction", "points", "tower", "mass_units", "length_units")
-        with self.table.naming("modes", "cannot be read: "):
+        with self.table.naming("modes", "cannot be read: "), warnings.catch_warnings():
+            warnings.simplefilter("ignore", DoubtfulInput)  # the building of these modes is asked about
             return read_modes(path, **options)
 
     def described(self) -> Any:
@@ -298,6 +298,12 @@ class Building:
         modes = self.form.of_modes if isinstance(self.form, ByModes) else xr.Dataset()
         return str(modes.attrs.get("turning", ""))
 
+    def doubts(self) -> Iterator[str]:
+        """Texts on what follows from several keys and is implausible."""
+        if self.has_storeys:
+            return iter(self.structure.doubts())
+        return doubts_of_size(self.period, self.height, self.storeys)
+
     def on(self, site: Site) -> Building:
         """The building with the strength that it has on the ground of a site, if it depends on it."""
         if self.of_first_mode and self.strength == "reduction_factor":
@@ -334,12 +340,8 @@ def read_building(table: Table, number: int) -> Building:
         known = building.has_storeys or name == "displacements"
         if known and count not in (None, 0, floors):
             raise table.error(name, f"does not fit {floors} floors; allowed: {floors}")
-    if building.has_storeys:
-        if not PER_STOREY[0] <= building.period / floors <= PER_STOREY[1]:
-            period = f"a first period of {building.period:.3g} s with {floors} storeys"
-            table.warn("", f"is doubtful: it has {period}; are masses and stiffnesses in their units?")
-        for warning in () if form.elastic else building.structure.doubts():
-            table.warn(building.strength, f"is doubtful: {warning}")
+    for text in building.doubts():
+        table.warn("", f"is doubtful: {text}")
     return building
 
 

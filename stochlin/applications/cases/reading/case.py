@@ -429,12 +429,9 @@ def read_case(path: str | os.PathLike[str]) -> Case:
     Warns
     -----
     UserWarning
-        If a value is allowed but implausible: a gap above 3 m, floors lighter than 5 t, a reduction
-        factor below 0.6 or above 20, a base shear coefficient above 1, a yield displacement above 2 m, a
-        yield drift above a tenth of the storey height, a first period below 0.01 s or above 2 s for each
-        storey, a behaviour factor above 12, a confidence below 0.01, a motion that ends before its
-        strong part, a peak acceleration below 0.04 g or above 3 g, an allowed risk above 0.01 per year,
-        or floors that are stated to align and do not.
+        If a value is allowed, and no building, motion or gap has it, such as a gap above 1 m or a
+        confidence below 0.5, which are asked about in Python as well; if a motion ends before its strong
+        part; or if floors are stated to align and do not.
 
     Examples
     --------

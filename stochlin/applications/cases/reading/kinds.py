@@ -14,8 +14,8 @@ from stochlin.applications.sheets.columns import COUNTED
 from stochlin.messages import brief, hint
 from stochlin.models.arguments import A_LABEL, Whole, is_label, is_number, is_whole
 from stochlin.models.parameters import Model, Range
-from stochlin.models.plausible import ANY, PLAUSIBLE, Plausible
-from stochlin.models.uncertain import Uncertain
+from stochlin.models.plausible import ANY, Plausible
+from stochlin.models.uncertain import Uncertain, median_of
 from stochlin.models.units import UNITS, likely_unit, size_of
 from stochlin.solver.tables.toml import BACKSLASH
 
@@ -61,23 +61,30 @@ class Quantity:
         return 1.0 if unit == self.units != "1" else size_of(unit, self.units)
 
     def read(self, written: Any, warn: Warn) -> float | Uncertain:
-        """The number in SI; a ValueError if it is not valid."""
+        """The number in SI, with a warning if its median is implausible; a ValueError if not valid."""
+        value = self.with_spread(written)
+        if text := self.plausible.doubt(float(median_of(value))):
+            warn(f"is doubtful: {text}")
+        return value
+
+    def with_spread(self, written: Any) -> float | Uncertain:
+        """The number in SI, which may be uncertain; a ValueError if it is not valid."""
         if not (isinstance(written, str) and UNCERTAIN.search(written)):
-            return self.certain(written, warn)
+            return self.certain(written)
         if not self.uncertain:
             raise ValueError(f"cannot be uncertain; allowed: {self.words}")
         if spread := SPREAD.fullmatch(written):
-            return Uncertain(self.certain(spread[1], warn), float(spread[2]) / 100)
+            return Uncertain(self.certain(spread[1]), float(spread[2]) / 100)
         if ends := FROM_TO.fullmatch(written):
             low, high = ends.groups()
             alone, unit = NUMBER.fullmatch(low), NUMBER.fullmatch(high)
             if alone and unit and not alone[2].strip():  # both have the unit of the second
                 low = f"{low} {unit[2].strip()}"
-            return Uncertain.between(self.certain(low, warn), self.certain(high, warn))
+            return Uncertain.between(self.certain(low), self.certain(high))
         shown = self.spellings[0]
         raise ValueError(f'has no valid spread; allowed: "10 {shown} +- 20 %" or "8 to 12 {shown}"')
 
-    def certain(self, written: Any, warn: Warn) -> float:
+    def certain(self, written: Any) -> float:
         """A number in SI without a spread."""
         value = self.in_si(written)
         if not self.allowed.contains(value):
@@ -85,8 +92,6 @@ class Quantity:
             cure = f'; for {value:g} % write "{value:g} %"' if percent else ""
             units = "" if self.units == "1" else f", in {self.units}"
             raise ValueError(f"is out of range; allowed: {self.allowed}{units}{cure}")
-        if not self.plausible.holds(value):
-            warn(f"is doubtful: {self.plausible.doubt(value)}")
         return value
 
     def in_si(self, written: Any) -> float:
@@ -269,7 +274,7 @@ def key(kind: Any, about: str, default: Any = MISSING) -> Any:
 def key_of(model: type[Model], name: str, uncertain: bool = False, single: str | None = None) -> Key:
     """A parameter of a model as a key: a number, or as in `ListOf` with ``single``."""
     parameter = model.__dataclass_fields__[name]
-    quantity = Quantity(model.units(name), model.allowed(name), PLAUSIBLE.get(name, ANY), uncertain)
+    quantity = Quantity(model.units(name), model.allowed(name), model.limits()[name], uncertain)
     kind = quantity if single is None else ListOf(quantity, single)
     return Key(kind, parameter.metadata["long_name"].capitalize(), parameter.default)
 

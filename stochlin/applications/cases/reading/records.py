@@ -27,7 +27,6 @@ from stochlin.applications.cases.reading.tables import Form, Table
 from stochlin.applications.records.records import read_record
 from stochlin.applications.sites.hazard_files import read_hazard
 from stochlin.applications.sites.suites import (
-    SCALE,
     read_records,
     scale_records,
     scaled_record,
@@ -39,7 +38,8 @@ from stochlin.models.plausible import PLAUSIBLE
 
 TIME, YEARS = Quantity("s", POSITIVE), Quantity("yr", POSITIVE)
 FACTOR, TWO_TIMES = Quantity("1", POSITIVE), ListOf(TIME, length=2)
-FACTOR_OF_RECORD = Quantity("1", POSITIVE, SCALE)
+FACTOR_OF_RECORD = Quantity("1", POSITIVE, PLAUSIBLE["scale of a record"])
+PERIOD = Quantity("s", POSITIVE, PLAUSIBLE["period"])
 PEAK, RESPONSE = (Quantity("m/s^2", POSITIVE, PLAUSIBLE[name]) for name in ("pga", "sa"))
 PLACE = ListOf(Quantity("1", Range(-360.0, 360.0, True, True)), length=2)
 SITE = Kind(
@@ -73,7 +73,7 @@ class Record(Reading):
     def read(self) -> xr.DataArray:
         """The record with its factor."""
         path = self.table.path("path")
-        with self.table.naming("path", "cannot be read: "):
+        with self.table.naming("path", "cannot be read: "), self.table.asking("path"):
             record = read_record(path, **self.given(*READING))
         return record if self.scale == 1 else scaled_record(record, self.scale)
 
@@ -86,7 +86,7 @@ class Suite(Reading):
 
     pga: float | None = key(PEAK, "Peak acceleration to which each record is scaled", None)
     sa: float | None = key(RESPONSE, "Spectral acceleration to which each is scaled", None)
-    sa_period: float | None = key(TIME, "Its period", None)
+    sa_period: float | None = key(PERIOD, "Its period", None)
     scale_to: str | None = key(Word(("spectrum",)), "Scale each to the spectrum of the site", None)
     band: list[float] | None = key(TWO_TIMES, "Periods between which it is scaled to it", None)
 
@@ -100,11 +100,12 @@ class Suite(Reading):
                 raise self.table.error("scale_to", "needs a site by its spectrum; allowed: pga, sa")
             goal["spectrum"] = spectrum
         path = self.table.path("path")
-        with self.table.naming("path"):
+        with self.table.naming("path"), self.table.asking("path"):
             suite = read_records(path, **self.given(*READING))
         beside = path if path.is_dir() else path.parent
         self.table.source.files.extend(beside / record.attrs["file"] for record in suite.values())
-        with self.table.naming("band" if self.band else "path"):
+        key = "band" if self.band else "path"
+        with self.table.naming(key), self.table.asking(key):
             return scale_records(suite, **goal) if goal else suite
 
 
@@ -127,8 +128,10 @@ def read_records_of(
 class OfHazard(Form):
     """Keys of every hazard."""
 
+    stated: ClassVar[str]  # the key that states the intensities
+
     measure: str = key(Word(MEASURES), "Measure of the shaking; intensity is S0")
-    sa_period: float | None = key(TIME, "Period of the spectral acceleration", None)
+    sa_period: float | None = key(PERIOD, "Period of the spectral acceleration", None)
 
     @property
     def of(self) -> dict[str, Any]:
@@ -139,6 +142,7 @@ class OfHazard(Form):
 class OfFile(OfHazard):
     """A file of intensities and annual frequencies, or several of them."""
 
+    stated: ClassVar[str] = "file"
     one_of: ClassVar[Any] = {"": ("site", "coordinates")}
 
     file: list[str] = key(ListOf(TEXT, "listed"), "File of this site, of OpenQuake or of the USGS")
@@ -161,6 +165,7 @@ class OfFile(OfHazard):
 class OfPoints(OfHazard):
     """A few points of a curve."""
 
+    stated: ClassVar[str] = "intensities"
     one_of: ClassVar[Any] = {"annual frequencies": ("frequencies", "return_periods")}
 
     intensities: list[float] = key(ListOf(INTENSITIES["pga"]), "Intensities of a few points")
@@ -183,6 +188,8 @@ class OfPoints(OfHazard):
 
 class OfPowerLaw(OfHazard):
     """A power law; ``k0`` is the annual frequency of exceedance of 1 in the unit of the file."""
+
+    stated: ClassVar[str] = "k0"
 
     k0: float = key(FACTOR, "Annual frequency of exceedance of one unit, of a power law")
     k: float = key(FACTOR, "Exponent of the power law")

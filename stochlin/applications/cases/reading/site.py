@@ -29,6 +29,7 @@ from stochlin.applications.cases.reading.records import (
     FACTOR,
     HAZARDS,
     PEAK,
+    PERIOD,
     RESPONSE,
     SITE,
     TIME,
@@ -76,7 +77,8 @@ AG, SDS = (Quantity("m/s^2", POSITIVE, PLAUSIBLE[name]) for name in ("ag", "sds"
 FROM_ZERO = Quantity("s", Range(0.0, include_lower=True))
 DIVISOR = Quantity("1", Range(1.0, include_lower=True), PLAUSIBLE["divided_by"])
 SPREAD = Quantity("1", SCATTER.allowed)  # of a logarithm
-DAMPING = Quantity("1", Range(0.0, 1.0))
+DAMPING = Quantity("1", Range(0.0, 1.0), PLAUSIBLE["damping"])
+DURATION = Quantity("s", POSITIVE, PLAUSIBLE["duration"])
 LIKE = 0.8, 1.25  # energy of motions over that of a record without a warning
 
 
@@ -95,7 +97,7 @@ class Motion(Form):
     """Duration and envelope of the motions."""
 
     envelope: str = key(Word(lambda: [*ENVELOPES, NONE, FITTED]), "Envelope", NONE)
-    duration: float = key(TIME, "Duration")
+    duration: float = key(DURATION, "Duration")
     scatter: float | None = key(SPREAD, "Scatter of the strength between earthquakes", None)
 
     @classmethod
@@ -142,7 +144,7 @@ class Scaled(OfSite):
 
     pga: float | None = key(PEAK, "Peak acceleration, mean of the motions", None)
     sa: float | None = key(RESPONSE, "Spectral acceleration, mean of the motions", None)
-    sa_period: float | None = key(TIME, "Its period", None)
+    sa_period: float | None = key(PERIOD, "Its period", None)
     return_period: float | None = key(YEARS, "Return period of the shaking, from the hazard", None)
 
     def goal(self, hazard: Hazard | None) -> dict[str, Any]:
@@ -277,7 +279,7 @@ class SpectrumFile(Spectrum):
             of_table = isinstance(self.divided_by, Divisors)
             divisor = self.divided_by.table_of_factors() if of_table else self.divided_by
             options |= {"elastic": None, "divided_by": divisor}
-        with self.table.naming("spectrum"):
+        with self.table.naming("spectrum"), self.table.asking("spectrum"):
             spectrum = read_spectrum(path, **options)
         scaled = spectrum.copy(data=self.scale * spectrum.values)
         return marked(scaled, spectrum.attrs[ELASTIC])
@@ -332,7 +334,8 @@ class Site:
         """Duration and envelope, which may be fitted to records together with the ground."""
         if isinstance(self.motion, Motion):
             return self.motion.course()
-        with self.motion.table.naming("envelope", f"cannot be fitted to {listed(self.components)}: "):
+        table, what = self.motion.table, f"cannot be fitted to {listed(self.components)}: "
+        with table.naming("envelope", what), table.asking("envelope"):
             fitted = fit_motion(self.components, filters=self.form.filters)
         return Course(fitted.duration, fitted.envelope, fitted.ground)
 
@@ -408,6 +411,8 @@ def read_site(table: Table, of_motion: Table) -> Site:
     spectrum = form.target() if "spectrum" in table else None
     records = read_records_of(form.records, form.suite, spectrum)
     hazard = form.hazard and form.hazard.hazard()
+    for text in hazard.doubts() if hazard else ():
+        form.hazard.table.warn(form.hazard.stated, f"is doubtful: {text}")
     goal = form.goal(hazard) if isinstance(form, Scaled) else {}
     described = form.described() if isinstance(form, ByParameters) else None
     site = Site(form, motion, records, hazard, goal, spectrum, described)

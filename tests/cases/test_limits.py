@@ -1,0 +1,352 @@
+"""Values that no building has are asked about alike in Python, in a case file and in its form."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from motions import motion, write_at2
+
+import stochlin as sl
+from stochlin.applications.cases.reading.case import read_case
+from stochlin.applications.cases.reading.kinds import Quantity, keys_of
+from stochlin.applications.cases.reading.tables import Form
+from stochlin.applications.explorer.uploads import read_upload
+from stochlin.models.parameters import Model
+from stochlin.models.plausible import ANY, PLAUSIBLE, Plausible
+
+pytestmark = pytest.mark.invariant
+
+PAIR = [sl.Bilinear(T, 0.05, mass=1e6) for T in (0.6, 1.0)]
+FIRM = sl.named_ground("firm", intensity=0.01)
+FEW = {"duration": 2.0, "paths": 32}
+STIFF = 1e9  # N/m
+OF_ONE = {"period": 0.4, "storeys": 1, "storey_height": 3.0, "mass": 1e5, "damping": 0.05}
+SINE = np.sin(np.arange(200) / 5)
+WIDE = sl.HazardCurve([0.1, 1.0, 3.0, 6.0, 20.0], [1.0, 0.05, 1 / 475, 1 / 2475, 1e-6])
+SPECTRUM = "period,Sa [m/s^2]\n0,{0}\n0.1,{1}\n0.2,{1}\n0.4,{0}\n0.8,{0}\n"
+
+
+def stiffness(mass: float, height: float, ratio: float) -> float:
+    """Stiffness of a storey [N/m] by its period over that which is usual for its height."""
+    return float(mass * (2 * np.pi / (0.05 * ratio * height**0.75)) ** 2)
+
+
+def storey(mass: float = 1e5, height: float = 3.0, ratio: float = 2.0, **more: Any) -> sl.ShearBuilding:
+    return sl.ShearBuilding([mass], [stiffness(mass, height, ratio)], [height], 0.05, **more)
+
+
+def hazard(design: float) -> sl.HazardCurve:
+    return sl.HazardCurve([design / 2, design, 2 * design], [1 / 100, 1 / 475, 1 / 2475])
+
+
+def record(folder: Path, peak: float = 3.0, dt: float = 0.02, samples: int = 200) -> Path:
+    """A file of a record."""
+    shape = np.sin(np.arange(samples) * np.pi / 2)
+    write_at2(motion(peak * shape / np.abs(shape).max(), dt), folder / "record.at2")
+    return folder / "record.at2"
+
+
+def spectrum(folder: Path, largest: float) -> Path:
+    """A file of a spectrum."""
+    (folder / "site.csv").write_text(SPECTRUM.format(0.4 * largest, largest), encoding="utf-8")
+    return folder / "site.csv"
+
+
+def pressed(depth: float) -> object:
+    """Two buildings whose contact is pressed together so much: all is linear, and without a gap."""
+    shaken = motion(SINE)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", sl.ImplausibleInput)
+        deepest = float(sl.pound(PAIR, 0.0, sl.LinearSpring(STIFF), shaken).deepest_compression.max())
+    return sl.pound(PAIR, 0.0, sl.LinearSpring(STIFF), motion(depth / deepest * shaken))
+
+
+def modes(folder: Path, lowest: float) -> Path:
+    """A file of a mode, by its displacement at the lower one of two floors."""
+    rows = f"mode,,1\nperiod [s],,0.4\nlevel [m],mass [t],shape\n3,200,{lowest!r}\n6,200,1\n"
+    (folder / "modes.csv").write_text(rows, encoding="utf-8")
+    return folder / "modes.csv"
+
+
+# A call with a value in SI, and a folder for files.
+PYTHON: dict[str, Callable[[float, Path], object]] = {
+    "period": lambda x, _: sl.Bilinear(x, 0.05),
+    "damping": lambda x, _: sl.Bilinear(1.0, x),
+    "ground_damping": lambda x, _: sl.KanaiTajimi(0.6, x),
+    "mass": lambda x, _: sl.Bilinear(1.0, 0.05, mass=x),
+    "masses": lambda x, _: storey(mass=x),
+    "heights": lambda x, _: storey(height=x),
+    "storey_height": lambda x, _: sl.ShearBuilding.regular(**OF_ONE | {"storey_height": x}),
+    "gap": lambda x, _: sl.existing_gap(*PAIR, FIRM, gap=x, **FEW),
+    "gaps": lambda x, _: sl.pound(
+        [*PAIR, PAIR[0]], [0.3, x], sl.LinearSpring(STIFF), motion(1e-6 * SINE)
+    ),
+    "behaviour": lambda x, _: sl.code_gaps(0.1, 0.1, behaviour_1=x, behaviour_2=3.0),
+    "deflection": lambda x, _: sl.code_gaps(0.1, 0.1, deflection_1=3.0, deflection_2=x),
+    "height": lambda x, _: sl.code_gaps(0.1, 0.1, height_1=x, height_2=30.0),
+    "displacements": lambda x, _: sl.code_gaps(x, 0.1),
+    "peak": lambda x, _: sl.critical_gap(0.1, x, 0.3),
+    "yield_displacement": lambda x, _: sl.Bilinear(1.0, 0.05, 0.05, x),
+    "yield_displacements": lambda x, _: sl.ModalBuilding(
+        [0.4], [[0.6, 1.0]], [2e5, 1e5], [3.0, 3.0], 0.05, 0.05, x
+    ),
+    "reduction_factor": lambda x, _: sl.Bilinear(1.0, 0.05, 0.05, reduction_factor=x),
+    "base_shear_coefficient": lambda x, _: sl.ShearBuilding.regular(
+        **OF_ONE, hardening=0.05, base_shear_coefficient=x
+    ),
+    "intensity": lambda x, _: sl.simulated_motions(sl.named_ground("firm", intensity=x), 2.0, paths=2),
+    "duration": lambda x, _: sl.peak_response(PAIR[0], FIRM, x),
+    "pga": lambda x, _: sl.scale_ground(FIRM, 2.0, pga=x, paths=64),
+    "design_pga": lambda x, _: sl.code_gaps(0.1, 0.1, design_pga=x),
+    "ag": lambda x, _: sl.eurocode_8(x, "C"),
+    "sds": lambda x, _: sl.asce_7(x, 0.4 * x, 8.0),
+    "sd1": lambda x, _: sl.asce_7(max(0.2 * 9.81, min(x, 30.0)), x, 8.0),
+    "sa": lambda x, _: sl.scale_ground(FIRM, 2.0, sa=x, period=0.5, paths=64),
+    "confidence": lambda x, _: sl.separation(*PAIR, FIRM, confidence=x, **FEW),
+    "risk": lambda x, _: sl.required_gap(*PAIR, FIRM, WIDE, risk=x, **FEW),
+    "mean storey height": lambda x, _: sl.code_gaps(0.1, 0.1, height_1=5 * x, storeys_1=5),
+    "period over 0.05 h^0.75": lambda x, _: storey(ratio=x),
+    "stiffness upwards": lambda x, _: sl.ShearBuilding([1e5] * 3, [1e8, 1e8, x * 1e8], [3.0] * 3, 0.05),
+    "mass upwards": lambda x, _: sl.ShearBuilding([1e5, x * 1e5], [1e8] * 2, [3.0] * 2, 0.05),
+    "mode downwards": lambda x, _: sl.ModalBuilding([0.4], [[x, 1.0]], [2e5] * 2, [3.0] * 2, 0.05),
+    "yield drift": lambda x, _: storey(hardening=0.05, yield_drifts=3 * x),
+    "pga of 475 years": lambda x, _: hazard(x),
+    "penetration": lambda x, _: pressed(x),
+    "peak of a record": lambda x, folder: sl.read_record(record(folder, peak=x)),
+    "time step of a record": lambda x, folder: sl.read_record(record(folder, dt=x)),
+    "largest ordinate": lambda x, folder: sl.read_spectrum(spectrum(folder, x)),
+    "scale of a record": lambda x, _: sl.scale_records({"a": motion(SINE)}, pga=x * abs(SINE).max()),
+}
+
+FIRM_SITE = 'ground = "firm"\nintensity = "0.01 m^2/s^3"'
+OSCILLATOR = 'period = "1 s"\ndamping = 0.05\n'
+BY_STOREYS = 'damping = 0.05\nstorey_height = "3 m"\n'
+YIELDS = "hardening = 0.05\n"
+OF_CODES = 'displacements = "0.1 m"\nbehaviour_factor = 3\n'
+KANAI_TAJIMI = 'ground = "kanai_tajimi"\nperiod = "0.6 s"\nintensity = "0.01 m^2/s^3"\n'
+REGULAR = 'period = "0.4 s"\nstoreys = 1\nfloor_mass = "1e5 kg"\ndamping = 0.05\n'
+
+
+def oscillator(lines: str) -> dict[str, str]:
+    return {"building_1": f"{lines}\nelastic = true"}
+
+
+def stiffness_of(mass: float = 1e5, height: float = 3.0, ratio: float = 2.0) -> str:
+    return f'stiffnesses = ["{stiffness(mass, height, ratio)!r} N/m"]'
+
+
+# The tables of a case file with a value in SI.
+FILES: dict[str, Callable[[float, Path], dict[str, str]]] = {
+    "period": lambda x, _: oscillator(f'period = "{x!r} s"\ndamping = 0.05'),
+    "damping": lambda x, _: oscillator(f'period = "1 s"\ndamping = {x!r}'),
+    "ground_damping": lambda x, _: {"site": f"{KANAI_TAJIMI}damping = {x!r}"},
+    "mass": lambda x, _: oscillator(f'{OSCILLATOR}mass = "{x!r} kg"'),
+    "masses": lambda x, _: oscillator(f'{BY_STOREYS}masses = ["{x!r} kg"]\n{stiffness_of(mass=x)}'),
+    "heights": lambda x, _: oscillator(
+        f'damping = 0.05\nheights = ["{x!r} m"]\nmasses = ["1e5 kg"]\n{stiffness_of(height=x)}'
+    ),
+    "storey_height": lambda x, _: oscillator(f'{REGULAR}storey_height = "{x!r} m"'),
+    "gap": lambda x, _: {"separation": f'confidence = 0.9\nexisting = "{x!r} m"'},
+    "behaviour": lambda x, _: {
+        **oscillator(f'{OSCILLATOR}displacements = "0.1 m"\nbehaviour_factor = {x!r}'),
+        "separation": 'confidence = 0.9\ncodes = ["eurocode_8"]',
+    },
+    "deflection": lambda x, _: {
+        **oscillator(f'{OSCILLATOR}displacements = "0.1 m"\ndisplacement_factor = {x!r}'),
+        "separation": 'confidence = 0.9\ncodes = ["asce_7"]',
+    },
+    "height": lambda x, _: oscillator(f'{OSCILLATOR}height = "{x!r} m"'),
+    "displacements": lambda x, _: {
+        **oscillator(f'{OSCILLATOR}displacements = "{x!r} m"\nbehaviour_factor = 3'),
+        "separation": 'confidence = 0.9\ncodes = ["eurocode_8"]',
+    },
+    "yield_displacement": lambda x, _: {
+        "building_1": f'{OSCILLATOR}{YIELDS}yield_displacement = "{x!r} m"'
+    },
+    "yield_displacements": lambda x, folder: {
+        "building_1": f'modes = "{modes(folder, 0.6).name}"\ndamping = 0.05\n{YIELDS}'
+        f'yield_displacements = "{x!r} m"'
+    },
+    "reduction_factor": lambda x, _: {"building_1": f"{OSCILLATOR}{YIELDS}reduction_factor = {x!r}"},
+    "base_shear_coefficient": lambda x, _: {
+        "building_1": f'{REGULAR}{YIELDS}storey_height = "3 m"\nbase_shear_coefficient = {x!r}'
+    },
+    "intensity": lambda x, _: {"site": f'ground = "firm"\nintensity = "{x!r} m^2/s^3"'},
+    "duration": lambda x, _: {"motion": f'duration = "{x!r} s"'},
+    "pga": lambda x, _: {"site": f'ground = "firm"\npga = "{x!r} m/s^2"'},
+    "design_pga": lambda x, _: {"separation": f'confidence = 0.9\ndesign_pga = "{x!r} m/s^2"'},
+    "ag": lambda x, _: {"site": f'spectrum = "eurocode_8"\nag = "{x!r} m/s^2"\nsoil = "C"'},
+    "sds": lambda x, _: {
+        "site": f'spectrum = "asce_7"\nsds = "{x!r} m/s^2"\nsd1 = "{0.4 * x!r} m/s^2"\ntl = "8 s"'
+    },
+    "sd1": lambda x, _: {
+        "site": f'spectrum = "asce_7"\nsds = "{max(2.0, min(x, 30.0))!r} m/s^2"\n'
+        f'sd1 = "{x!r} m/s^2"\ntl = "8 s"'
+    },
+    "sa": lambda x, _: {"site": f'ground = "firm"\nsa = "{x!r} m/s^2"\nsa_period = "0.5 s"'},
+    "confidence": lambda x, _: {"separation": f"confidence = {x!r}"},
+    "risk": lambda x, _: {
+        "site": f'{FIRM_SITE}\n[site.hazard]\nmeasure = "pga"\nk0 = 0.02\nk = 2.5\nunits = "m/s^2"',
+        "separation": f"confidence = 0.9\nrisk = {x!r}",
+    },
+    "mean storey height": lambda x, _: oscillator(f'{OSCILLATOR}height = "{5 * x!r} m"\nstoreys = 5'),
+    "period over 0.05 h^0.75": lambda x, _: oscillator(
+        f'damping = 0.05\nheight = "16 m"\nperiod = "{0.05 * 8 * x!r} s"'
+    ),
+    "stiffness upwards": lambda x, _: oscillator(
+        f'{BY_STOREYS}masses = ["1e5 kg", "1e5 kg", "1e5 kg"]\n'
+        f'stiffnesses = ["1e8 N/m", "1e8 N/m", "{1e8 * x!r} N/m"]'
+    ),
+    "mass upwards": lambda x, _: oscillator(
+        f'{BY_STOREYS}masses = ["1e5 kg", "{1e5 * x!r} kg"]\nstoreys = 2\n'
+        f'stiffnesses = ["1e8 N/m", "1e8 N/m"]'
+    ),
+    "mode downwards": lambda x, folder: oscillator(f'damping = 0.05\nmodes = "{modes(folder, x).name}"'),
+    "yield drift": lambda x, _: {
+        "building_1": f'{BY_STOREYS}{YIELDS}masses = ["1e5 kg"]\n{stiffness_of()}\n'
+        f'yield_drifts = "{3 * x!r} m"'
+    },
+    "pga of 475 years": lambda x, _: {
+        "site": f'{FIRM_SITE}\n[site.hazard]\nmeasure = "pga"\nreturn_periods = ["475 yr", "2475 yr"]\n'
+        f'intensities = ["{x!r} m/s^2", "{2 * x!r} m/s^2"]'
+    },
+    "peak of a record": lambda x, folder: with_record(record(folder, peak=x)),
+    "time step of a record": lambda x, folder: with_record(record(folder, dt=x)),
+    "largest ordinate": lambda x, folder: {"site": f'spectrum = "{spectrum(folder, x).name}"'},
+    "scale of a record": lambda x, folder: with_record(record(folder), f"scale = {x!r}"),
+}
+# In a case file a gap is `existing`, and displacements are those of a design; forces in contacts are
+# those of `stochlin pound`.
+OF_PYTHON = {"gaps", "peak", "penetration"}
+FITTED = {"pga", "sa", "ag", "sds", "sd1", "largest ordinate"}  # to which the explorer fits a ground
+
+
+def with_record(path: Path, more: str = "") -> dict[str, str]:
+    return {"site": f'{FIRM_SITE}\n[[site.records]]\npath = "{path.name}"\n{more}'}
+
+
+def asked_in_python(name: str, value: float, folder: Path) -> list[str]:
+    """The warnings of a call."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", sl.DoubtfulInput)
+        PYTHON[name](value, folder)
+    return [str(each.message) for each in caught]
+
+
+def asked_in_a_file(name: str, value: float, folder: Path) -> list[str]:
+    """The warnings of a case file, which are those of its form in the explorer."""
+    return asked_of(FILES[name](value, folder), folder, in_form=name not in FITTED)
+
+
+def asked_of(own: dict[str, str], folder: Path, in_form: bool = True) -> list[str]:
+    """The warnings of a case file with these tables in place of the usual ones."""
+    usual = {"site": FIRM_SITE, "motion": 'duration = "20 s"', "separation": "confidence = 0.9"}
+    usual |= {f"building_{n}": f"{OSCILLATOR}elastic = true" for n in (1, 2)}
+    tables = usual | own
+    if "codes" in tables["separation"]:
+        tables["building_2"] += f"\n{OF_CODES}displacement_factor = 3"
+    text = "".join(f"[{table}]\n{lines}\n" for table, lines in tables.items())
+    (folder / "case.toml").write_text(text, encoding="utf-8")
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", sl.DoubtfulInput)
+        read_case(folder / "case.toml")
+    asked = [str(each.message) for each in caught]
+    assert all(message.startswith("case.toml, line ") for message in asked)
+    if in_form:
+        _, of_form = read_upload(str(folder), "case.toml", text)
+        assert of_form == [*dict.fromkeys(asked)]
+    return asked
+
+
+WAYS = {"python": (asked_in_python, PYTHON), "file": (asked_in_a_file, FILES)}
+
+
+@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("name", PLAUSIBLE)
+def test_a_value_beyond_its_limits_is_asked_about_and_one_within_is_not(name, way, tmp_path):
+    asked, known = WAYS[way]
+    if name in OF_PYTHON and way == "file":
+        assert name not in known
+        return
+    limits = PLAUSIBLE[name]
+    said = f"usual are {limits.usual}"
+    for limit, outwards in ((limits.low, -1), (limits.high, 1)):
+        if 0 < limit < float("inf"):
+            within, beyond = limit * (1 - 1e-6 * outwards), limit * (1 + 1e-6 * outwards)
+            assert not [text for text in asked(name, within, tmp_path) if said in text]
+            [text] = [text for text in asked(name, beyond, tmp_path) if said in text]
+            assert limits.doubt(beyond) in text
+
+
+def test_a_contact_of_concrete_is_not_asked_about_and_one_in_another_unit_is():
+    """The largest compression in 64 motions, on which the limit rests; kN/m for N/m is a thousandth."""
+    pair = [sl.Bilinear(T, 0.05, mass=m) for T, m in ((1.2, 2e5), (0.6, 3e5))]
+    motions = sl.simulated_motions(FIRM, 20.0, paths=64)
+    table = sl.pound(pair, 0.02, sl.Kelvin(STIFF, restitution=0.65), motions)
+    assert float(table.deepest_compression.max()) == pytest.approx(0.012, rel=0.05)
+    with pytest.warns(sl.ImplausibleInput, match="is the stiffness right"):
+        sl.pound(pair, 0.02, sl.Kelvin(STIFF / 1000, restitution=0.65), motions)
+
+
+def test_the_documentation_has_every_limit():
+    """By name, in SI units, with a hyphen where there is none."""
+    named: dict[Plausible, list[str]] = {}
+    for name, limits in PLAUSIBLE.items():
+        named.setdefault(limits, []).append(name)
+    text = (Path(__file__).parents[2] / "docs/conventions.md").read_text(encoding="utf-8")
+    rows = [line for line in text.splitlines() if line.endswith(" |") and line.count("|") == 4]
+    for limits, names in named.items():
+        low, high = (
+            f"{limit:.3g}" if 0 < limit < float("inf") else "-" for limit in (limits.low, limits.high)
+        )
+        assert f"| {', '.join(names)} | {low} | {high} |" in rows
+
+
+def below(kind: type) -> Iterator[Any]:
+    """All subclasses of a class."""
+    for each in kind.__subclasses__():
+        yield each
+        yield from below(each)
+
+
+def test_limits_have_a_source_and_hold_for_numbers_of_one_unit():
+    """Of all models; what a model declares on its own is of the table, or has no limits."""
+    units: dict[Plausible, set[str]] = {}
+    for model in below(Model):
+        for name, limits in model.limits().items():
+            assert limits in (ANY, *PLAUSIBLE.values())
+            if limits != ANY and name in model.parameter_names():
+                units.setdefault(limits, set()).add(model.units(name))
+    assert all(len(each) == 1 for each in units.values())
+    assert all(
+        limits.source and limits.usual and limits.low < limits.high for limits in PLAUSIBLE.values()
+    )
+
+
+def test_keys_have_the_limits_of_their_names():
+    """Of the keys of every form; the damping of a ground is that of its model."""
+    seen = set()
+    for form in below(Form):
+        for name, known in keys_of(form).items():
+            kind = getattr(known.kind, "kind", known.kind)  # of a list its numbers
+            if isinstance(kind, Quantity) and name in PLAUSIBLE:
+                assert kind.plausible == PLAUSIBLE[name]
+                seen.add(name)
+    assert {"period", "damping", "masses", "pga", "duration", "confidence"} <= seen
+
+
+@pytest.mark.parametrize(
+    ("lines", "asked"),
+    [
+        ('period = "1 s"\ndamping = "0.15 to 0.22"', False),
+        ('period = "1 s"\ndamping = "0.15 to 0.3"', True),
+        ('period = "59 s +- 50 %"\ndamping = 0.05', False),
+    ],
+)
+def test_of_an_uncertain_value_the_median_counts(lines, asked, tmp_path):
+    assert bool(asked_of(oscillator(lines), tmp_path)) == asked
