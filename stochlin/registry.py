@@ -15,7 +15,7 @@ from functools import cache
 from importlib.metadata import entry_points
 from importlib.util import find_spec
 from threading import RLock
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 from stochlin.messages import brief, sentence
 
@@ -36,10 +36,18 @@ class Registry(Mapping[str, Thing], Generic[Thing]):
         The package whose modules define them.
     module : str, optional
         Only the modules of this name do, one in each package within.
+    check : callable, optional
+        Raises a ValueError for a thing that lacks what is needed.
     """
 
-    def __init__(self, kind: str, folder: str, module: str | None = None) -> None:
-        self.kind, self.folder, self.module = kind, folder, module
+    def __init__(
+        self,
+        kind: str,
+        folder: str,
+        module: str | None = None,
+        check: Callable[[Any], None] | None = None,
+    ) -> None:
+        self.kind, self.folder, self.module, self.check = kind, folder, module, check
         self._things: dict[str, Thing] = {}
         self._places: dict[str, tuple[int, str]] = {}
         self._asked = False
@@ -49,12 +57,14 @@ class Registry(Mapping[str, Thing], Generic[Thing]):
         """A decorator that makes what it stands on known by this name.
 
         Lists show what has a lower ``place`` first, and all of one place by name. A name that is taken
-        raises a ValueError.
+        raises a ValueError, and so does a thing that fails the check of the registry.
         """
 
         def add(thing: Defined) -> Defined:
             if name in self._things:
                 raise ValueError(f"{self.kind} {name!r} exists already; choose another name")
+            if self.check is not None:
+                self.check(thing)
             self._things[name] = thing  # type: ignore[assignment]
             self._places[name] = place, name
             return thing

@@ -28,7 +28,6 @@ from scipy.stats import gumbel_r
 
 import stochlin as sl
 from stochlin.kernels.correlation.errors import OF_NEARLY_EQUAL, OF_OTHERS
-from stochlin.solver.correlation.pairs import ERRORS
 
 ROOT = Path(__file__).parents[2]
 GALLERY = FILE.parent
@@ -188,7 +187,7 @@ def expected() -> dict[str, Any]:
     """What the drift closure states of its errors."""
     kinds = {"white noise": sl.WhiteNoise, "Kanai-Tajimi": sl.KanaiTajimi}
     kinds["Clough-Penzien"] = sl.CloughPenzien
-    table = rows([[name, *ERRORS[kind]] for name, kind in kinds.items()])
+    table = rows([[name, *kind.calibration.rho_errors] for name, kind in kinds.items()])
     return {"of_rho": table, "nearly_equal": OF_NEARLY_EQUAL, "others": OF_OTHERS}
 
 

@@ -16,13 +16,15 @@ from stochlin.applications.sheets.quantities import ACCELERATION, TIME
 from stochlin.applications.sheets.sheets import Table, number_in, table_of, text_sheet, with_unit
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief
+from stochlin.models.plausible import PLAUSIBLE
 from stochlin.models.units import size_of
 
 MOST_TITLES = 2
 # Allowed deviation of a printed time from its even position, in time steps. Times at 1/300 s are printed
 # 0.003, 0.007, 0.010. A lost sample deviates by 0.5 at least.
 TIME_TOLERANCE = 0.25
-LONGEST_STEP = 0.5  # s; longer ones are doubtful, and no untitled column of them is known to be a time
+# s; longer ones are doubtful, and no untitled column of them is known to be a time
+LONGEST_STEP = PLAUSIBLE["time step of a record"].high
 _HEAD = 50  # lines in which the numbers begin
 # Lines of other formats: "SAMPLING INTERVAL (sec) : 0.01", "UNITS OF ACCEL ARE SEC AND G/10".
 _STATEMENT = re.compile(r"[:=]\s*\S|\bunits?\b", re.IGNORECASE)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from types import MappingProxyType
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -30,7 +31,28 @@ from stochlin.registry import Registry
 
 __all__ = ["Filter"]  # which grounds of other packages need
 
-GROUNDS: Registry[type[Ground]] = Registry("ground", "stochlin.models.grounds")
+
+def _check_kind(kind: type[Ground]) -> None:
+    """Raise a ValueError for a kind of ground that lacks a parameter which it declares or needs."""
+    calibration = kind.calibration or Calibration((0.0,) * 4)
+    declared = {
+        "Ground": ("intensity",),
+        "fit": ("period", *kind.fit.bounds) if kind.fit else (),
+        "calibration.soil": calibration.soil or (),
+        "calibration.ranges": calibration.ranges,
+        "calibration.high_pass": (calibration.high_pass,) if calibration.high_pass else (),
+    }
+    names = kind.parameter_names()
+    for by, needed in declared.items():
+        for name in needed:
+            if name not in names:
+                what = f"{kind.__name__}: {name!r}, which {by} needs, is no parameter"
+                raise ValueError(f"{what}; allowed: {', '.join(names)}")
+    if not calibration.soil and (calibration.ranges or calibration.high_pass):
+        raise ValueError(f"{kind.__name__}: calibration.soil is None; ranges and high_pass need a soil")
+
+
+GROUNDS: Registry[type[Ground]] = Registry("ground", "stochlin.models.grounds", check=_check_kind)
 OF_GROUND = PLAUSIBLE["ground_damping"]
 POSITIVE_DAMPING = Range(reason="an undamped ground has no stationary motion")
 
@@ -62,18 +84,50 @@ class Fit(NamedTuple):
     starts: Sequence[tuple[float, ...]]  # starting values of all these parameters, one tuple a search
 
 
+class Calibration(NamedTuple):
+    """How the drift closure is corrected on a kind of ground, and where simulations have shown it.
+
+    The corrections are those of a Kanai-Tajimi ground, or those of white noise.
+    """
+
+    # Mean errors of rho in simulated pairs, by strength as in `kernels.correlation.errors`.
+    rho_errors: tuple[float, float, float, float]
+    # Parameters with period [s] and damping ratio of that Kanai-Tajimi ground; None for white noise.
+    soil: tuple[str, str] | None = None
+    # Least and largest simulated value of other parameters; of those in seconds, over the soil's period.
+    ranges: Mapping[str, tuple[float, float]] = MappingProxyType({})
+    high_pass: str = ""  # parameter with the period [s] of a high-pass filter, if there is one
+    error: float = 0.01  # least relative error of a corrected standard deviation
+
+
 @dataclass(frozen=True)
 class Ground(Model):
-    """Base of the grounds; ``intensity`` is the two-sided PSD ``S0`` of the white noise [m^2/s^3]."""
+    """Base of the grounds; ``intensity`` is the two-sided PSD ``S0`` of the white noise [m^2/s^3].
+
+    A ground may leave out `fit`; it can then not be fitted to records. One without a `calibration` has
+    no bias of the linearization: it is NaN. A subclass with another filter has no calibration unless it
+    states one.
+    """
 
     name: ClassVar[str]
-    fit: ClassVar[Fit | None] = None  # None for a ground that cannot be fitted to records
+    fit: ClassVar[Fit | None] = None
+    calibration: ClassVar[Calibration | None] = None
     source: str = field(default="", compare=False, kw_only=True)
     scatter: float = field(default=0.0, kw_only=True)  # of its motions between earthquakes, by default
 
     def __post_init__(self) -> None:
         SCATTER(f"{type(self).__name__}: scatter", self.scatter)
         super().__post_init__()
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        if "filter" in vars(cls) and "calibration" not in vars(cls):
+            cls.calibration = None
+
+    @property
+    def parts(self) -> tuple[Ground, ...]:
+        """The grounds whose accelerations it adds: by default itself alone."""
+        return (self,)
 
     @staticmethod
     def filter(values: Mapping[str, Any]) -> Filter:
@@ -142,6 +196,7 @@ class WhiteNoise(Ground):
     """
 
     name: ClassVar[str] = "white noise"
+    calibration: ClassVar[Calibration] = Calibration((0.02, 0.02, 0.04, 0.06))  # of 89 pairs
     intensity: Parameter = parameter("m^2/s^3", "two-sided PSD of the white noise", POSITIVE, 1.0)
 
     @staticmethod
@@ -197,6 +252,9 @@ class KanaiTajimi(Ground):
 
     name: ClassVar[str] = "Kanai-Tajimi"
     fit: ClassVar[Fit] = Fit({"damping": (2e-3, 3.0)}, ((0.02,), (0.06,), (0.2,), (0.6,)))
+    calibration: ClassVar[Calibration] = Calibration(
+        (0.02, 0.03, 0.02, 0.03), soil=("period", "damping")
+    )  # of 555 pairs
     period: Parameter = parameter("s", "ground period", PERIODS)
     damping: Parameter = parameter("1", "ground damping ratio", POSITIVE_DAMPING, plausible=OF_GROUND)
     intensity: Parameter = parameter("m^2/s^3", "two-sided PSD of the white noise", POSITIVE, 1.0)
@@ -250,6 +308,14 @@ class CloughPenzien(Ground):
             "high_pass_damping": (0.1, 3.0),
         },
         [(*soil, *layer) for soil in KanaiTajimi.fit.starts for layer in ((1.5, 0.3), (6.0, 0.6))],
+    )
+    # Structures are corrected as on the ground without the high-pass filter.
+    calibration: ClassVar[Calibration] = Calibration(
+        (0.02, 0.03, 0.03, 0.04),  # of 556 pairs
+        soil=("period", "damping"),
+        ranges={"high_pass_period": (2.0, 25.0), "high_pass_damping": (0.2, 1.3)},
+        high_pass="high_pass_period",
+        error=0.03,
     )
     period: Parameter = parameter("s", "ground period", PERIODS)
     damping: Parameter = parameter("1", "ground damping ratio", POSITIVE_DAMPING, plausible=OF_GROUND)
@@ -346,6 +412,11 @@ class ParallelGround(Ground):
     def filter(self, values: Mapping[str, Any]) -> Filter:  # type: ignore[override]
         """The filter of the sum at the total intensity in ``values``."""
         return replace(self._filter, intensity=values["intensity"])
+
+    @property
+    def parts(self) -> tuple[Ground, ...]:
+        """The grounds."""
+        return tuple(self.grounds)
 
     def further(self) -> list[str]:
         """The grounds."""

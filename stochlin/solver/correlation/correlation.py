@@ -13,10 +13,11 @@ from stochlin.models.arguments import Paths, RelaxationTimes, Seed, StepsPerPeri
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import Model
 from stochlin.models.rules.effective_properties import EffectiveRule, effective_rule
-from stochlin.models.structures import DRIFT, Structure
+from stochlin.models.structures import Structure
 from stochlin.solver.correlation.equation_4 import EQ_4, by_eq_4, effective_pair
 from stochlin.solver.correlation.pairs import SHOWN, difference, linearized_pairs
 from stochlin.solver.linearization.equivalent_systems import Solved, check_closure, solved_together
+from stochlin.solver.linearization.linearization import caution_in_words
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import Tolerance, check_table
 from stochlin.solver.tables.lazy import Cells, in_blocks
@@ -201,7 +202,7 @@ Answer = tuple[dict[str, Cells], dict[str, Any]]  # variables and attributes of 
 
 
 def _by_linearization(query: Query, pair: Pair, ground: Ground) -> Answer:
-    comment = labels.CAUTION_DRIFT if query.closure == DRIFT else labels.CAUTION_PAIR
+    comment = caution_in_words(query.closure, ground, labels.CAUTION_PAIR)
     table = linearized_pairs(pair, ground, query.closure, query.tolerance, query.bias)
     return table, {"comment": comment}
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.correlation.errors import error_of_difference, std_of_difference
+from stochlin.kernels.correlation.errors import BOUNDS, error_of_difference, std_of_difference
 from stochlin.kernels.correlation.pairs import (
     Compared,
     Linear,
@@ -23,7 +23,7 @@ from stochlin.kernels.correlation.pairs import (
     over_pairs,
 )
 from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing
-from stochlin.models.grounds import CloughPenzien, Ground, KanaiTajimi, WhiteNoise
+from stochlin.models.grounds import Ground
 from stochlin.models.structures import DRIFT, Structure
 from stochlin.solver.correlation.signatures import drifting
 from stochlin.solver.linearization.equivalent_systems import BLANK, Solved, solved_together
@@ -34,13 +34,7 @@ from stochlin.solver.tables.checks import Tolerance
 from stochlin.solver.tables.lazy import Cells, cellwise
 
 SHOWN = ("displacement_std", "ductility_std", "yield_displacement")
-# Mean errors of rho by strength, as in `kernels.correlation.errors`: of 89 pairs on white noise, 555 on
-# Kanai-Tajimi and 556 on Clough-Penzien ground.
-ERRORS = {
-    WhiteNoise: np.array([0.02, 0.02, 0.04, 0.06]),
-    KanaiTajimi: np.array([0.02, 0.03, 0.02, 0.03]),
-    CloughPenzien: np.array([0.02, 0.03, 0.03, 0.04]),
-}
+UNKNOWN = (np.nan,) * (BOUNDS.size + 1)  # errors of rho where no pairs were simulated
 DIFFERENCE = "relative_displacement"  # start of the names of variables
 # Names of the results of `compared_pair` and `drifting_pair`
 COMPARED = ("rho", "bias", "bias_error", f"{DIFFERENCE}_std", f"{DIFFERENCE}_bias")
@@ -60,7 +54,7 @@ def linearized_pairs(
     """Variables of `correlate` by linearization, with those of the bias if asked for."""
     solve = judged if bias or closure == DRIFT else solved_together
     solved = solve(pair, ground, closure, tolerance)
-    errors = ERRORS.get(type(ground), np.full(4, np.nan))  # NaN where no pairs were simulated
+    errors = np.array(UNKNOWN if ground.calibration is None else ground.calibration.rho_errors)
     if closure == DRIFT:
         drifts = drifting(solved, tolerance)
         return _table(solved, drifts, partial(drifting_pair, errors), DRIFTING)

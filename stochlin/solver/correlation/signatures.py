@@ -23,11 +23,10 @@ from stochlin.kernels.correlation.errors import BOUNDS
 from stochlin.kernels.correlation.pairs import Drifting, over_pairs
 from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing, own_covariance
 from stochlin.kernels.linearization.drift import NOISE, DriftingSide, drifting_correlation
-from stochlin.models.grounds import Ground, WhiteNoise
+from stochlin.models.grounds import Ground
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.structures import DRIFT
 from stochlin.solver.linearization.drift_map import (
-    CORRECTED_GROUNDS,
     ELASTIC,
     NEARNESS,
     REFERENCE,
@@ -77,11 +76,17 @@ def drifting_side(values: Mapping[str, Array]) -> DriftingSide:
 def solved_references(
     ground: Ground, soil: Array, tolerance: Tolerance, table: xr.Dataset
 ) -> References:
-    """The references in the ``table`` of a map on grounds with the parameters ``soil`` (g, grounds)."""
+    """The references in the ``table`` of a map on grounds with the parameters ``soil`` (g, grounds).
+
+    The ``ground`` is of a kind whose calibration has a soil.
+    """
+    assert ground.calibration is not None
+    assert ground.calibration.soil is not None
+    of_soil, _ = ground.calibration.soil
     names = "period", "damping", "hardening", "elastic_ductility_std"
     rows = [np.tile(table[f"reference_{name}"].values, soil.shape[1]) for name in names]
     each = np.repeat(soil, table.sizes[REFERENCE], axis=1)
-    period = rows[0] * dict(zip(ground.cells(), each, strict=True))["period"]
+    period = rows[0] * dict(zip(ground.cells(), each, strict=True))[of_soil]
     ones = np.ones_like(period)
     cells = Oscillators(period, rows[1], rows[2], rows[3], ones, ones, each)
     law = Law.bilinear(period.size, DRIFT)
@@ -157,18 +162,19 @@ def drifting(solved: Solved, tolerance: Tolerance) -> Drifting:
 
 
 def _corrections(solved: Solved, side: DriftingSide, tolerance: Tolerance) -> tuple[Signature, Nearness]:
-    """What simulations say of structures; nothing if all are elastic or the map lacks this ground.
+    """What simulations say of structures; nothing if all are elastic or the ground is not calibrated.
 
     On white noise the signatures are not corrected.
     """
     ground, point = solved.ground, solved.point
+    calibration = ground.calibration
     ones = np.ones(point.shape[1])
     nothing = np.zeros((ENTRIES, ones.size))
     signature = Signature(nothing, nothing, ones, ones)
     yields = any(each.yields and isinstance(each, Bilinear) for each in solved.structures)
-    if type(ground) not in CORRECTED_GROUNDS or not yields:
+    if calibration is None or not yields:
         return signature, Nearness(nothing[:AXES], nothing, 0 * ones)
-    if isinstance(ground, WhiteNoise):
+    if calibration.soil is None:
         point = np.stack([*point, ones, AS_ON_WHITE_NOISE * ones])
     else:
         number, soil = np.zeros(ones.size, int), solved.oscillators.soil

@@ -28,14 +28,11 @@ import xarray as xr
 from scipy.ndimage import map_coordinates
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.models.grounds import CloughPenzien, Ground, KanaiTajimi, WhiteNoise
+from stochlin.models.grounds import Ground
 from stochlin.models.structures import DRIFT, GAUSSIAN, Structure
 from stochlin.solver.tables.interpolation import Grid
 
 FILE = "drift_map.nc"
-# Clough-Penzien ground is a Kanai-Tajimi ground with a high-pass filter. Structures on it are corrected
-# as on the Kanai-Tajimi ground alone.
-CORRECTED_GROUNDS = (KanaiTajimi, WhiteNoise, CloughPenzien)
 # R/p is the standard deviation of the elastic displacement over the yield displacement. Below this value
 # no drift grows within a million periods.
 ELASTIC = 0.15
@@ -51,16 +48,13 @@ GROUND_DAMPING, PERIOD = (0.03, 1.0), (0.1, 10.0)
 SIMULATED = (0.0, 4.0), (0.01, 1.0), (0.005, 0.3), GROUND_DAMPING, PERIOD
 # Ranges of the map itself: of the hardening ratio and of the damping ratio of the structure.
 MAP_HARDENING, MAP_DAMPING = (0.02, 1.0), (0.01, 0.1)
-# Ranges on Clough-Penzien ground: of the period of the high-pass filter over that of the soil, and of
-# the damping ratio of the high-pass filter.
-HIGH_PASS_PERIOD, HIGH_PASS_DAMPING = (2.0, 25.0), (0.2, 1.3)
 # Largest period after yield, T/sqrt(alpha), over the period of the high-pass filter. Where it is larger,
 # corrected standard deviations are too large by 10 % and more.
 BEYOND = 2.0
 # The expected relative error of a corrected standard deviation combines two parts: one that is always
-# there, which is larger where the correction is that of another case (Clough-Penzien ground, or a
-# hardening or damping ratio beyond the map), and this share of the scatter of the points around.
-LEAST, LEAST_BEYOND, BY_SPREAD = 0.01, 0.03, 0.45
+# there, that of the ground, or at least this one where the hardening or the damping ratio is beyond the
+# map, and this share of the scatter of the points around.
+LEAST_BEYOND, BY_SPREAD = 0.03, 0.45
 ROUNDING = 1e-9
 
 
@@ -78,17 +72,17 @@ def with_correction(
 
     ``soil`` has the parameters of their ground, ``point`` their places in the map.
     They also have ``displacement_error``, the relative error that is expected after the correction. It
-    is NaN where a structure or the ground is outside the simulated ranges. On a kind of ground for
-    which there are no simulations, nothing is corrected, and the error is NaN if a structure yields.
+    is NaN where a structure or the ground is outside the simulated ranges. On a kind of ground without
+    a calibration nothing is corrected, and the error is NaN if a structure yields.
     """
     factor: Array | float = 1.0
     error: Array | float = np.nan
-    if type(ground) in CORRECTED_GROUNDS:
-        name = DISPLACEMENT_WHITE if isinstance(ground, WhiteNoise) else DISPLACEMENT
+    if (calibration := ground.calibration) is not None:
+        name = DISPLACEMENT if calibration.soil else DISPLACEMENT_WHITE
         logarithm, spread = _held_with_spread(name, point)
         factor = np.exp(logarithm)
         mapped = within(point[1], MAP_HARDENING) & within(point[2], MAP_DAMPING)
-        least = np.where(mapped & (type(ground) is not CloughPenzien), LEAST, LEAST_BEYOND)
+        least = np.where(mapped, calibration.error, max(calibration.error, LEAST_BEYOND))
         error = np.sqrt(least**2 + (BY_SPREAD * spread) ** 2)
         error = np.where(simulated(ground, point, soil), error, np.nan)
     elastic, lost = np.isinf(derived["yield_displacement"]), np.isnan(derived["displacement_std"])
@@ -100,17 +94,22 @@ def with_correction(
 @np.errstate(all="ignore")  # what overflows is outside, and what is out of range
 def simulated(ground: Ground, point: Array, soil: Array) -> Array:
     """Whether the places ``point`` of structures in the map are within the simulated ranges."""
-    if type(ground) not in CORRECTED_GROUNDS:
+    calibration = ground.calibration
+    if calibration is None:
         return np.zeros(point.shape[1], bool)
     inside = np.ones(point.shape[1], bool)
     for row, ends in zip(point, SIMULATED, strict=False):
         inside &= within(row, ends)
-    if not isinstance(ground, CloughPenzien):
+    if calibration.soil is None:
         return inside
     named = dict(zip(ground.cells(), soil, strict=True))
-    ratio = named["high_pass_period"] / named["period"]
-    inside &= within(ratio, HIGH_PASS_PERIOD) & within(named["high_pass_damping"], HIGH_PASS_DAMPING)
-    return inside & (point[4] / np.sqrt(point[1]) <= BEYOND * ratio)
+    period = named[calibration.soil[0]]
+    for name, ends in calibration.ranges.items():
+        inside &= within(named[name] / period if ground.units(name) == "s" else named[name], ends)
+    if calibration.high_pass:
+        longest = BEYOND * (named[calibration.high_pass] / period)
+        inside &= point[4] / np.sqrt(point[1]) <= longest
+    return inside
 
 
 def within(value: Array, ends: tuple[float, float]) -> Array:
@@ -119,8 +118,8 @@ def within(value: Array, ends: tuple[float, float]) -> Array:
 
 
 def calibrated_closure(structure: Structure, ground: Ground) -> str:
-    """The drift closure for laws that have it, on the grounds of the map; otherwise the Gaussian one."""
-    known = DRIFT in structure.closure_names() and type(ground) in CORRECTED_GROUNDS
+    """The drift closure for laws that have it, on calibrated grounds; otherwise the Gaussian one."""
+    known = DRIFT in structure.closure_names() and ground.calibration is not None
     return DRIFT if known else GAUSSIAN
 
 

@@ -28,10 +28,10 @@ from stochlin.kernels.linearization.single_structures import (
     solve_structures,
 )
 from stochlin.messages import brief, hint
-from stochlin.models.grounds import Ground, WhiteNoise
+from stochlin.models.grounds import Ground
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.structures import DRIFT, GAUSSIAN, Structure
-from stochlin.solver.linearization.drift_map import CORRECTED_GROUNDS, STRENGTH_RATIO, with_correction
+from stochlin.solver.linearization.drift_map import STRENGTH_RATIO, with_correction
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.cells import Flat, flat
 from stochlin.solver.tables.checks import USUAL, Tolerance, check_table
@@ -90,12 +90,13 @@ class Oscillators(NamedTuple):
         return Oscillators(*(part[..., cells] for part in self))
 
     def point(self, ground: Ground, ratio: Array) -> Array:
-        """Places (axes, n) in the map of the drift closure, for R/p; on white noise two axes less."""
+        """Places (axes, n) in the map of the drift closure, for R/p; without a soil two axes less."""
         own = [ratio, self.hardening, self.damping]
-        if type(ground) not in CORRECTED_GROUNDS or isinstance(ground, WhiteNoise):
+        if ground.calibration is None or ground.calibration.soil is None:
             return np.array(own)
+        period, damping = ground.calibration.soil
         named = dict(zip(ground.cells(), self.soil, strict=True))
-        return np.array([*own, named["damping"], self.period / named["period"]])
+        return np.array([*own, named[damping], self.period / named[period]])
 
 
 class Law(NamedTuple):

@@ -33,6 +33,10 @@ from stochlin.solver.tables.lazy import in_blocks
 STD = "displacement_std"
 OFF = 0.1  # bias from which the caution of a cell is 1
 EXPECTED = 0.05  # expected error above which an error of more than OFF is not rare
+UNCALIBRATED = (
+    "No nonlinear simulations calibrate linearization on {} ground: its bias is unknown, and results of "
+    "the drift closure are as derived."
+)
 
 
 def judged(
@@ -184,7 +188,7 @@ def linearize(
     table = labels.label(in_blocks(partial(_solved, closure, tolerance), models))
     labels.raise_if_lone_failure(table, "linearize", structure, ground)
     if structure.yields:
-        table = table.assign_attrs(comment=caution_in_words(closure))
+        table = table.assign_attrs(comment=caution_in_words(closure, ground))
     return labels.with_run_information(
         table,
         f"Stationary response by linearization, {closure} closure, {ground.name} ground",
@@ -205,6 +209,9 @@ def _solved(closure: str, tolerance: Tolerance, structure: Structure, ground: Gr
     return xr.Dataset(solved.labelled(0, names))
 
 
-def caution_in_words(closure: str) -> str:
-    """Comment on the accuracy of the closure for yielding structures."""
-    return labels.CAUTION_DRIFT if closure == DRIFT else labels.CAUTION_SIGMA
+def caution_in_words(closure: str, ground: Ground, others: str = labels.CAUTION_SIGMA) -> str:
+    """Comment on the accuracy of the closure for yielding structures; that of ``others`` than drift."""
+    unknown = "" if ground.calibration else UNCALIBRATED.format(ground.name)
+    if closure == DRIFT:
+        return unknown or labels.CAUTION_DRIFT
+    return " ".join(filter(None, (others, unknown)))

@@ -121,7 +121,7 @@ def peak_response(
     table = labels.label(table)
     comment = f"{chosen.name} is defined for {domain}; NaN elsewhere."
     if structure.yields:
-        comment = f"{caution_in_words(closure)} {comment}"
+        comment = f"{caution_in_words(closure, ground)} {comment}"
     table = table.assign_attrs(comment=comment, closure=closure, peak_factor_model=chosen.name)
     return labels.with_run_information(
         table,
@@ -151,8 +151,11 @@ def _caution(
     structure: Structure, ground: Ground, solved: xr.Dataset, judged: xr.DataArray
 ) -> xr.DataArray:
     """Caution of the peak: that of the standard deviation, at least 1 for yielding with T < Tg/2."""
-    soil = ground.arrays().get("period", xr.DataArray(0.0))
-    stiff = (structure.arrays()["period"] < STIFF * soil) & np.isfinite(solved.yield_displacement)
+    if ground.calibration is None or ground.calibration.soil is None:
+        return judged
+    period, _ = ground.calibration.soil
+    stiff = structure.arrays()["period"] < STIFF * ground.arrays()[period]
+    stiff = stiff & np.isfinite(solved.yield_displacement)
     caution = np.maximum(judged, stiff.astype(np.int8))
     return caution.assign_attrs(judged.attrs)
 

@@ -141,7 +141,7 @@ def strength_for_ductility(
     case = f"strength_for_ductility({arguments})"
     labels.raise_if_lone_failure(table, case)
     return labels.with_run_information(
-        table.assign_attrs(closure=closure, comment=caution_in_words(closure)),
+        table.assign_attrs(closure=closure, comment=caution_in_words(closure, ground)),
         f"Strength for a peak ductility, {closure} closure, {ground.name} ground",
         f"strength_for_ductility(closure={closure!r})",
         models,

@@ -199,7 +199,7 @@ def roles_in_words(attrs: Mapping[Any, Any], *roles: str) -> list[str]:
 
 def site_in_words(case: Case) -> str:
     """The ground of a case: the name or spectrum that it is given by, and its model."""
-    parts = [part.name for part in getattr(case.site.ground, "grounds", (case.site.ground,))]
+    parts = [part.name for part in case.site.ground.parts]
     model = f"{' and '.join(dict.fromkeys(parts))} ground"
     if len(parts) > 1:
         model = f"{len(parts)} {model}s in parallel"
