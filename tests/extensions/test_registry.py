@@ -6,6 +6,7 @@ from importlib.metadata import EntryPoint
 import pytest
 
 from stochlin import registry as registries
+from stochlin.models.rules.codes import CodeRule
 from stochlin.registry import GROUP, Registry, import_extensions
 
 pytestmark = pytest.mark.invariant
@@ -93,3 +94,23 @@ def test_an_extension_that_is_wrong_is_named_and_the_others_still_work(folder, m
     ]
     assert "No module named 'nowhere_to_be_found'" in str(messages[0].message)
     assert "thing 'taken' exists already; choose another name" in str(messages[1].message)
+
+
+@pytest.mark.parametrize(
+    ("declared", "says"),
+    [
+        ({"gap_of": None}, "gap_of is not given; allowed: a function of a Site"),
+        ({"family": "srss"}, "family = 'srss'; allowed: '', 'SRSS', 'sum'"),
+        ({"between": "both"}, "between = 'both'; allowed: "),
+        ({"needs": ("height",)}, "needs = 'height'; allowed: .*'height_1'"),
+        (
+            {"multiplies": "ductility"},
+            "multiplies = 'ductility'; allowed: '', 'behaviour', 'deflection'",
+        ),
+        ({"called": {"q": "factor q"}}, "called = 'q'; allowed: 'behaviour', "),
+        ({"multiplies": "behaviour"}, "called has no 'behaviour', which"),
+    ],
+)
+def test_a_code_rule_that_declares_what_does_not_exist_is_refused(declared, says):
+    with pytest.raises(ValueError, match=f"^atlantis: {says}"):
+        CodeRule(**{"name": "atlantis", "reference": "7.3", "gap_of": max} | declared)

@@ -1,5 +1,6 @@
 """Separation rules: the gap between two buildings by building codes and by four families of rules.
 
+The rules of a country are one module, which publishes their numbers beside their functions.
 The rules take peak displacements at the level where the buildings could meet, as the code defines them;
 ``assumptions`` of each rule states the definition. Some rules also give the distance of one building
 from its property line.
@@ -21,7 +22,8 @@ from stochlin.registry import Registry
 
 Zone = Literal["I", "II", "III"]  # of Mexico City
 ZONES: Mapping[Zone, float] = {"I": 0.001, "II": 0.003, "III": 0.006}  # share of the height
-HEIGHT, FIXED = "height", "fixed"  # families of rules, besides "SRSS" and "sum" of the peaks
+HEIGHT, FIXED = "height", "fixed"  # families of rules that use no peaks
+FAMILIES = ("", "SRSS", "sum", HEIGHT, FIXED)
 INELASTIC = "peaks are largest displacements, inelastic where the structure yields"
 TWO = "a second building: what it says of a property line is not known here"
 CODE_RULES: Registry[CodeRule] = Registry("code rule", "stochlin.models.rules.codes")
@@ -32,6 +34,9 @@ OF_IMPORTANCE = Range(0.5, 2.0, True, True, "codes have 0.8 to 1.5")
 STOREYS = Range(1.0, include_lower=True, reason="storeys above the ground")
 MULTIPLIED = "displacements that are multiplied already: it has no factor on those under design forces"
 BOTH = ("floors_align", "same_property", "same_system")  # facts of two buildings
+# Assumptions on two buildings that several codes have.
+ALIGNED = "the factor for floors that align accepts contact at slab level"
+BETWEEN = "between two properties the gap is the sum of both distances from the line"
 
 
 @dataclass(frozen=True)
@@ -112,6 +117,10 @@ class Site(Model):
         """The factor if the floors align, else 1."""
         return factor if self.floors_align else 1.0
 
+    def over_peaks(self, gap: Any) -> Any:
+        """A gap [m] that does not depend on the peaks, over their dimensions, and NaN where they are."""
+        return gap + 0 * (self.peak_1 + self.peak_2)
+
 
 class Number(NamedTuple):
     """The number of a rule: its name, its unit, and its usual value, if it has one."""
@@ -150,6 +159,26 @@ class CodeRule(Published):
     countries: Sequence[str] = ()  # in which the code is in use
     number: Number | None = None
     value: float | None = None  # of its number, in place of the usual one
+
+    def __post_init__(self) -> None:
+        if self.gap_of is None and self.line_of is None:
+            raise ValueError(f"{self.name}: gap_of is not given; allowed: a function of a Site")
+        words = {
+            "family": ({self.family}, FAMILIES),
+            "between": ({self.between}, FAMILIES),
+            "needs": (self.needs, Site.__dataclass_fields__),
+            "multiplies": ({self.multiplies}, ("", BEHAVIOUR, DEFLECTION)),
+            "called": (self.called, FACTORS),
+        }
+        for what, (names, allowed) in words.items():
+            for name in names:
+                if name not in allowed:
+                    known = ", ".join(map(repr, allowed))
+                    raise ValueError(f"{self.name}: {what} = {brief(name)}; allowed: {known}")
+        for factor in (self.multiplies, BEHAVIOUR) if self.multiplies else ():
+            if factor not in self.called:
+                what = f"called has no {factor!r}, which the rule multiplies or divides by"
+                raise ValueError(f"{self.name}: {what}; allowed: what the code calls it")
 
     @property
     def stated_number(self) -> Any:

@@ -1,0 +1,94 @@
+"""The families of rules of Valles-Mattox and Reinhorn (1996), whose formulas codes use, too."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from stochlin.models.rules import publish
+from stochlin.models.rules.codes import CODE_RULES, CodeRule, Number, Site
+
+
+def root_of_squares(site: Site) -> Any:
+    """Square root of the sum of the squared peaks."""
+    return np.hypot(site.peak_1, site.peak_2)
+
+
+def total(site: Site) -> Any:
+    """Sum of the peaks."""
+    return site.peak_1 + site.peak_2
+
+
+def share_of_sum(site: Site) -> Any:
+    """The number times the sum of the peaks, or times the peak of one building."""
+    return site.number * total(site)
+
+
+def share_of_height(site: Site) -> Any:
+    """The number times the height of the lower building, or of one building."""
+    return site.over_peaks(site.number * site.lower_height)
+
+
+def fixed_distance(site: Site) -> Any:
+    """The number itself."""
+    return site.over_peaks(site.number)
+
+
+publish(
+    CODE_RULES,
+    CodeRule(
+        name="srss",
+        title="SRSS",
+        reference="Valles-Mattox and Reinhorn (1996), family of rules",
+        mark="P",
+        gap_of=root_of_squares,
+        family="SRSS",
+    ),
+    place=0,
+)
+
+publish(
+    CODE_RULES,
+    CodeRule(
+        name="share_of_sum",
+        reference="Valles-Mattox and Reinhorn (1996), family of rules",
+        mark="P",
+        gap_of=share_of_sum,
+        family="sum",
+        line="of one building the factor times its own peak",
+        number=Number("factor", usual=1.0),
+    ),
+    place=1,
+)
+
+publish(
+    CODE_RULES,
+    CodeRule(
+        name="share_of_height",
+        reference="Valles-Mattox and Reinhorn (1996), family of rules",
+        mark="P",
+        gap_of=share_of_height,
+        family="height",
+        assumptions="the peaks are not used",
+        needs=("height_1", "height_2"),
+        line="of one building the factor times its own height",
+        number=Number("factor"),
+    ),
+    place=11,
+)
+
+publish(
+    CODE_RULES,
+    CodeRule(
+        name="fixed_distance",
+        reference="Valles-Mattox and Reinhorn (1996), family of rules",
+        mark="P",
+        gap_of=fixed_distance,
+        family="fixed",
+        assumptions="the peaks are not used",
+        line="the same distance from a property line",
+        number=Number("distance", units="m"),
+    ),
+    place=12,
+)
