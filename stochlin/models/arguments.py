@@ -15,27 +15,25 @@ import typing
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Annotated, Any, Literal, ParamSpec, TypeGuard, TypeVar
+from typing import Annotated, Any, Literal, TypeGuard, TypeVar, overload
 
 import numpy as np
 import numpy.typing as npt
 
 from stochlin.messages import brief, check_names, hint
 from stochlin.models.parameters import POSITIVE, Model, Range, expect
-from stochlin.models.plausible import implausible, warn_caller
-from stochlin.models.uncertain import TAKERS, UncertainModel, as_array, median_of
+from stochlin.models.plausible import implausible, unquestioned, warn_caller
+from stochlin.models.uncertain import UncertainModel, as_array, median_of
 
 LONGEST_LABEL = 200
 A_LABEL = f"a text on one line, {LONGEST_LABEL} characters at most, no control characters"
-# Functions that give metres, or motions in metres: an intensity by default is no ground for these.
-IN_METRES = {*TAKERS[:4], "mitigate", "simulated_motions"}
 LARGEST = int(np.finfo(float).max)
 LARGEST_WHOLE = 2**63 - 1  # largest whole number of files and compiled code
 MOST_SCATTER = 2.0  # standard deviation of a logarithm: factors from 0.14 to 7 are within one of it
 
-P = ParamSpec("P")
-R = TypeVar("R")
+Function = TypeVar("Function", bound=Callable[..., Any])
 Check = Callable[[str, Any], None]  # of the name of an argument and its value
+InMetres = bool | Callable[[Mapping[str, Any]], bool]
 
 
 def is_number(value: object) -> TypeGuard[float]:
@@ -194,34 +192,43 @@ DampingRatio = Annotated[float, Number(Range(0, 1), "0 < damping < 1", is_share=
 Scatter = Annotated[float, SCATTER]
 
 
-def checked(function: Callable[P, R]) -> Callable[P, R]:
-    """The function, whose arguments are checked first, by the types in its signature."""
+@overload
+def checked(function: Function) -> Function: ...
+@overload
+def checked(*, uncertain: bool = ..., in_metres: InMetres = ...) -> Callable[[Function], Function]: ...
+def checked(function: Any = None, *, uncertain: bool = False, in_metres: InMetres = False) -> Any:
+    """The function, whose arguments are checked first, by the types in its signature.
+
+    Models among them may have ``uncertain`` parameters. With ``in_metres``, or where it is true of the
+    arguments by name, results are in metres: the intensity of ``ground`` must then be that of a motion.
+    """
+    if function is None:
+        return partial(checked, uncertain=uncertain, in_metres=in_metres)
     parameters = inspect.signature(function).parameters
     by_place = [n for n, each in parameters.items() if each.kind == each.POSITIONAL_OR_KEYWORD]
 
     @functools.wraps(function)
-    def call(*args: P.args, **kwargs: P.kwargs) -> R:
+    def call(*args: Any, **kwargs: Any) -> Any:
         check_names(function.__name__, kwargs, parameters)
         values = dict(zip(by_place, args, strict=False)) | kwargs
-        for name, check in checks_of(function):
+        for name, check in checks_of(function, uncertain):
             if name in values:
                 check(name, values[name])
-        warn_caller(function.__name__, _doubts(function.__name__, values))
-        made = function(*args, **kwargs)
+        warn_caller(function.__name__, lambda: _doubts(values, in_metres))
+        with unquestioned():
+            made = function(*args, **kwargs)
         if isinstance(made, Model):  # of a file, or computed
-            warn_caller(function.__name__, made.doubts())
+            warn_caller(function.__name__, made.doubts)
         return made
 
     return call
 
 
-def _doubts(name: str, values: dict[str, Any]) -> Iterator[str]:
-    """Texts on arguments of the function of this name that are implausible or have no effect."""
-    pair = [median_of(values.get(role)) for role in ("first", "second")]
-    reduced = any(getattr(each, "reduction_factor", None) is not None for each in pair)
-    metres = name in IN_METRES or (reduced and name == "pounding_fragility")
-    values["intensity"] = getattr(median_of(values.get("ground")), "intensity", 0) if metres else 0
-    yield from implausible(values)
+def _doubts(values: dict[str, Any], in_metres: InMetres) -> Iterator[str]:
+    """Texts on arguments that are implausible or have no effect."""
+    of_ground = getattr(median_of(values.get("ground")), "intensity", 0)
+    of_motion = in_metres(values) if callable(in_metres) else in_metres
+    yield from implausible(values | {"intensity": of_ground if of_motion else 0})
     for each in (each for each in values.values() if isinstance(each, Mapping)):  # facts for codes
         yield from implausible(each)
     several = values.get("structures")
@@ -243,9 +250,11 @@ def check_fields(described: Any, prefix: str = "") -> None:
 
 
 @functools.cache
-def checks_of(called: Callable[..., Any]) -> tuple[tuple[str, Check], ...]:
-    """Name and check of the arguments of a function or dataclass that have a check."""
-    uncertain = called.__name__ in TAKERS
+def checks_of(called: Callable[..., Any], uncertain: bool = False) -> tuple[tuple[str, Check], ...]:
+    """Name and check of the arguments of a function or dataclass that have a check.
+
+    Models may have ``uncertain`` parameters.
+    """
     declared = typing.get_type_hints(called, include_extras=True)
     names = inspect.signature(called).parameters
     return tuple((name, check) for name in names for check in _checks(declared.get(name), uncertain))

@@ -26,7 +26,7 @@ _ROUNDING = 1e-9  # relative rounding error allowed at the ends of a curve
 
 
 @dataclass(frozen=True)
-class Hazard(Model):
+class Hazard(Model, base=True):
     """Base of the hazards, for peak ground acceleration, ``Sa`` at a period, or intensity ``S0``."""
 
     measure: Exceeded = field(default="pga", kw_only=True)

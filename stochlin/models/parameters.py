@@ -6,7 +6,7 @@ import copy
 import dataclasses
 import functools
 import operator
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -15,9 +15,8 @@ import xarray as xr
 
 from stochlin.messages import Named, brief, hyphenated, sentence
 from stochlin.models.descriptions import stated
-from stochlin.models.plausible import Plausible, implausible, limits_of, warn_caller
+from stochlin.models.plausible import Plausible, implausible, limits_of, unquestioned, warn_caller
 from stochlin.models.uncertain import (
-    TAKERS,
     Uncertain,
     UncertainModel,
     WithoutCells,
@@ -34,6 +33,10 @@ Parameter = (
 """A number, a DataArray (broadcast by dimension name) or a 1-D array (dimension ``case``)."""
 
 ALONE = "one building alone is first, with None as second, in separation, recorded_gap and pounding_risk"
+TAKERS = (
+    "separation, existing_gap, sensitivity, pounding_probability, pounding_risk, required_gap, "
+    "mitigate, and simulate with a duration, take them"
+)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -96,10 +99,17 @@ class _Kind(Named):
         uncertain = [name for name, value in values.items() if isinstance(value, Uncertain)]
         if uncertain:
             self.check_uncertain(uncertain)
-        made = UncertainModel.of(self, args, kwargs) if uncertain else super().__call__(*args, **kwargs)
+        with unquestioned():
+            made = (
+                UncertainModel.of(self, args, kwargs) if uncertain else super().__call__(*args, **kwargs)
+            )
         values["intensity"] = None  # only functions that give metres ask about it
-        odd = implausible(values, self.limits(), of_one=issubclass(self, WithoutCells))
-        warn_caller(self.__name__, [*odd] or median_of(made).doubts())
+        limits, of_one = self.limits(), issubclass(self, WithoutCells)
+
+        def doubts() -> Iterable[str]:
+            return [*implausible(values, limits, of_one=of_one)] or median_of(made).doubts()
+
+        warn_caller(self.__name__, doubts)
         return made
 
 
@@ -111,8 +121,13 @@ class Model(ByValue, metaclass=_Kind):
     mark these cells in ``status`` and compute the others.
     """
 
+    is_base: ClassVar[bool] = True  # declared by ``base=True`` of a class: others are to derive from it
     of_arguments: ClassVar[bool] = False  # arguments of a function; messages then omit the class name
     instead: ClassVar[str] = ""  # advice in the message of a function that does not take this model
+
+    def __init_subclass__(cls, base: bool = False, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        cls.is_base = base
 
     @classmethod
     def check_uncertain(cls, names: Collection[str]) -> None:
@@ -140,12 +155,8 @@ class Model(ByValue, metaclass=_Kind):
 
     @classmethod
     def kinds(cls) -> Collection[type[Model]]:
-        """The concrete classes below this class, which messages list as allowed."""
-        made = cls.__subclasses__()
-        # A base has subclasses in its own package; a subclass in another package does not make it one.
-        package = cls.__module__.partition(".")[0]
-        is_base = any(f"{kind.__module__}.".startswith(f"{package}.") for kind in made)
-        return {kind for each in made for kind in each.kinds()} if is_base else {cls}
+        """What messages list as allowed: this class, or of a base the classes that derive from it."""
+        return {kind for each in cls.__subclasses__() for kind in each.kinds()} if cls.is_base else {cls}
 
     @classmethod
     def parameter_names(cls) -> tuple[str, ...]:
@@ -244,8 +255,7 @@ def expect(value: object, kind: type[Model] | tuple[type[Model], ...], role: str
         names = ", ".join(sorted(c.__name__ for each in kinds for c in each.kinds()))
         instead = f"; {value.instead}" if isinstance(value, Model) and value.instead else ""
         if isinstance(value, UncertainModel):
-            takers = f"{', '.join(TAKERS[:-1])}, and {TAKERS[-1]} with a duration,"
-            instead = f", without uncertain parameters, so give its median(); {takers} take them"
+            instead = f", without uncertain parameters, so give its median(); {TAKERS}"
         if value is None and role in ("first", "second"):
             instead = f"; {ALONE}"
         raise TypeError(f"{role} = {brief(value)} is of the wrong kind; allowed: {names}{instead}")

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import sys
 import warnings
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
 from typing import Any, NamedTuple, TypeGuard
 
 import numpy as np
@@ -37,8 +39,7 @@ class Plausible(NamedTuple):
 
 OF_A_ROW = "gaps"  # of which a list is no scan either
 FAR = sys.float_info.max  # beyond it numbers are refused
-# Modules in which no user writes numbers.
-LIBRARY = "stochlin.models", "stochlin.solver", "stochlin.applications", "dataclasses"
+UNQUESTIONED: ContextVar[bool] = ContextVar("UNQUESTIONED", default=False)
 ANY = Plausible(float("-inf"), float("inf"), "", "")
 STOREY = 3.0  # m, height of a storey if that of the building is not known; ASCE 7-16, 12.8.2.1
 _PERIODS = Plausible(
@@ -312,10 +313,21 @@ def _is_number(value: object) -> TypeGuard[float]:
     return type(value) in (int, float)
 
 
-def warn_caller(of: str, doubts: Iterable[str]) -> None:
-    """Warn where a model was made or a function was called, unless the library itself does so."""
-    depth = 2
-    while (module := sys._getframe(depth).f_globals.get("__name__", "")) == "stochlin.models.arguments":
-        depth += 1
-    for warning in () if module.startswith(LIBRARY) else doubts:
-        warnings.warn(f"{of}: {warning}", ImplausibleInput, stacklevel=depth + 1)
+@contextmanager
+def unquestioned() -> Iterator[None]:
+    """Give no warnings of numbers inside: the library has them from its caller, or computed them."""
+    token = UNQUESTIONED.set(True)
+    try:
+        yield
+    finally:
+        UNQUESTIONED.reset(token)
+
+
+def warn_caller(of: str, doubts: Callable[[], Iterable[str]]) -> None:
+    """Warn where the function was called that calls this one, unless inside of `unquestioned`."""
+    if UNQUESTIONED.get():
+        return
+    with unquestioned():
+        texts = [*doubts()]
+    for text in texts:
+        warnings.warn(f"{of}: {text}", ImplausibleInput, stacklevel=3)

@@ -49,7 +49,7 @@ CLOSURES: Registry[Callable[[type[Structure]], Closure | None]] = Registry(
 
 
 @dataclass(frozen=True)
-class Structure(Model):
+class Structure(Model, base=True):
     """Base of the structures, eq. (5): ``mu'' + 2 xi w mu' + alpha w^2 mu + (1 - alpha) w^2 z = f/uy``.
 
     The strength is given by ``yield_displacement`` or by ``reduction_factor``; without either of them

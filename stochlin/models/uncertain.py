@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import wraps
 from types import MethodType
@@ -17,18 +17,13 @@ from scipy.special import ndtri
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import Named, brief, check_call, check_names, hyphenated
 from stochlin.models.descriptions import span, stated
-from stochlin.models.plausible import implausible, warn_caller
+from stochlin.models.plausible import implausible, unquestioned, warn_caller
 from stochlin.models.values import ByValue, call
 
 One = TypeVar("One")
 Distribution = Literal["lognormal", "uniform"]
 KINDS: tuple[Distribution, ...] = get_args(Distribution)
 FAR = 1e-4  # probability below and above the two extreme values at which a model is tried
-# The functions that take models with uncertain parameters; the last one only with a duration.
-TAKERS = (
-    *("separation", "existing_gap", "sensitivity", "pounding_probability", "pounding_risk"),
-    *("required_gap", "mitigate", "simulate"),
-)
 
 
 def as_array(value: object) -> npt.NDArray[Any]:
@@ -199,7 +194,8 @@ class UncertainModel(ByValue, WithoutCells):
             name: factors.get(name, 1.0) * np.asarray(value.median)
             for name, value in self.uncertain.items()
         }
-        return self.build(**{**self.arguments, **values})
+        with unquestioned():
+            return self.build(**{**self.arguments, **values})
 
     def changed(self, change: Callable[[Any], Any]) -> Self:
         """The uncertain model whose samples are those of this model, each after the change."""
@@ -239,11 +235,16 @@ def takes_uncertain(build: Callable[..., One]) -> Callable[..., One]:
     def either(*args: Any, **kwargs: Any) -> Any:
         check_names(build.__qualname__, kwargs, own | dict(inspect.signature(args[0]).parameters))
         kind, *values = args
-        if any(isinstance(value, Uncertain) for value in (*values, *kwargs.values())):
-            made: Any = UncertainModel.of(MethodType(either, kind), values, kwargs)
-        else:
-            made = build(*args, **kwargs)
-        warn_caller(build.__qualname__, [*implausible(kwargs, of_one=True)] or median_of(made).doubts())
+        with unquestioned():
+            if any(isinstance(value, Uncertain) for value in (*values, *kwargs.values())):
+                made: Any = UncertainModel.of(MethodType(either, kind), values, kwargs)
+            else:
+                made = build(*args, **kwargs)
+
+        def doubts() -> Iterable[str]:
+            return [*implausible(kwargs, of_one=True)] or median_of(made).doubts()
+
+        warn_caller(build.__qualname__, doubts)
         return made
 
     return either

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import re
 import typing
 from collections.abc import Callable
 from typing import Any, Literal
@@ -137,3 +138,45 @@ def test_an_unknown_argument_is_answered_with_the_nearest() -> None:
         needed.pop(argument, None)
         with pytest.raises(TypeError, match=f"{argument}_ is no argument; did you mean '{argument}'"):
             called(**needed, **{f"{argument}_": None})
+
+
+def test_messages_name_the_functions_that_take_uncertain_models() -> None:
+    uncertain = sl.KanaiTajimi(sl.Uncertain(0.5, 0.1), 0.3, 0.01)
+    takers, said = set(), ""
+    for name in sl.__all__:
+        function = getattr(sl, name)
+        if inspect.isfunction(function) and "ground" in inspect.signature(function).parameters:
+            with pytest.raises(TypeError) as caught:
+                function(ground=uncertain)
+            refused = "without uncertain parameters" in str(caught.value)
+            said = str(caught.value) if refused else said
+            takers |= set() if refused else {name}
+    named = said.partition("so give its median(); ")[2].partition(" with a duration")[0]
+    assert {*re.split(r",? and |, (?!and)", named)} == takers
+
+
+@checked(uncertain=True, in_metres=True)
+def shaken(ground: Ground) -> tuple[Any, sl.KanaiTajimi]:
+    """The ground, and one that nobody has."""
+    return ground, sl.KanaiTajimi(500.0, 0.3)
+
+
+def test_a_function_declares_what_it_takes_and_gives_and_asks_for_what_it_is_given_alone() -> None:
+    uncertain: Any = sl.WhiteNoise(sl.Uncertain(0.01, 0.1))
+    assert shaken(uncertain)[0] is uncertain
+    with pytest.raises(TypeError, match="without uncertain parameters"):
+        motion(uncertain, 2.0)
+    with pytest.warns(sl.ImplausibleInput) as caught:
+        shaken(sl.WhiteNoise(1.0))
+    assert [str(each.message).partition(":")[0] for each in caught] == ["shaken"]
+    with pytest.warns(sl.ImplausibleInput, match="KanaiTajimi: period = 500"):
+        sl.KanaiTajimi(500.0, 0.3)
+
+
+def test_messages_list_a_class_from_which_an_extension_derives_one() -> None:
+    class Softer(sl.KanaiTajimi):
+        """Inside stochlin or outside."""
+
+    Softer.__module__ = sl.KanaiTajimi.__module__
+    with pytest.raises(TypeError, match=r"allowed: .*KanaiTajimi, "):
+        motion(1.0, 2.0)  # type: ignore[arg-type]

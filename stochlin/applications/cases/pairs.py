@@ -12,8 +12,10 @@ from stochlin.applications.cases.shaking import shaking_of
 from stochlin.applications.mitigation.mitigation import mitigate
 from stochlin.applications.probability.probability import pounding_probability
 from stochlin.kernels.basics.parallel import Progress
+from stochlin.models.plausible import unquestioned
 
 
+@unquestioned()
 def judge_gap(case: Case, gap: float, progress: Progress | None = None) -> xr.Dataset:
     """Probability of pounding of the buildings of a case with a gap [m], and their shaking.
 
@@ -26,6 +28,7 @@ def judge_gap(case: Case, gap: float, progress: Progress | None = None) -> xr.Da
     return table.assign(shaking_of(case).data_vars)
 
 
+@unquestioned()
 def mitigate_case(case: Case, progress: Progress | None = None) -> xr.Dataset:
     """The measures of a case compared, and the least sufficient ones, by `stochlin.mitigate`.
 

@@ -26,6 +26,7 @@ from stochlin.applications.sites.motion_fit import checked_components, periods_o
 from stochlin.applications.sites.simulated_spectra import Motions, compared_spectrum, simulated_spectrum
 from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.kernels.simulation.stepping import whole_groups
+from stochlin.models.plausible import unquestioned
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import standing
 
@@ -70,6 +71,7 @@ class CaseAnswer:
         return table if samples else table.drop_dims(set(table.dims) - {"rule"})
 
 
+@unquestioned()
 def answer_case(case: Case, progress: Progress | None = None) -> CaseAnswer:
     """Separation of the two buildings of a case or set-back of one, and limits of the existing gap.
 

@@ -15,6 +15,7 @@ from stochlin.applications.cases.separation import CaseAnswer, answer_case
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.models.grounds import Ground, WhiteNoise
+from stochlin.models.plausible import unquestioned
 from stochlin.solver.correlation.correlation import Method, correlate
 from stochlin.solver.simulation.finite_motions import keeping_apart
 from stochlin.solver.tables import labels
@@ -63,6 +64,7 @@ def correlations(case: Case, progress: Progress | None = None) -> Iterator[OnGro
         yield OnGround(name, linearized.rho, simulated[["rho", "rho_standard_error"]])
 
 
+@unquestioned()
 def _correlation(
     case: Case, ratios: Array, ground: Ground, method: Method, **options: Any
 ) -> xr.Dataset:

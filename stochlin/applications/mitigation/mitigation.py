@@ -64,7 +64,7 @@ TEXTS: dict[str, str] = {
 }
 
 
-@checked
+@checked(uncertain=True, in_metres=True)
 def mitigate(
     first: AnyStructure,
     second: AnyStructure,

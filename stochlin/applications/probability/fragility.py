@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -25,7 +26,7 @@ from stochlin.models.grounds import Ground, scatter_of
 from stochlin.models.parameters import Parameter
 from stochlin.models.structures import Gap
 from stochlin.models.systems import AnyStructure, first_period
-from stochlin.models.uncertain import as_array
+from stochlin.models.uncertain import as_array, median_of
 from stochlin.solver.linearization.strength import strength_in_metres
 from stochlin.solver.linearization.transient_systems import check_course, course_of, over_time
 from stochlin.solver.simulation.finite_motions import pounding_shares
@@ -45,7 +46,13 @@ STATUS = {
 }
 
 
-@checked
+def _by_factor(arguments: Mapping[str, Any]) -> bool:
+    """Whether the strength of a structure is a reduction factor, so that it has that of the ground."""
+    pair = [median_of(arguments.get(role)) for role in ("first", "second")]
+    return any(getattr(each, "reduction_factor", None) is not None for each in pair)
+
+
+@checked(in_metres=_by_factor)
 def pounding_fragility(
     first: AnyStructure,
     second: AnyStructure,

@@ -57,7 +57,7 @@ REFERENCES = (
 )
 
 
-@checked
+@checked(uncertain=True, in_metres=True)
 def pounding_probability(
     first: AnyStructure,
     second: AnyStructure,

@@ -57,7 +57,7 @@ REFERENCES = (
 )
 
 
-@checked
+@checked(uncertain=True)
 def pounding_risk(
     first: AnyStructure,
     second: AnyStructure | None,
@@ -153,7 +153,7 @@ def pounding_risk(
     return table.assign_attrs(years=float(years), gap_m=float(gap))
 
 
-@checked
+@checked(uncertain=True)
 def required_gap(
     first: AnyStructure,
     second: AnyStructure | None,

@@ -44,7 +44,7 @@ NEAR = 0.25  # share of the motions, with responses nearest to the quantile, in 
 REFERENCES = "Cleveland, W. S. (1979), J. Am. Stat. Assoc. 74."
 
 
-@checked
+@checked(uncertain=True, in_metres=True)
 def sensitivity(
     first: AnyStructure,
     second: AnyStructure | None,

@@ -142,7 +142,7 @@ class Required:
         return 0.0 if abs(excess) <= CLOSE * self.most else excess
 
 
-@checked
+@checked(uncertain=True, in_metres=True)
 def existing_gap(
     first: AnyStructure,
     second: AnyStructure | None,

@@ -78,7 +78,7 @@ TEXTS: Mapping[str, str] = {
 }
 
 
-@checked
+@checked(uncertain=True, in_metres=True)
 def separation(
     first: AnyStructure,
     second: AnyStructure | None,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from inspect import isfunction
 from typing import Any, NamedTuple
 
 from numba.extending import overload
@@ -28,11 +27,8 @@ from stochlin.kernels.linearization.single_structures import (
 ELASTIC = 1e-18  # slip and relaxation over w below which the structure is taken as elastic
 CLOSE, MOST = 1e-10, 200  # Newton's step at the end, and the number of steps
 # The formulas that take numbers and arrays, compiled for numbers.
-called_often(solve_3x3)
-for _module in (covariance, grounds):
-    for _formula in vars(_module).values():
-        if isfunction(_formula) and _formula.__module__ == _module.__name__:
-            called_often(_formula)
+for _formula in (solve_3x3, *covariance.FORMULAS, *grounds.FORMULAS):
+    called_often(_formula)
 compiled(gaussian_of_numbers)
 
 

@@ -202,3 +202,17 @@ def pair_row(
     )
     displacement, velocity, last = solve_3x3(at_poles(first, second, matrix), right)
     return displacement, velocity, choose(fast, displacement - last, last)
+
+
+# Of numbers and of arrays: where each pair depends on the last one, they are compiled.
+FORMULAS = (
+    characteristic,
+    hurwitz,
+    stable,
+    linear_system,
+    own_covariance,
+    pair_covariance,
+    coordinates,
+    at_poles,
+    pair_row,
+)

@@ -107,3 +107,7 @@ def clough_penzien(system: Any, ground: Any) -> tuple[Signal, Rows, Rows]:
     mu, v, y = signal
     of_layer = _sylvester(system, layer, (0.0, mu), (still, v), (0.0, y))
     return _less_signal(signal, _signal(layer, of_layer)), of_soil, of_layer
+
+
+# Of numbers and of arrays: where each pair depends on the last one, they are compiled.
+FORMULAS = _apply, _divide, _sylvester, _signal, _less_signal, kanai_tajimi, clough_penzien

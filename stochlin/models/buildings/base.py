@@ -35,7 +35,7 @@ PERIOD_OFF = 0.1  # of the first period, by which a pushover curve may differ
 GRAVITY = scipy.constants.g
 
 
-class MultistoreyBuilding(WithoutCells, Model):
+class MultistoreyBuilding(WithoutCells, Model, base=True):
     """Base of the buildings with floors: `ShearBuilding` and `ModalBuilding`.
 
     The elements of a building have one hysteresis law: they are its storeys, or its modes. Its arrays

@@ -49,7 +49,7 @@ CONTACTS: Registry[type[Contact]] = Registry("contact", "stochlin.models.contact
 
 
 @dataclass(frozen=True)
-class Contact(Model):
+class Contact(Model, base=True):
     """Base of the contacts: elements with a contact force, and impacts in which velocities jump."""
 
     @property
@@ -59,7 +59,7 @@ class Contact(Model):
 
 
 @dataclass(frozen=True)
-class Element(Contact):
+class Element(Contact, base=True):
     """A contact with a force law: a spring, and in most elements a dashpot.
 
     The penetration is ``d = u1 - u2 - gap`` [m], its rate ``v = d'`` [m/s]. A contact force acts only
@@ -86,7 +86,7 @@ class Element(Contact):
 
 
 @dataclass(frozen=True)
-class Damped(Element):
+class Damped(Element, base=True):
     """A contact element with a dashpot.
 
     Each subclass has its own relation between damping and coefficient of restitution.
@@ -149,7 +149,7 @@ class Damped(Element):
 
 
 @dataclass(frozen=True, init=False)
-class WithRatio(Damped):
+class WithRatio(Damped, base=True):
     """An element with the damping ratio ``xi = c/(2 sqrt(k m))``, ``m`` being the reduced mass."""
 
     damping: Parameter = parameter("1", "damping ratio of the contact", DAMPING, plausible=ANY)

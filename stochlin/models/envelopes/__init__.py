@@ -15,7 +15,7 @@ ENVELOPES: Registry[type[Envelope]] = Registry("envelope", "stochlin.models.enve
 
 
 @dataclass(frozen=True)
-class Envelope(Model):
+class Envelope(Model, base=True):
     """Base of the envelopes: functions of time [s], from 0 to 1, that multiply a stationary motion."""
 
     def at(self, time: Array) -> Array:

@@ -101,7 +101,7 @@ class Calibration(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Ground(Model):
+class Ground(Model, base=True):
     """Base of the grounds; ``intensity`` is the two-sided PSD ``S0`` of the white noise [m^2/s^3].
 
     A ground may leave out `fit`; it can then not be fitted to records. One without a `calibration` has

@@ -24,7 +24,7 @@ USUAL_STEP = 0.01  # default time step [s]
 STEP = Number(POSITIVE, "0 < step <= duration, in seconds")
 
 
-@checked
+@checked(in_metres=True)
 def simulated_motions(
     ground: Ground,
     duration: Duration,

@@ -40,7 +40,7 @@ STEPS_PER_PERIOD = 32
 SHORT, MOTIONS = 0.5, (256, 2048)  # [s] of a simulation, and fewest and most motions, where not given
 
 
-@checked
+@checked(uncertain=True)
 def simulate(
     structures: Sequence[AnyStructure],
     ground: Ground,

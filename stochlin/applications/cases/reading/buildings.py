@@ -37,7 +37,7 @@ from stochlin.models.buildings.shear import RegularBuilding, ShearBuilding
 from stochlin.models.laws import laws_in_numbers
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Range
-from stochlin.models.plausible import PLAUSIBLE, doubts_of_size
+from stochlin.models.plausible import PLAUSIBLE, doubts_of_size, unquestioned
 from stochlin.models.rules.codes import AT_LEAST_1, OF_IMPORTANCE
 from stochlin.models.systems import first_period, slabs_on_columns
 from stochlin.models.uncertain import applied, median_of
@@ -304,6 +304,7 @@ class Building:
             return iter(self.structure.doubts())
         return doubts_of_size(self.period, self.height, self.storeys)
 
+    @unquestioned()
     def on(self, site: Site) -> Building:
         """The building with the strength that it has on the ground of a site, if it depends on it."""
         if self.of_first_mode and self.strength == "reduction_factor":

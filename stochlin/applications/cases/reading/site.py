@@ -68,7 +68,7 @@ from stochlin.models.grounds import (
 )
 from stochlin.models.hazards import Hazard
 from stochlin.models.parameters import POSITIVE, Range
-from stochlin.models.plausible import PLAUSIBLE
+from stochlin.models.plausible import PLAUSIBLE, unquestioned
 from stochlin.models.uncertain import UncertainModel, median_of
 
 FITTED, NONE = "fitted", "none"
@@ -360,6 +360,7 @@ class Site:
         return ground
 
     @cached_property
+    @unquestioned()
     def sampled_ground(self) -> Any:
         """The ground as strong as it is wanted, with its uncertain parameters."""
         described = self.course.ground or self.described or self._fitted()

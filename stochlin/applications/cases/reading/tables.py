@@ -21,6 +21,7 @@ from stochlin.messages import (
     plain,
     sentence,
 )
+from stochlin.models.plausible import unquestioned
 from stochlin.removed import instead_of
 from stochlin.solver.tables.inputs import input_path
 from stochlin.solver.tables.toml import read_toml
@@ -177,6 +178,7 @@ class Table:
         more = {n: values.pop(n) for n in [*values] if n not in keys_of(form)}
         return form(table=replace(self, keys=keys), more=more, **values)
 
+    @unquestioned()
     def made(self, build: Callable[..., M], /, **values: Any) -> M:
         """A model of these values; its error is at the key that it names."""
         with self.naming(None, "does not fit: "):
