@@ -172,6 +172,12 @@ def test_buildings_with_a_curve_are_those_of_python(push: Path, tmp_path: Path) 
         assert case.buildings[1].strength == "pushover"
         assert {*case.files} == {tmp_path / "case.toml", push}
         same(case.buildings[1].structure, ELASTIC.with_pushover(ideal), 1e-12)
+    push.write_text("\n".join(push.read_text().splitlines()[1:]), encoding="utf-8")
+    untitled = 'pushover = "push.csv"\npushover_units = ["cm", "kN"]\npushover_columns = [1, 2]\n'
+    case = read(
+        tmp_path, FIRST, BY_CURVE.replace('pushover = "push.csv"', f'hardening = "3 %"\n{untitled}')
+    )
+    same(case.buildings[1].structure, ELASTIC.with_pushover(ideal), 1e-12)
 
 
 def test_uncertain_parameters_keep_the_curve(push: Path, tmp_path: Path) -> None:

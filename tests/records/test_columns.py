@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from cases import read_text
 
 import stochlin as sl
 from stochlin.applications.sheets.quantities import (
@@ -317,3 +318,46 @@ def test_a_time_step_that_the_time_contradicts_is_refused(tmp_path):
     coarse = written(tmp_path, ["time", "acc [g]"], [np.floor(20 * TIMES) / 20, WAVE])
     with pytest.raises(ValueError, match="time does not increase"):
         sl.read_record(coarse)
+
+
+CASE = """[site]
+{}
+[motion]
+duration = "12 s"
+[building_1]
+period = "1.0 s"
+damping = 0.05
+elastic = true
+[building_2]
+period = "0.6 s"
+damping = 0.05
+elastic = true
+[separation]
+confidence = "90 %"
+"""
+OF_CASE = {
+    "spectrum": (
+        'spectrum = "a.csv"\nunits = "g"\nperiod_column = {}\ncolumn = 2',
+        lambda case: both(case.site.spectrum),
+    ),
+    "record": (
+        'ground = "firm"\nintensity = "0.01 m^2/s^3"\n[[site.records]]\npath = "a.csv"\nunits = "g"\n'
+        "time_column = {}\ncolumn = 2",
+        lambda case: both(case.site.records["a.csv"]),
+    ),
+    "hazard": (
+        'ground = "firm"\nintensity = "0.01 m^2/s^3"\n[site.hazard]\nmeasure = "pga"\nfile = "a.csv"\n'
+        'units = "g"\nfrequency_column = {}\ncolumn = 2',
+        lambda case: READERS["hazard"].values(case.site.hazard),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", OF_CASE)
+def test_a_case_file_counts_columns_from_1(name, tmp_path):
+    site, values = OF_CASE[name]
+    written(tmp_path, ["", ""], READERS[name].columns)
+    case = read_text(tmp_path, CASE.format(site.format(1)))
+    np.testing.assert_allclose(values(case), READERS[name].wanted, rtol=1e-12)
+    with pytest.raises(ValueError, match=r"_column = 0 is no column; .* columns are counted from 1"):
+        read_text(tmp_path, CASE.format(site.format(0)))
