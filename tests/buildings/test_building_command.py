@@ -33,7 +33,7 @@ def test_its_example_is_a_building(wall: Path) -> None:
 
 
 def test_errors_name_options_and_no_input_is_overwritten(wall: Path) -> None:
-    assert "direction = 'UX' has no meaning for wall.csv" in refused(
+    assert "--direction 'UX' has no meaning for wall.csv" in refused(
         "building", wall, "--direction", "UX"
     )
     bare = wall.with_name("bare.csv")

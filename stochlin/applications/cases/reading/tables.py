@@ -61,7 +61,8 @@ class Table:
     source: Source = field(repr=False)
     values: Mapping[str, Any]
     place: Place = ()
-    keys: Mapping[str, Key] = field(default_factory=dict, repr=False, compare=False)  # once it is read
+    # The keys of its form, once it is read, with the length of those that take a list of so many.
+    keys: Mapping[str, int] = field(default_factory=dict, repr=False, compare=False)
 
     def __contains__(self, name: str) -> bool:
         return name in self.values
@@ -103,9 +104,9 @@ class Table:
 
     def _as_key(self, name: str, value: str | None) -> str:
         """A key with a value that Python has written, or with dots in its place."""
-        kind, dots = self.keys[name].kind, '"..."'
-        if isinstance(kind, ListOf) and kind.length:
-            dots = f"[{', '.join([dots] * kind.length)}]"
+        dots = '"..."'
+        if length := self.keys[name]:
+            dots = f"[{', '.join([dots] * length)}]"
         text = (value or dots).replace("'", '"')
         return f"{name} = {text.lower() if text in ('True', 'False') else text}"
 
@@ -176,7 +177,9 @@ class Table:
             raise self.error(missing[0], f"is missing{also}; allowed: {keys[missing[0]].kind.words}")
         values = {n: self.value(n, each.kind) for n, each in keys.items() if n in self}
         more = {n: values.pop(n) for n in [*values] if n not in keys_of(form)}
-        return form(table=replace(self, keys=keys), more=more, **values)
+        kinds = {n: each.kind for n, each in keys.items()}
+        lengths = {n: (kind.length or 0) if isinstance(kind, ListOf) else 0 for n, kind in kinds.items()}
+        return form(table=replace(self, keys=lengths), more=more, **values)
 
     @unquestioned()
     def made(self, build: Callable[..., M], /, **values: Any) -> M:
