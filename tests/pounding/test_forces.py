@@ -18,6 +18,7 @@ def building(n, stiffness=2e8, mass=2e5, **other):
     return sl.ShearBuilding([mass] * n, springs, [3.0] * n, 0.05, **given)
 
 
+@pytest.mark.extreme
 def test_forces_of_floors_are_in_balance():
     """Inertia, shears, damping and contacts of every floor add up to nothing."""
     pair = [building(3), building(2, 4e8)]
@@ -55,6 +56,7 @@ def test_peaks_are_those_between_outputs(contact):
         assert floors > 1.2  # an impact is over between two outputs
 
 
+@pytest.mark.extreme
 def test_yielding_storeys_bear_their_strength():
     pair = [building(3, hardening=1e-9), building(2, 4e8, hardening=1e-9)]
     table = sl.pound(pair, 0.005, BUMPER, shaking(size=8.0))
@@ -63,6 +65,7 @@ def test_yielding_storeys_bear_their_strength():
     assert (table.peak_storey_shear[0] <= strength * (1 + 1e-6)).all()
 
 
+@pytest.mark.extreme
 @pytest.mark.parametrize("contact", [SPRING, BUMPER, sl.Hertz(5e9), BLOW, sl.Stereomechanical(0)])
 def test_energy_of_each_hit_goes_somewhere(contact):
     """What a building gains from its contacts is what its own energies cannot explain."""
@@ -87,6 +90,7 @@ def test_energy_of_each_hit_goes_somewhere(contact):
     assert float(abs(table.energy_transferred).max()) > 1e-3 * size
 
 
+@pytest.mark.extreme
 def test_a_touch_that_others_press_for_has_its_approach_velocity():
     """The neighbour is pushed over a gap of 0.01 mm in the step in which it is struck itself."""
     row = [sl.Bilinear(period, 0.05, mass=mass) for period, mass in ((1.1, 1e6), (0.5, 1e5), (0.5, 1e6))]

@@ -11,7 +11,7 @@ import stochlin as sl
 
 pytestmark = pytest.mark.oracle
 
-FAR = 10.0  # [m]: no contact
+FAR = 1.0  # [m]: no contact
 SPRING = sl.LinearSpring(1e8)
 
 

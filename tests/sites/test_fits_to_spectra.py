@@ -93,7 +93,7 @@ def test_a_seed_is_an_answer_and_fewer_paths_are_the_first():
 
 
 APART = {  # each value is allowed, and not with the others
-    "tl = 8 s; allowed: longer than TS = sd1/sds = 9 s": lambda: sl.asce_7(G, 9 * G, 8.0),
+    "tl = 8 s; allowed: longer than TS = sd1/sds = 9 s": lambda: sl.asce_7(0.3 * G, 2.7 * G, 8.0),
     "step = 30.0 is out of range; allowed: 0 < step": lambda: sl.simulated_motions(FIRM, 9.0, step=30.0),
     "nothing is given; allowed: one of pga, sa": lambda: sl.scale_records({"a": RECORD}),
     "is not within the spectrum": lambda: sl.scale_records(

@@ -226,7 +226,7 @@ def pound(
     ... )
     >>> soft = sl.Bilinear(period=1.2, damping=0.05, mass=2e5)
     >>> stiff = sl.Bilinear(period=0.6, damping=0.05, mass=3e5)
-    >>> bumper = sl.Kelvin(stiffness=1e8, restitution=0.65)
+    >>> bumper = sl.Kelvin(stiffness=1e9, restitution=0.65)
     >>> table = sl.pound([soft, stiff], gaps=0.05, contact=bumper, motion=record)
     >>> table.sizes["impact"], bool((table.approach_velocity > 0).all())
     (10, True)
