@@ -299,6 +299,13 @@ def test_count_and_step_above_columns_are_no_sample(head, tmp_path):
         sl.read_record(path, units="g", dt=0.01)
 
 
+def test_components_may_be_named_by_a_letter(tmp_path):
+    """Which is no unit, such as N, S and T."""
+    for letter in "NSEWZTVHXYRL":
+        path = written(tmp_path, ["time", letter, "other"], [TIMES, WAVE, 2 * WAVE])
+        np.testing.assert_allclose(sl.read_record(path, column=letter, units="g"), G * WAVE)
+
+
 @pytest.mark.parametrize("form", ["2020-01-31T23:59:{:06.3f}", "2020-01-31 23:59:{:06.3f}Z"])
 def test_dates_are_seconds_from_the_first(form, tmp_path):
     path = written(tmp_path, ["Date", "acc [g]"], [[form.format(50 + t) for t in TIMES], WAVE])

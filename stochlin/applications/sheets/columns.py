@@ -25,7 +25,7 @@ from stochlin.applications.sheets.quantities import (
 from stochlin.applications.sheets.sheets import Table, number_in, spelled, with_unit
 from stochlin.applications.sheets.titles import Said
 from stochlin.kernels.basics.arrays import Array
-from stochlin.messages import brief, listed
+from stochlin.messages import brief
 from stochlin.models.arguments import is_label, is_whole
 from stochlin.models.parameters import Range
 from stochlin.models.units import UNITS, likely_unit, stated_size
@@ -38,6 +38,7 @@ COUNTED = "columns are counted from 1"
 _OF_PANDAS = re.compile(r"Unnamed: \d+(?:\.\d+)?(?:_level_\d+)?")  # a title that was empty
 _STAMP = re.compile(r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d.*")
 _ZONE = re.compile(r"(Z|[+-]\d\d:?\d\d)$")
+_LISTED = 8  # columns in messages
 _SHOWN = 3  # first numbers of a column without a title, in messages
 _STATED = {"m/s^2": "acceleration", "m/s": "velocity", "m": "length", "N": "force"}
 
@@ -124,7 +125,8 @@ class Need(NamedTuple):
     def refusal(self, column: Column) -> str:
         """Why a column that is asked for is not taken, in words; empty if it is taken."""
         said, known = column.said, self.meaning(column)
-        if said.quantities and known is None:
+        lettered = isinstance(self.by_caller, str) and len(column.title) == 1  # as component V or W
+        if said.quantities and known is None and not lettered:
             return f"is {' or '.join(of.name for of in said.quantities)}; allowed: {self.words}"
         if said.base is not None and (isnan(said.base) or not self.logarithms):
             return f"is a logarithm; allowed: {self.words}" + (", or its log10 or ln" * self.logarithms)
@@ -204,7 +206,9 @@ def columns_of(table: Table) -> list[Column]:
 
 def in_words(columns: Sequence[Column]) -> str:
     """The columns of a table, for messages."""
-    return f"{len(columns)} columns, {listed([column.in_words for column in columns], 8)}"
+    more = f" and {len(columns) - _LISTED} more" if len(columns) > _LISTED else ""
+    shown = ", ".join(column.in_words for column in columns[:_LISTED])
+    return f"{len(columns)} columns, {shown}{more}"
 
 
 def check_one_kind(table: Table, column: int, what: str) -> None:

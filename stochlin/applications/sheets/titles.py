@@ -151,7 +151,7 @@ def _without_brackets(
                 if any(likely_unit(text, of.unit) for of in rest):  # refused when it is read
                     return rest, text
     alone = name.strip()
-    of_unit = () if named else _fit(_BY_UNIT, alone)
+    of_unit = () if named or _DIRECTION.fullmatch(alone) else _fit(_BY_UNIT, alone)
     return (of_unit, alone) if of_unit else (named, remark)
 
 
