@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import sys
+import tomllib
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
+from importlib.resources import files
+from math import inf
 from typing import Any, NamedTuple, TypeGuard
 
 import numpy as np
@@ -40,226 +43,23 @@ class Plausible(NamedTuple):
 OF_A_ROW = "gaps"  # of which a list is no scan either
 FAR = sys.float_info.max  # beyond it numbers are refused
 UNQUESTIONED: ContextVar[bool] = ContextVar("UNQUESTIONED", default=False)
-ANY = Plausible(float("-inf"), float("inf"), "", "")
+ANY = Plausible(-inf, inf, "", "")
 STOREY = 3.0  # m, height of a storey if that of the building is not known; ASCE 7-16, 12.8.2.1
-_PERIODS = Plausible(
-    0.01,
-    60.0,
-    "ASCE 7-16, 12.8.2.1: 0.11 s for 3 m, 18 s for 1000 m of steel",
-    "0.05 to 20 s",
-    above="is it in ms?",
-)
-_MASSES = Plausible(
-    5e3,
-    2e9,
-    "EN 1991-1-1: about 1 t/m^2 of a concrete floor with its loads, on 20 to 1e6 m^2",
-    "2e4 to 1e9 kg",
-    below="is it in t?",
-    above="is it in g?",
-)
-_HEIGHTS = Plausible(
-    0.5,
-    50.0,
-    "ASCE 7-16, 12.8.2.1: storeys of 3 m and more; halls without floors reach 50 m",
-    "2 to 6 m",
-    above="is it in mm?",
-)
-_GAPS = Plausible(
-    1e-3,
-    1.0,
-    "1 % of a height of 100 m, a share that rules of codes ask for",
-    "0.01 to 1 m",
-    above="is it in cm?",
-)
-_FACTORS = Plausible(
-    0.0, 12.0, "ASCE 7-16, table 12.2-1, R and Cd, and EN 1998-1, table 6.2, q: up to 8", "1.5 to 8"
-)
-_DISPLACEMENTS = Plausible(
-    0.0,
-    1.0,
-    "ASCE 7-16, table 12.12-1: a drift of 2 %, of a height of 50 m",
-    "0.001 to 0.5 m",
-    above="is it in cm?",
-)
-_YIELDING = Plausible(
-    0.0,
-    2.0,
-    "Priestley et al. (2007): a yield drift of 1 %, of a height of 200 m",
-    "0.005 to 1 m",
-    above="is it in cm?",
-)
-_ACCELERATIONS = Plausible(
-    0.04 * g,
-    1.5 * g,
-    "EN 1998-1, 3.2.1(5), very low seismicity; few records exceed 1.5 g: Tarzana 1994, MYG004 2011",
-    "0.05 to 1 g, with 1 g = 9.81 m/s^2",
-    below="is it in g?",
-    above="is it in cm/s^2?",
-)
-_RESPONSES = Plausible(
-    1e-4 * g,
-    3.75 * g,
-    "EN 1998-1, 3.2.2.2: 2.5 times the ground acceleration",
-    "0.01 to 2.5 g, with 1 g = 9.81 m/s^2",
-    below="is it in g?",
-    above="is it in cm/s^2?",
-)
-# By the names of parameters, arguments and keys of case files; then what follows from several of them,
-# and what is read from files.
-PLAUSIBLE: Mapping[str, Plausible] = {
-    "period": _PERIODS,
-    "damping": Plausible(
-        0.005,
-        0.2,
-        "EN 1991-1-4, table F.2: 0.008 for steel; Newmark and Hall (1982): 0.2 for nailed wood",
-        "0.005 to 0.2, 0.05 for 5 %",
-        above="is that of devices added to it?",
-    ),
-    "ground_damping": Plausible(
-        1e-3,
-        1.5,
-        "grounds with 0.03 to 1, and high-pass filters with 0.2 to 1.3, are simulated here",
-        "0.03 to 1.3",
-    ),
-    **dict.fromkeys(("mass", "masses"), _MASSES),
-    **dict.fromkeys(("heights", "storey_height"), _HEIGHTS),
-    **dict.fromkeys(("gap", "gaps"), _GAPS),
-    **dict.fromkeys(("behaviour", "deflection", "divided_by"), _FACTORS),
-    "height": Plausible(1.0, 1000.0, "the highest building, in Dubai, has 828 m", "3 to 500 m"),
-    **dict.fromkeys(("displacements", "peak"), _DISPLACEMENTS),
-    **dict.fromkeys(("yield_displacement", "yield_displacements"), _YIELDING),
-    "reduction_factor": Plausible(
-        0.6, 20.0, "0.6 leaves the strength at five standard deviations of the response", "1 to 8"
-    ),
-    "base_shear_coefficient": Plausible(
-        0.0,
-        1.0,
-        "ASCE 7-16, 12.8.1.1: SDS/R, with R of 1.5 and more",
-        "0.02 to 0.5 of the weight",
-        above="is it in %?",
-    ),
-    "intensity": Plausible(
-        2e-6,
-        0.5,
-        "measured here: peaks of 0.005 g and of 2 g on firm ground",
-        "1e-4 to 0.1 m^2/s^3, 0.01 for 0.3 g",
-        above="is it the default?",
-    ),
-    "duration": Plausible(
-        0.0,
-        600.0,
-        "K-NET: records of the earthquake of 2011 off Tohoku last 300 s",
-        "10 to 120 s",
-        above="is it in ms?",
-    ),
-    **dict.fromkeys(("pga", "design_pga"), _ACCELERATIONS),
-    "ag": _ACCELERATIONS._replace(low=0.05 * g, usual="0.05 to 0.5 g, with 1 g = 9.81 m/s^2"),
-    "sds": _RESPONSES._replace(
-        low=0.167 * g,
-        source="ASCE 7-16, table 11.6-1, category A; 2.5 times the ground acceleration",
-        usual="0.2 to 2.5 g, with 1 g = 9.81 m/s^2",
-    ),
-    **dict.fromkeys(("sa", "sd1"), _RESPONSES),
-    "confidence": Plausible(
-        0.5,
-        float("inf"),
-        "with less than 0.5 pounding is likelier than none",
-        "0.5 to 0.99, 0.9 for 90 %",
-        below="is it the probability of pounding that is meant?",
-    ),
-    "risk": Plausible(
-        0.0,
-        0.01,
-        "ASCE 7-16, 21.2.1: 1 % in 50 years, 2e-4 a year, of collapse",
-        "1e-4 to 2e-3 per year",
-        above="is it in %?",
-    ),
-    "mean storey height": Plausible(
-        2.0,
-        50.0,
-        "International Residential Code, R305: rooms of 2.13 m and more",
-        "2.5 to 6 m",
-        below="are height and number of storeys right?",
-        above="are height and number of storeys right?",
-    ),
-    "period over 0.05 h^0.75": Plausible(
-        0.2,
-        10.0,
-        "EN 1998-1, 4.3.3.2.2(3): 1 to 1.7; ASCE 7-16, 12.8-8, 0.1 s a storey: 0.9 to 1.9",
-        "0.5 to 4",
-        below="are mass and stiffness right?",
-        above="are mass and stiffness right, or is it isolated?",
-    ),
-    "stiffness upwards": Plausible(
-        0.0,
-        1.2,
-        "EN 1998-1, 4.2.3.3(3): constant or less towards the top",
-        "0.3 to 1",
-        above="are the storeys in order, from the ground up?",
-    ),
-    "mass upwards": Plausible(
-        0.0,
-        1.5,
-        "EN 1998-1, 4.2.3.3(3): constant or less towards the top; ASCE 7-16, table 12.3-2: 1.5",
-        "0.5 to 1",
-        above="are the floors in order, from the ground up?",
-    ),
-    "mode downwards": Plausible(
-        0.0,
-        1.0,
-        "Chopra (2012), 8.3: the first mode of a building grows towards the roof",
-        "0.05 to 0.7",
-        above="are the floors in order?",
-    ),
-    "yield drift": Plausible(
-        0.0,
-        0.1,
-        "Priestley et al. (2007): 0.5 to 1 % of frames",
-        "0.002 to 0.02",
-        above="are units and period right?",
-    ),
-    "pga of 475 years": _ACCELERATIONS._replace(
-        low=0.08 * g,
-        source="EN 1998-1, 3.2.1(4), low seismicity; as for pga",
-        usual="0.08 to 1 g, with 1 g = 9.81 m/s^2",
-        below="are intensities, or k0, for g, or is this a site of low seismicity?",
-    ),
-    "penetration": Plausible(
-        0.0,
-        0.02,
-        "measured here: 1.2 cm with 1e9 N/m between 200 and 300 t in 64 motions",
-        "0.1 mm to 1 cm",
-        above="is the stiffness right, or is it that of a bumper?",
-    ),
-    "peak of a record": Plausible(
-        0.0,
-        3 * g,
-        "K-NET, MYG004, 2011: 2.75 g, the largest of a horizontal component",
-        "0.01 to 1 g",
-        above="are the units right?",
-    ),
-    "time step of a record": Plausible(
-        0.0,
-        0.5,
-        "K-NET: 0.01 s",
-        "0.001 to 0.02 s",
-        above="is time in seconds?",
-    ),
-    "largest ordinate": Plausible(
-        0.0025 * g,
-        7.5 * g,
-        "EN 1998-1, 3.2.2.2: 2.5 times ground accelerations of 0.001 and 3 g",
-        "0.05 to 4 g",
-        below="are its units right?",
-        above="are its units right?",
-    ),
-    "scale of a record": Plausible(
-        0.1,
-        10.0,
-        "Luco and Bazzurro (2007), Earthquake Eng. Struct. Dyn. 36: bias by factors up to 10",
-        "0.1 to 10, which leave a record one of its kind",
-    ),
-}
+
+
+def _read_limits() -> Mapping[str, Plausible]:
+    """The limits of `plausible.toml` by their names."""
+    limits = {}
+    text = files(__package__).joinpath("plausible.toml").read_text(encoding="utf-8")
+    for name, entry in tomllib.loads(text).items():
+        size = g if entry.pop("unit", "") == "g" else 1.0
+        low, high = (size * entry.pop(end, default) for end, default in (("low", 0.0), ("high", inf)))
+        names = [name, *entry.pop("names", ())]
+        limits |= dict.fromkeys(names, Plausible(low, high, **entry))
+    return limits
+
+
+PLAUSIBLE = _read_limits()
 
 
 def limits_of(name: str) -> Plausible:
