@@ -119,7 +119,8 @@ PYTHON: dict[str, Callable[[float, Path], object]] = {
     "penetration": lambda x, _: pressed(x),
     "peak of a record": lambda x, folder: sl.read_record(record(folder, peak=x)),
     "time step of a record": lambda x, folder: sl.read_record(record(folder, dt=x)),
-    "largest ordinate": lambda x, folder: sl.read_spectrum(spectrum(folder, x)),
+    "largest ordinate": lambda x, folder: sl.read_spectrum(spectrum(folder, x), elastic=True),
+    "divided_by": lambda x, folder: sl.read_spectrum(spectrum(folder, 1.0), divided_by=x),
     "scale of a record": lambda x, _: sl.scale_records({"a": motion(SINE)}, pga=x * abs(SINE).max()),
 }
 
@@ -217,13 +218,18 @@ FILES: dict[str, Callable[[float, Path], dict[str, str]]] = {
     },
     "peak of a record": lambda x, folder: with_record(record(folder, peak=x)),
     "time step of a record": lambda x, folder: with_record(record(folder, dt=x)),
-    "largest ordinate": lambda x, folder: {"site": f'spectrum = "{spectrum(folder, x).name}"'},
+    "largest ordinate": lambda x, folder: {
+        "site": f'spectrum = "{spectrum(folder, x).name}"\nelastic = true'
+    },
+    "divided_by": lambda x, folder: {
+        "site": f'spectrum = "{spectrum(folder, 1.0).name}"\ndivided_by = {x!r}'
+    },
     "scale of a record": lambda x, folder: with_record(record(folder), f"scale = {x!r}"),
 }
 # In a case file a gap is `existing`, and displacements are those of a design; forces in contacts are
 # those of `stochlin pound`.
 OF_PYTHON = {"gaps", "peak", "penetration"}
-FITTED = {"pga", "sa", "ag", "sds", "sd1", "largest ordinate"}  # to which the explorer fits a ground
+FITTED = {"pga", "sa", "ag", "sds", "sd1", "largest ordinate", "divided_by"}  # to which the explorer fits a ground
 
 
 def with_record(path: Path, more: str = "") -> dict[str, str]:

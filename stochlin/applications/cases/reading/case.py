@@ -46,7 +46,7 @@ from stochlin.models.contacts.elements import CONTACTS, DAMPING, RESTITUTION, Co
 from stochlin.models.links import Link
 from stochlin.models.measures import Measure
 from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Range
-from stochlin.models.plausible import PLAUSIBLE
+from stochlin.models.plausible import PLAUSIBLE, unquestioned
 from stochlin.models.rules.codes import (
     BEHAVIOUR,
     CODE_RULES,
@@ -452,6 +452,7 @@ def read_case(path: str | os.PathLike[str]) -> Case:
     return case_of(read_table(input_path("path", path)))
 
 
+@unquestioned()
 def case_of(table: Table) -> Case:
     """The case of a file."""
     whole = table.read(Whole)
