@@ -74,19 +74,9 @@ def parameter(
     default: Any = dataclasses.MISSING,
     *,
     scalar: bool = False,
-    plausible: Plausible | None = None,
 ) -> Any:
-    """Declare a physical parameter of a model as a dataclass field; a ``scalar`` takes no array.
-
-    Its ``plausible`` values are by default those of its name.
-    """
-    metadata = {
-        "units": units,
-        "long_name": long_name,
-        "allowed": allowed,
-        "scalar": scalar,
-        "plausible": plausible,
-    }
+    """Declare a physical parameter of a model as a dataclass field; a ``scalar`` takes no array."""
+    metadata = {"units": units, "long_name": long_name, "allowed": allowed, "scalar": scalar}
     return dataclasses.field(default=default, metadata=metadata)
 
 
@@ -123,6 +113,7 @@ class Model(ByValue, metaclass=_Kind):
 
     is_base: ClassVar[bool] = True  # declared by ``base=True`` of a class: others are to derive from it
     of_arguments: ClassVar[bool] = False  # arguments of a function; messages then omit the class name
+    other_limits: ClassVar[Mapping[str, Plausible]] = {}  # of parameters that mean something else here
     instead: ClassVar[str] = ""  # advice in the message of a function that does not take this model
 
     def __init_subclass__(cls, base: bool = False, **options: Any) -> None:
@@ -173,7 +164,7 @@ class Model(ByValue, metaclass=_Kind):
     def limits(cls) -> Mapping[str, Plausible]:
         """The plausible values of what describes the model, by name."""
         fields = dataclasses.fields(cls)
-        return {f.name: f.metadata.get("plausible") or limits_of(f.name) for f in fields}
+        return {f.name: cls.other_limits.get(f.name) or limits_of(f.name) for f in fields}
 
     @classmethod
     def units(cls, name: str) -> str:

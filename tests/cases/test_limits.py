@@ -229,7 +229,15 @@ FILES: dict[str, Callable[[float, Path], dict[str, str]]] = {
 # In a case file a gap is `existing`, and displacements are those of a design; forces in contacts are
 # those of `stochlin pound`.
 OF_PYTHON = {"gaps", "peak", "penetration"}
-FITTED = {"pga", "sa", "ag", "sds", "sd1", "largest ordinate", "divided_by"}  # to which the explorer fits a ground
+FITTED = {
+    "pga",
+    "sa",
+    "ag",
+    "sds",
+    "sd1",
+    "largest ordinate",
+    "divided_by",
+}  # to which the explorer fits a ground
 
 
 def with_record(path: Path, more: str = "") -> dict[str, str]:

@@ -73,7 +73,7 @@ def test_command_line_and_case_files_say_what_to_use_instead(tmp_path: Path) -> 
     assert said in refused("gap", "--gone")
     pair = ("--period-1", "1s", "--period-2", "2s", "--hardening", 0.1, "--reduction-factor", 4)
     chosen = refused("rho", *pair, "--closure", "gone")
-    assert "closure = 'gone' is not available for Bilinear; it was removed: the gap says it" in chosen
+    assert "--closure 'gone' is not available for Bilinear; it was removed: the gap says it" in chosen
     case = tmp_path / "case.toml"
     case.write_text(example_case().replace("[site]", "[site]\ngone = 1"), encoding="utf-8")
     assert "site.gone = 1 is not a key that is known here; it was removed: the gap says it" in refused(

@@ -1,6 +1,7 @@
 """Columns of all files: known by what their titles say, and never by their place."""
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -29,7 +30,7 @@ SA = np.where(T < 0.5, 1.0, 0.5 / T) * (1 - np.exp(-25 * T))  # g
 TIMES = 0.02 * np.arange(24)
 WAVE = 0.1 * np.sin(np.arange(24))
 LEVELS = np.geomspace(0.05, 1.6, 6)
-RATES = 1e-6 * LEVELS**-2.5
+RATES = 1e-4 * LEVELS**-2.5
 ROOF, SHEAR = np.array([0, 0.01, 0.03, 0.06]), np.array([0, 500, 700, 750])
 
 
@@ -47,6 +48,9 @@ class Reader(NamedTuple):
     options: dict[str, Any]  # for a table without units
 
 
+read_elastic = partial(sl.read_spectrum, elastic=True)
+
+
 def both(array: Any) -> np.ndarray:
     """Coordinate and values of an array."""
     return np.array([array[array.dims[0]].values, array.values])
@@ -54,7 +58,7 @@ def both(array: Any) -> np.ndarray:
 
 READERS = {
     "spectrum": Reader(
-        sl.read_spectrum,
+        read_elastic,
         ("Period [s]", "Sa [g]"),
         (T, SA),
         ("period_column", "column"),
@@ -208,7 +212,7 @@ def test_what_follows_from_another_quantity_is_converted_and_said(tmp_path):
         ("T", "SD [cm]", "PSV [cm/s]", "PSA [%g]"): (T, 0 * T, 0 * T, 100 * SA),
     }
     for titles, columns in files.items():
-        read = sl.read_spectrum(written(tmp_path, titles, columns))
+        read = read_elastic(written(tmp_path, titles, columns))
         np.testing.assert_allclose(both(read), [T, G * SA], rtol=1e-9)
         assert ("converted" in read.attrs.get("comment", "")) == (len(titles) == 2)
 
@@ -229,13 +233,13 @@ def test_another_measure_is_not_taken_by_itself(title, tmp_path):
     """Neither where it is the only other column; asked for, it is read if its title allows that."""
     path = written(tmp_path, ["T (s)", title], [T, SA])
     with pytest.raises(ValueError, match=r"the table has 2 columns, 1 'T .s.': a period") as refused:
-        sl.read_spectrum(path, units="g")
+        read_elastic(path, units="g")
     assert repr(title) in str(refused.value)
     if MEASURES[title]:
         with pytest.raises(ValueError, match=MEASURES[title]):
-            sl.read_spectrum(path, column=2)
+            read_elastic(path, column=2)
     else:
-        np.testing.assert_allclose(sl.read_spectrum(path, column=title, units="g"), G * SA)
+        np.testing.assert_allclose(read_elastic(path, column=title, units="g"), G * SA)
 
 
 def test_the_measure_of_a_hazard_is_the_one_of_its_title(tmp_path):
@@ -262,12 +266,12 @@ def test_a_function_of_etabs_is_read(tmp_path):
     ]
     path = tmp_path / "a.csv"
     path.write_text(ETABS + "\n".join(rows), encoding="utf-8")
-    np.testing.assert_allclose(both(sl.read_spectrum(path, units="g")), [T, G * SA])
+    np.testing.assert_allclose(both(read_elastic(path, units="g")), [T, G * SA])
     with pytest.raises(ValueError, match=r"line 4: the damping ratio is 0.05, which damping = 0.02"):
-        sl.read_spectrum(path, units="g", damping=0.02)
+        read_elastic(path, units="g", damping=0.02)
     path.write_text(ETABS + "\n".join([*rows, *(row.replace("Site", "B") for row in rows)]))
     with pytest.raises(ValueError, match="a second spectrum, 'B' beside 'Site'"):
-        sl.read_spectrum(path, units="g")
+        read_elastic(path, units="g")
 
 
 def test_a_uniform_hazard_spectrum_of_openquake_is_that_of_its_site(tmp_path):
@@ -278,13 +282,13 @@ def test_a_uniform_hazard_spectrum_of_openquake_is_that_of_its_site(tmp_path):
     rows += [",".join(map(str, [*place, *(size * values)])) for place, size in sites.items()]
     path = tmp_path / "a.csv"
     path.write_text("\n".join(rows), encoding="utf-8")
-    read = sl.read_spectrum(path, site=(-70.0, -33.0), column="0.02", between="linear")
+    read = read_elastic(path, site=(-70.0, -33.0), column="0.02", between="linear")
     np.testing.assert_allclose(read.sel(period=[0, 0.2, 0.5, 1]), G * 0.5 * values[4:])
     assert "probability 0.02" in read.attrs["comment"]
     with pytest.raises(ValueError, match=r"probabilities 0.1, 0.02, and column is missing"):
-        sl.read_spectrum(path, site=1)
+        read_elastic(path, site=1)
     with pytest.raises(ValueError, match=r"site is missing: .* has 1 .-70.6, -33.4., 2"):
-        sl.read_spectrum(path, column="0.1")
+        read_elastic(path, column="0.1")
 
 
 @pytest.mark.parametrize("head", ["", "El Centro\n", "time [s] acc [g]\n"])
@@ -344,7 +348,7 @@ confidence = "90 %"
 """
 OF_CASE = {
     "spectrum": (
-        'spectrum = "a.csv"\nunits = "g"\nperiod_column = {}\ncolumn = 2',
+        'spectrum = "a.csv"\nelastic = true\nunits = "g"\nperiod_column = {}\ncolumn = 2',
         lambda case: both(case.site.spectrum),
     ),
     "record": (

@@ -82,6 +82,7 @@ def test_the_rule_is_that_of_the_paper_for_elastic_oscillators():
     assert table.kind.sel(rule="cqc").item() == "response_spectrum"
 
 
+@pytest.mark.extreme
 def test_equal_buildings_need_no_gap_and_a_rigid_one_asks_for_the_displacement_of_the_other():
     assert (by_codes(TALL, TALL).cqc.sel(rule="srss") == 0).all()
     rigid = sl.ShearBuilding([1.5e5] * 2, [2.5e14, 2e14], heights=[3.5] * 2, damping=0.05)

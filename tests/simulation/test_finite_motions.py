@@ -60,6 +60,7 @@ def test_structures_that_change_places_exchange_their_sides():
     assert scipy.stats.ks_2samp(apart[:, 0, 1], apart[:, 1, 0]).pvalue > 1e-4
 
 
+@pytest.mark.extreme
 def test_exceedance_is_monotone_and_covers():
     rng = np.random.default_rng(5)
     gaps = xr.DataArray(np.linspace(-1, 4, 21), dims="gap")

@@ -135,7 +135,8 @@ def _meant(name: str, stated: Sequence[str]) -> tuple[tuple[Quantity, ...], str]
     units = [unit for unit in stated if _is_unit(unit) and not _DIRECTION.fullmatch(unit)]
     if not units or (named and not any(quantity.unit for quantity in named)):
         return named, units[0] if units else remark
-    return (not named and _fit(_BY_UNIT, units[0])) or (STRANGE,), units[0]
+    says_nothing = not named or len(compared(name.strip())) == 1  # a letter may name a component
+    return (says_nothing and _fit(_BY_UNIT, units[0])) or (STRANGE,), units[0]
 
 
 def _without_brackets(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -28,7 +29,7 @@ from stochlin.models.parameters import (
     check,
     parameter,
 )
-from stochlin.models.plausible import ANY
+from stochlin.models.plausible import ANY, Plausible
 from stochlin.registry import Registry
 
 DAMPING = NOT_NEGATIVE
@@ -92,7 +93,8 @@ class Damped(Element, base=True):
     Each subclass has its own relation between damping and coefficient of restitution.
     """
 
-    damping: Parameter = parameter("1", "damping of the contact", DAMPING, plausible=ANY)
+    other_limits: ClassVar[Mapping[str, Plausible]] = {"damping": ANY}
+    damping: Parameter = parameter("1", "damping of the contact", DAMPING)
 
     damping_name: ClassVar[str]  # name of the argument that gives the damping
     relation: ClassVar[Relation]
@@ -152,7 +154,7 @@ class Damped(Element, base=True):
 class WithRatio(Damped, base=True):
     """An element with the damping ratio ``xi = c/(2 sqrt(k m))``, ``m`` being the reduced mass."""
 
-    damping: Parameter = parameter("1", "damping ratio of the contact", DAMPING, plausible=ANY)
+    damping: Parameter = parameter("1", "damping ratio of the contact", DAMPING)
     damping_name: ClassVar[str] = "damping_ratio"
 
     def __init__(
@@ -403,7 +405,7 @@ class HertzDamp(Damped):
 
     law: ClassVar[ForceLaw] = ForceLaw(over_approach=True)
     stiffness: Parameter = parameter("N/m^n", "stiffness of the contact", POSITIVE)
-    damping: Parameter = parameter("1", "damping factor of the contact", DAMPING, plausible=ANY)
+    damping: Parameter = parameter("1", "damping factor of the contact", DAMPING)
     exponent: Parameter = parameter("1", "exponent of the contact", EXPONENT, SPHERES)
 
     damping_name: ClassVar[str] = "damping_factor"

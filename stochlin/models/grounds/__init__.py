@@ -25,7 +25,7 @@ from stochlin.models.parameters import (
     expect,
     parameter,
 )
-from stochlin.models.plausible import PLAUSIBLE
+from stochlin.models.plausible import PLAUSIBLE, Plausible
 from stochlin.models.uncertain import as_array, median_of
 from stochlin.registry import Registry
 
@@ -110,6 +110,7 @@ class Ground(Model, base=True):
     """
 
     name: ClassVar[str]
+    other_limits: ClassVar[Mapping[str, Plausible]] = {"damping": OF_GROUND}
     fit: ClassVar[Fit | None] = None
     calibration: ClassVar[Calibration | None] = None
     source: str = field(default="", compare=False, kw_only=True)
@@ -256,7 +257,7 @@ class KanaiTajimi(Ground):
         (0.02, 0.03, 0.02, 0.03), soil=("period", "damping")
     )  # of 555 pairs
     period: Parameter = parameter("s", "ground period", PERIODS)
-    damping: Parameter = parameter("1", "ground damping ratio", POSITIVE_DAMPING, plausible=OF_GROUND)
+    damping: Parameter = parameter("1", "ground damping ratio", POSITIVE_DAMPING)
     intensity: Parameter = parameter("m^2/s^3", "two-sided PSD of the white noise", POSITIVE, 1.0)
 
     @staticmethod
@@ -301,6 +302,11 @@ class CloughPenzien(Ground):
     """
 
     name: ClassVar[str] = "Clough-Penzien"
+    other_limits: ClassVar[Mapping[str, Plausible]] = {
+        "damping": OF_GROUND,
+        "high_pass_damping": OF_GROUND,
+        "high_pass_period": PLAUSIBLE["period"],
+    }
     fit: ClassVar[Fit] = Fit(
         {
             **KanaiTajimi.fit.bounds,
@@ -318,13 +324,9 @@ class CloughPenzien(Ground):
         error=0.03,
     )
     period: Parameter = parameter("s", "ground period", PERIODS)
-    damping: Parameter = parameter("1", "ground damping ratio", POSITIVE_DAMPING, plausible=OF_GROUND)
-    high_pass_period: Parameter = parameter(
-        "s", "high-pass period", PERIODS, plausible=PLAUSIBLE["period"]
-    )
-    high_pass_damping: Parameter = parameter(
-        "1", "high-pass damping ratio", POSITIVE, plausible=OF_GROUND
-    )
+    damping: Parameter = parameter("1", "ground damping ratio", POSITIVE_DAMPING)
+    high_pass_period: Parameter = parameter("s", "high-pass period", PERIODS)
+    high_pass_damping: Parameter = parameter("1", "high-pass damping ratio", POSITIVE)
     intensity: Parameter = parameter("m^2/s^3", "two-sided PSD of the white noise", POSITIVE, 1.0)
 
     @staticmethod
