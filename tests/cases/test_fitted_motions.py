@@ -75,9 +75,7 @@ def test_of_one_component_the_scatter_is_that_of_the_other(fitted: Case) -> None
 
 def test_components_that_are_none_are_refused(tmp_path: Path) -> None:
     case = read_both(tmp_path, "short")
-    with pytest.raises(
-        ValueError, match=r"motion.envelope = 'fitted' .* sample counts 2501 and 2481"
-    ):
+    with pytest.raises(ValueError, match=r"motion.envelope = 'fitted' .* sample counts 2501 and 2481"):
         _ = case.site.course
     read(tmp_path, FITTED)
     path = tmp_path / "case.toml"
