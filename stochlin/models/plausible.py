@@ -49,7 +49,7 @@ STOREY = 3.0  # m, height of a storey if that of the building is not known; ASCE
 
 def _read_limits() -> Mapping[str, Plausible]:
     """The limits of `plausible.toml` by their names."""
-    limits = {}
+    limits: dict[str, Plausible] = {}
     text = files(__package__).joinpath("plausible.toml").read_text(encoding="utf-8")
     for name, entry in tomllib.loads(text).items():
         size = g if entry.pop("unit", "") == "g" else 1.0
