@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import sys
-import tomllib
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
-from importlib.resources import files
 from math import inf
 from typing import Any, NamedTuple, TypeGuard
 
 import numpy as np
 from scipy.constants import g
 
+from stochlin.data_files import data_of
 from stochlin.messages import ImplausibleInput
 
 
@@ -50,8 +49,7 @@ STOREY = 3.0  # m, height of a storey if that of the building is not known; ASCE
 def _read_limits() -> Mapping[str, Plausible]:
     """The limits of `plausible.toml` by their names."""
     limits: dict[str, Plausible] = {}
-    text = files(__package__).joinpath("plausible.toml").read_text(encoding="utf-8")
-    for name, entry in tomllib.loads(text).items():
+    for name, entry in data_of(__package__, "plausible.toml").items():
         size = g if entry.pop("unit", "") == "g" else 1.0
         low, high = (size * entry.pop(end, default) for end, default in (("low", 0.0), ("high", inf)))
         names = [name, *entry.pop("names", ())]

@@ -1,13 +1,13 @@
 """Units and long names of the variables of all tables, which are in `variables.toml`."""
 
-import tomllib
 from collections.abc import Mapping
-from importlib.resources import files
+
+from stochlin.data_files import data_of
 
 Variables = Mapping[str, tuple[str, str]]
 NONE: Variables = {}
-TABLE = tomllib.loads(files(__package__).joinpath("variables.toml").read_text(encoding="utf-8"))
-VARIABLES: Variables = {name: (units, long_name) for name, (units, long_name) in TABLE.items()}
+READ = data_of(__package__, "variables.toml")
+VARIABLES: Variables = {name: (units, long_name) for name, (units, long_name) in READ.items()}
 # What the end or the beginning of a name adds to the long name of the rest.
 ENDINGS = {
     "lower": "{}, lower end of the 95 % interval",

@@ -17,6 +17,7 @@ pytestmark = pytest.mark.invariant
 ROOT = Path(sl.__file__).parents[1]
 # Those that are no words of the language, and no names of a public submodule.
 STILL = {*dir(sl.rules), *dir(sl.charts)}
+LISTS = "CHANGELOG.md", "removed.toml"  # which name it
 NAMES = {name for name in REMOVED.keys() - STILL if not re.fullmatch("[a-z]+", name)}
 
 
@@ -29,7 +30,7 @@ def gone(monkeypatch: pytest.MonkeyPatch) -> None:
 def texts() -> dict[str, str]:
     """All that a user may read: pages, notebooks, examples, docstrings of public names."""
     patterns = ("*.md", "docs/*.md", "docs/gallery/*.py", "notebooks/*.ipynb", "stochlin/**/*.toml")
-    paths = [path for pattern in patterns for path in ROOT.glob(pattern) if path.name != "CHANGELOG.md"]
+    paths = [path for pattern in patterns for path in ROOT.glob(pattern) if path.name not in LISTS]
     read = {str(path.relative_to(ROOT)): path.read_text(encoding="utf-8") for path in paths}
     return read | {name: inspect.getdoc(getattr(sl, name)) or "" for name in sl.__all__}
 

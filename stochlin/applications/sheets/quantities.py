@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import math
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
-from importlib.resources import files
 
+from stochlin.data_files import data_of
 from stochlin.models.units import size_of
 
 
@@ -35,10 +34,9 @@ _SPELLED = {
 }
 _OF_FREQUENCIES = {name: _SIZES[unit] for unit, names in _SPELLED.items() for name in names}
 
-_TEXT = files(__package__).joinpath("quantities.toml").read_text(encoding="utf-8")
 _READ = {
     key: Quantity(entry.pop("name"), frozenset(entry.pop("words", "").split()), **entry)
-    for key, entry in tomllib.loads(_TEXT).items()
+    for key, entry in data_of(__package__, "quantities.toml").items()
 }
 PERIOD = _READ["period"]
 FREQUENCY = _READ["frequency"]

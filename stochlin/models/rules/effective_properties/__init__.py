@@ -7,16 +7,15 @@ elastic. The rules are in `effective.toml`.
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
-from importlib.resources import files
 from math import inf
 from typing import Any
 
 import numpy as np
 
+from stochlin.data_files import data_of
 from stochlin.kernels.basics.arrays import Array
 from stochlin.models.arguments import Truth, checked
 from stochlin.models.parameters import POSITIVE, Parameter, parameter
@@ -188,6 +187,6 @@ def _read(name: str, row: dict[str, Any]) -> EffectiveRule:
     return EffectiveRule(name=name, period_ratio=both[0], damping=both[1], **row)
 
 
-TABLE = tomllib.loads(files(__package__).joinpath("effective.toml").read_text(encoding="utf-8"))
+TABLE = data_of(__package__, "effective.toml")
 for place, (name, row) in enumerate(TABLE.items()):
     publish(EFFECTIVE_RULES, _read(name, row), place)
