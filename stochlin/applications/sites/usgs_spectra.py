@@ -8,16 +8,14 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from stochlin.applications.sites.hazard_formats.usgs import content_of, finite
+from stochlin.applications.sites.hazard_formats.usgs import content_of, paired
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief, listed, sentence
 
 DAMPING = 0.05
 DESIGN = "multiPeriodDesignSpectrum", "twoPeriodDesignSpectrum"  # the first that is there is taken
-MAXIMUM = (
-    "multiPeriodMCErSpectrum",
-    "twoPeriodMCErSpectrum",
-)  # 1.5 times as strong, and asked for by name
+# Those 1.5 times as strong, which are asked for by name.
+MAXIMUM = "multiPeriodMCErSpectrum", "twoPeriodMCErSpectrum"
 
 
 class UsgsSpectrum(NamedTuple):
@@ -46,13 +44,7 @@ def read(name: str, text: str, column: int | str | None) -> UsgsSpectrum:
         raise ValueError(f"{what}; {known}")
     where, values = f"{name}, {chosen}", data[chosen]
     try:
-        periods, ordinates = [*values["periods"]], [*values["ordinates"]]
+        series = {key: [*values[key]] for key in ("periods", "ordinates")}
     except (LookupError, TypeError) as error:
         raise ValueError(f"{where}: {sentence(error)}; allowed: periods and ordinates") from error
-    if len(periods) != len(ordinates):
-        what = f"{len(periods)} periods beside {len(ordinates)} ordinates"
-        raise ValueError(f"{where}: {what}; allowed: as many of both")
-    places = [f"{where}, number {n}" for n in range(1, len(periods) + 1)]
-    return UsgsSpectrum(
-        str(chosen), finite(periods, places, "period"), finite(ordinates, places, "acceleration"), places
-    )
+    return UsgsSpectrum(str(chosen), *paired(where, series, ("period", "acceleration")))

@@ -40,6 +40,7 @@ from stochlin.applications.cases.reading.records import (
 )
 from stochlin.applications.cases.reading.tables import Form, Table
 from stochlin.applications.records.ground_fit import fitted_grounds
+from stochlin.applications.risk.rates import times_intensity
 from stochlin.applications.sites.design_spectra import asce_7, eurocode_8
 from stochlin.applications.sites.elastic_spectra import ELASTIC, marked, pga_of
 from stochlin.applications.sites.ground_fit import fit_ground
@@ -376,7 +377,8 @@ class Site:
                 scaled = scale_ground(ground, duration, envelope, **self.goal, paths=paths)
         if not isinstance(described, UncertainModel):
             return scaled
-        return described.changed(partial(_times, factor=float(scaled.intensity / ground.intensity)))
+        factor = float(scaled.intensity / ground.intensity)
+        return described.changed(partial(times_intensity, factor=factor))
 
     def _fitted(self) -> Ground:
         """The ground that is fitted to the spectrum, or to the first record."""
@@ -394,11 +396,6 @@ class Site:
             what = f"and the duration give motions with {ratio:.2g} {of_record}, without a duration"
             self.motion.table.warn("envelope", what)
         return ground
-
-
-def _times(ground: Any, factor: float) -> Any:
-    """The ground with its intensity multiplied by a factor."""
-    return replace(ground, intensity=ground.intensity * factor)
 
 
 def read_site(table: Table, of_motion: Table) -> Site:

@@ -12,7 +12,7 @@ from __future__ import annotations
 import json
 import math
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -36,23 +36,20 @@ def read(path: Path, text: str, choice: AskedHazard) -> list[Ordinate]:
     of_one: dict[str, Any] = {"site": choice.site, "investigation_time": choice.years}
     of_one |= {"column": choice.column, "frequency_column": choice.frequency_column}
     refuse(name, "a response of the USGS, of annual frequencies at one site", of_one)
-    curves: list[tuple[float, str, Sequence[Any], Sequence[Any]]] = []  # period, unit, xs and ys
+    curves: list[tuple[float, str, dict[str, Sequence[Any]]]] = []  # period, unit, xs and ys
     try:
         for measure, label, data, axis in _curves(content_of(text)["response"]):
             if (period := period_of(measure)) is not None:
                 values = axis | _total(data, measure_in_words(period))
                 units = "g" if "(g)" in label else ""
-                curves.append((period, units, [*values["xs"]], [*values["ys"]]))
+                curves.append((period, units, {key: [*values[key]] for key in ("xs", "ys")}))
     except (ValueError, LookupError, TypeError, AttributeError, RecursionError) as error:
         what = f"{name} is no response of the hazard service of the USGS ({sentence(error)})"
         raise ValueError(f"{what}; allowed: the whole response, so fetch it again") from error
     ordinates = []
-    for period, units, xs, ys in curves:
+    for period, units, series in curves:
         where = f"{name}, {measure_in_words(period)}"
-        if len(xs) != len(ys):
-            raise ValueError(f"{where}: {len(xs)} xs beside {len(ys)} ys; allowed: as many of both")
-        places = [f"{where}, number {n}" for n in range(1, len(xs) + 1)]
-        levels, frequencies = finite(xs, places, "intensity"), finite(ys, places, "annual frequency")
+        levels, frequencies, places = paired(where, series, ("intensity", "annual frequency"))
         ordinates.append(Ordinate(period, levels, frequencies, places, units))
     return ordinates
 
@@ -91,7 +88,19 @@ def _total(parts: Sequence[dict[str, Any]], measure: str) -> dict[str, Any]:
     return values
 
 
-def finite(values: Sequence[Any], places: Sequence[str], what: str) -> Array:
+def paired(
+    where: str, series: Mapping[str, Sequence[Any]], what: tuple[str, str]
+) -> tuple[Array, Array, list[str]]:
+    """Two series of finite numbers, as many of both, and the place of each; ``what`` names a number."""
+    (name_1, first), (name_2, second) = series.items()
+    if len(first) != len(second):
+        counts = f"{len(first)} {name_1} beside {len(second)} {name_2}"
+        raise ValueError(f"{where}: {counts}; allowed: as many of both")
+    places = [f"{where}, number {n}" for n in range(1, len(first) + 1)]
+    return _finite(first, places, what[0]), _finite(second, places, what[1]), places
+
+
+def _finite(values: Sequence[Any], places: Sequence[str], what: str) -> Array:
     """The values as an array; a ValueError, which names the place, unless all are finite numbers."""
     for value, place in zip(values, places, strict=True):
         if not isinstance(value, float) or not math.isfinite(value):
