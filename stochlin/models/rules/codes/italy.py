@@ -8,6 +8,7 @@ included. The edition of 2018 writes h/100 (2 ag S/g), which is the same.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -24,43 +25,28 @@ def italy(site: Site) -> Any:
     return np.maximum(total(site), least)
 
 
-publish(
-    CODE_RULES,
-    CodeRule(
-        name="ntc_2008",
-        title="NTC 2008",
-        reference="NTC 2008, Italy, 7.2.2",
-        mark="S",
-        gap_of=italy,
-        family="sum",
-        assumptions="peaks are displacements of the limit state SLV, mu_d times elastic (7.3.3.3)",
-        needs=("height_1", "height_2", "design_pga"),
-        multiplies="deflection",
-        called={
-            "behaviour": "behaviour factor q",
-            "deflection": "mu_d: q, or 1 + (q - 1) TC/T1 for T1 < TC",
-        },
-    ),
-    place=17,
+NTC_2008 = CodeRule(
+    name="ntc_2008",
+    title="NTC 2008",
+    reference="NTC 2008, Italy, 7.2.2",
+    mark="S",
+    gap_of=italy,
+    family="sum",
+    assumptions="peaks are displacements of the limit state SLV, mu_d times elastic (7.3.3.3)",
+    needs=("height_1", "height_2", "design_pga"),
+    multiplies="deflection",
+    called={
+        "behaviour": "behaviour factor q",
+        "deflection": "mu_d: q, or 1 + (q - 1) TC/T1 for T1 < TC",
+    },
+)
+NTC_2018 = replace(
+    NTC_2008,
+    name="ntc_2018",
+    title="NTC 2018",
+    reference="NTC 2018, Italy, 7.2.1",
+    countries=("Italy",),
 )
 
-publish(
-    CODE_RULES,
-    CodeRule(
-        name="ntc_2018",
-        title="NTC 2018",
-        reference="NTC 2018, Italy, 7.2.1",
-        mark="S",
-        gap_of=italy,
-        family="sum",
-        assumptions="peaks are displacements of the limit state SLV, mu_d times elastic (7.3.3.3)",
-        needs=("height_1", "height_2", "design_pga"),
-        multiplies="deflection",
-        countries=("Italy",),
-        called={
-            "behaviour": "behaviour factor q",
-            "deflection": "mu_d: q, or 1 + (q - 1) TC/T1 for T1 < TC",
-        },
-    ),
-    place=18,
-)
+publish(CODE_RULES, NTC_2008, place=17)
+publish(CODE_RULES, NTC_2018, place=18)

@@ -12,6 +12,7 @@ soil factor. The text was not compared; what it does not change is taken from th
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -36,44 +37,31 @@ def peru(site: Site) -> Any:
     return np.maximum(joint(site, site.lower_height), total(site) * (2 / 3))
 
 
-publish(
-    CODE_RULES,
-    CodeRule(
-        name="peru_e030",
-        title="Peru E.030",
-        reference="Norma E.030 (2018), Peru, article 33",
-        mark="S",
-        gap_of=peru,
-        line_of=peru_line,
-        family="sum",
-        between="sum",
-        of_pairs=(BETWEEN,),
-        needs=("height_1", "height_2"),
-        line="a building keeps 2/3 of its own displacement and half of the joint for its own height",
-        multiplies="deflection",
-        countries=("Peru",),
-        called={"behaviour": "reduction R", "deflection": "0.75 R, or 0.85 R if irregular"},
-    ),
-    place=9,
+E030 = CodeRule(
+    name="peru_e030",
+    title="Peru E.030",
+    reference="Norma E.030 (2018), Peru, article 33",
+    mark="S",
+    gap_of=peru,
+    line_of=peru_line,
+    family="sum",
+    between="sum",
+    of_pairs=(BETWEEN,),
+    needs=("height_1", "height_2"),
+    line="a building keeps 2/3 of its own displacement and half of the joint for its own height",
+    multiplies="deflection",
+    countries=("Peru",),
+    called={"behaviour": "reduction R", "deflection": "0.75 R, or 0.85 R if irregular"},
+)
+E030_OF_2026 = replace(
+    E030,
+    name="peru_e030_2026",
+    title="Peru E.030 (2026)",
+    reference="Norma E.030 as of 2026, Peru",
+    mark="M",
+    countries=(),
+    number=Number("zone_and_soil"),
 )
 
-publish(
-    CODE_RULES,
-    CodeRule(
-        name="peru_e030_2026",
-        title="Peru E.030 (2026)",
-        reference="Norma E.030 as of 2026, Peru",
-        mark="M",
-        gap_of=peru,
-        line_of=peru_line,
-        family="sum",
-        between="sum",
-        of_pairs=(BETWEEN,),
-        needs=("height_1", "height_2"),
-        line="a building keeps 2/3 of its own displacement and half of the joint for its own height",
-        multiplies="deflection",
-        called={"behaviour": "reduction R", "deflection": "0.75 R, or 0.85 R if irregular"},
-        number=Number("zone_and_soil"),
-    ),
-    place=10,
-)
+publish(CODE_RULES, E030, place=9)
+publish(CODE_RULES, E030_OF_2026, place=10)
