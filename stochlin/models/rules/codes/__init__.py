@@ -14,7 +14,6 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from stochlin.data_files import data_of
 from stochlin.messages import brief
 from stochlin.models.arguments import Truth, check_fields, checked, is_number
 from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Model, Range, parameter
