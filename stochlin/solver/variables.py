@@ -27,7 +27,8 @@ def unit_and_long_name(name: str, special: Variables = NONE) -> tuple[str, str] 
     """Unit and long name of a variable; None if it has none.
 
     A name that is neither ``special`` nor in `VARIABLES` may end as in `ENDINGS` or in the number of a
-    structure, or begin with ``record_``, also in several ways at once.
+    structure, or begin with ``record_``, also in several ways at once. The rest of it has the words of
+    `VARIABLES`, if it is there.
     """
     if known := special.get(name) or VARIABLES.get(name):
         return known
@@ -39,7 +40,8 @@ def unit_and_long_name(name: str, special: Variables = NONE) -> tuple[str, str] 
         stem, _, number = name.rpartition("_")
         if number.isdigit():
             rest, text = stem, f"{{}}, structure {number}"
-    if rest == name or (known := unit_and_long_name(rest, special)) is None:
+    known = VARIABLES.get(rest) or (unit_and_long_name(rest, special) if rest != name else None)
+    if known is None:
         return None
     units, long_name = known
     return units, text.format(long_name)
