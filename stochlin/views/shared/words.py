@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from stochlin.applications.cases.reading.case import Case
 
 MISSING, MINUS, SPACE = "\N{EN DASH}", "\N{MINUS SIGN}", "\N{NO-BREAK SPACE}"
-BEYOND = "\N{RIGHTWARDS ARROW}"
 IN_SI = {"1": 1.0, "g": constants.g, "m/s": 1.0, "ms": 1e-3, "kJ": 1e3, "MN": 1e6, "MN/m": 1e6}
 FAR = 2.5  # times what most rules ask: gaps beyond are told at the border of a picture, not drawn
 PAPER = "as in Valles-Mattox and Reinhorn (1996)"

@@ -16,8 +16,6 @@ import numpy as np
 from stochlin.models.rules import publish
 from stochlin.models.rules.codes import CODE_RULES, CodeRule, Site
 
-BESIDE = "the neighbour stands on the boundary and has left no joint"
-
 
 def beside(site: Site) -> Any:
     """What building 1 keeps beside a neighbour that stands on the boundary."""

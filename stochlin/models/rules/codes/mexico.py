@@ -16,7 +16,6 @@ from stochlin.models.rules import publish
 from stochlin.models.rules.codes import CODE_RULES, ZONES, CodeRule, Site
 
 SIMPLIFIED = {"I": 0.007, "II": 0.009, "III": 0.012}  # share of the height by zone
-ALIKE = "half for the same height, structural system and slab levels, which accepts contact of slabs"
 
 
 def mexico_city_line(site: Site) -> Any:
