@@ -7,19 +7,8 @@ from stochlin.data_files import data_of
 Variables = Mapping[str, tuple[str, str]]
 NONE: Variables = {}
 READ = data_of(__package__, "variables.toml")
-VARIABLES: Variables = {name: (units, long_name) for name, (units, long_name) in READ.items()}
-# What the end or the beginning of a name adds to the long name of the rest.
-ENDINGS = {
-    "lower": "{}, lower end of the 95 % interval",
-    "upper": "{}, upper end of the 95 % interval",
-    "standard_error": "standard error of the {}",
-    "mean": "mean of the {}",
-    "quantile": "quantile of the {}",
-    "at_height": "{}, at the height",
-    "alone": "{} without pounding",
-    "simulated": "{}, simulated",
-    "poisson": "{}, Poisson crossings",
-}
+VARIABLES: Variables = {name: (units, words) for name, (units, words) in READ["variables"].items()}
+ENDINGS: Mapping[str, str] = READ["endings"]
 RECORD = "record_"
 
 
