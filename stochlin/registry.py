@@ -2,7 +2,8 @@
 
 The modules of the kind's own folder are imported when a name is first asked for, and so are those that
 installed packages announce as entry points of the group ``stochlin.extensions``. Each registers what it
-defines; nothing else lists the names.
+defines; nothing else lists the names. One that cannot be imported is named by a warning, and the others
+still work.
 """
 
 from __future__ import annotations
@@ -11,9 +12,9 @@ import importlib
 import pkgutil
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from functools import cache
+from functools import cache, partial
 from importlib.metadata import entry_points
-from importlib.util import find_spec
+from pathlib import Path
 from threading import RLock
 from typing import Any, Generic, TypeVar
 
@@ -35,7 +36,7 @@ class Registry(Mapping[str, Thing], Generic[Thing]):
     folder : str
         The package whose modules define them.
     module : str, optional
-        Only the modules of this name do, one in each package within.
+        Only the modules of this name do, one in each folder within.
     check : callable, optional
         Raises a ValueError for a thing that lacks what is needed.
     """
@@ -97,7 +98,7 @@ class Registry(Mapping[str, Thing], Generic[Thing]):
                 self._asked = True  # a module that asks while it is imported sees what is there so far
                 try:
                     for name in self._modules():
-                        importlib.import_module(name)
+                        _import(name, partial(importlib.import_module, name))
                     import_extensions()
                 except BaseException:
                     self._asked = False  # whoever asks next is told, too
@@ -105,12 +106,15 @@ class Registry(Mapping[str, Thing], Generic[Thing]):
         return self._things
 
     def _modules(self) -> Iterator[str]:
-        for module in pkgutil.iter_modules(importlib.import_module(self.folder).__path__):
-            name = f"{self.folder}.{module.name}"
-            if self.module is None:
-                yield name
-            elif module.ispkg and find_spec(f"{name}.{self.module}"):
-                yield f"{name}.{self.module}"
+        package = importlib.import_module(self.folder)
+        if self.module is None:
+            names = [module.name for module in pkgutil.iter_modules(package.__path__)]
+        else:
+            files = [
+                each for path in package.__path__ for each in Path(path).glob(f"*/{self.module}.py")
+            ]
+            names = sorted(f"{file.parent.name}.{self.module}" for file in files)
+        return (f"{self.folder}.{name}" for name in names)
 
 
 def as_key(name: object) -> str:
@@ -118,18 +122,27 @@ def as_key(name: object) -> str:
     return str(name).strip().lower().replace("-", "_")
 
 
+def expect_class(thing: Any, base: type, *required: str) -> None:
+    """Raise a ValueError for what is no class of a ``base``, or lacks what the base leaves to it."""
+    if not (isinstance(thing, type) and issubclass(thing, base)):
+        raise ValueError(f"{brief(thing)} is registered; allowed: a class derived from {base.__name__}")
+    for name in required:
+        if getattr(thing, name, None) is getattr(base, name, None):
+            raise ValueError(f"{thing.__name__} has no {name}, which a class of {base.__name__} needs")
+
+
 @cache
 def import_extensions() -> None:
-    """Import the modules that installed packages announce.
-
-    One that cannot be imported is named by a warning, and the others still work.
-    """
+    """Import the modules that installed packages announce."""
     for entry in entry_points(group=GROUP):
-        try:
-            entry.load()
-        except Exception as error:
-            what = (
-                f"the extension {entry.name!r} ({entry.value}) is not used, since it cannot be imported"
-            )
-            why = f"{type(error).__name__}: {sentence(error)}"
-            warnings.warn(f"{what} ({why}); mend or uninstall it", stacklevel=2)
+        _import(f"{entry.name!r} ({entry.value})", entry.load)
+
+
+def _import(extension: str, load: Callable[[], object]) -> None:
+    """Import one, or warn that it cannot be imported."""
+    try:
+        load()
+    except Exception as error:
+        what = f"the extension {extension} is not used, since it cannot be imported"
+        why = f"{type(error).__name__}: {sentence(error)}"
+        warnings.warn(f"{what} ({why}); mend or remove it", stacklevel=2)

@@ -18,7 +18,7 @@ from stochlin.kernels.linearization.gaussian import Closure
 from stochlin.messages import listed
 from stochlin.models.parameters import PERIODS, POSITIVE, Model, Parameter, Range, parameter
 from stochlin.models.states import cannot_be_linearized, in_words
-from stochlin.registry import Registry
+from stochlin.registry import Registry, expect_class
 
 if TYPE_CHECKING:
     import sympy
@@ -41,7 +41,14 @@ DRIFT = "drift"  # the clipped closure, with the plastic drift that the clipped 
 CURE = "follow it in motions of finite length, by simulate with a duration, or separation"
 CHECKED = 8  # largest number of parameter sets for which a law is checked
 
-LAWS: Registry[type[Structure]] = Registry("law", "stochlin.models.laws")
+
+def _check_law(law: Any) -> None:
+    """Raise a ValueError for what is no law: it has rates in symbols, or steps of other kinds."""
+    has_steps = getattr(law, "step", Structure.step) is not Structure.step
+    expect_class(law, Structure, *(() if has_steps else ("symbolic",)))
+
+
+LAWS: Registry[type[Structure]] = Registry("law", "stochlin.models.laws", check=_check_law)
 # Functions that return their closure of a law, or None for a law that does not have it.
 CLOSURES: Registry[Callable[[type[Structure]], Closure | None]] = Registry(
     "closure", "stochlin.models.closures"
@@ -211,8 +218,11 @@ class Structure(Model, base=True):
         """The compiled ``symbolic`` expression, checked for the `_examples`."""
         from stochlin.models.symbolic import compiled
 
-        law = compiled(self.symbolic(), self.own_parameters(), self.growing())
-        law.check(self._examples)
+        try:
+            law = compiled(self.symbolic(), self.own_parameters(), self.growing())
+            law.check(self._examples)
+        except ValueError as error:
+            raise ValueError(f"{type(self).__name__}: {error}") from error
         return law
 
     @cached_property

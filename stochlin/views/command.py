@@ -20,7 +20,6 @@ from stochlin.removed import REMOVED, instead_of
 from stochlin.views.shared.screen import (
     COMMANDS,
     SPELLED,
-    bad_input,
     compiling_message,
     warnings_as_sentences,
 )
@@ -33,16 +32,13 @@ CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
 class Commands(click.Group):
     """The commands; they are imported when the first is used."""
 
-    # An installed package may have a command that cannot be imported.
-    list_commands = bad_input()(click.Group.list_commands)
-    get_command = bad_input()(click.Group.get_command)
-
     def main(self, *args: Any, **kwargs: Any) -> Any:
-        """Run the command, with signs that the output cannot show spelled out."""
+        """Run the command, with warnings in sentences; signs that the output lacks are spelled out."""
         for stream in (sys.stdout, sys.stderr):
             if isinstance(stream, io.TextIOWrapper):
                 stream.reconfigure(errors=SPELLED)
-        return super().main(*args, **kwargs)
+        with warnings_as_sentences():
+            return super().main(*args, **kwargs)
 
     def __call__(self, *args: Any, **kwargs: Any) -> Any:
         """The program: one that is interrupted does not wait for what its threads still compute."""
@@ -75,5 +71,4 @@ class Commands(click.Group):
 @click.version_option(__version__, prog_name="stochlin")
 def main() -> None:
     """Correlation and separation of neighbouring yielding buildings."""
-    for resource in (warnings_as_sentences(), compiling_message()):
-        click.get_current_context().with_resource(resource)
+    click.get_current_context().with_resource(compiling_message())

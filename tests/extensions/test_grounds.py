@@ -1,12 +1,15 @@
 """A ground from outside, that of the documentation: its spectrum and response, and in case files."""
 
+from dataclasses import dataclass
+
 import numpy as np
 import pytest
 import scipy.linalg
 from cases import FIRM_SITE, KIOSK
 
 import stochlin as sl
-from stochlin.models.grounds import GROUNDS
+from stochlin.models.grounds import GROUNDS, Filter, Ground
+from stochlin.models.parameters import POSITIVE, Parameter, parameter
 
 GROUND = """"hu_zhou"
 period = "0.4 s"
@@ -39,6 +42,42 @@ def test_a_structure_on_the_ground_of_the_page_has_the_covariance_of_both(exampl
     covariance = scipy.linalg.solve_continuous_lyapunov(system, -strength)
     table = sl.linearize(sl.Bilinear(1.3, 0.05), ground)
     assert float(table.displacement_std) == pytest.approx(np.sqrt(covariance[0, 0]), rel=1e-9)
+
+
+@dataclass(frozen=True)
+class Growing(Ground):
+    """A filter with a sign too many."""
+
+    name = "growing"
+    period: Parameter = parameter("s", "ground period", POSITIVE)
+    intensity: Parameter = parameter("m^2/s^3", "two-sided PSD of the white noise", POSITIVE, 0.01)
+
+    @staticmethod
+    def filter(values):
+        w = 2 * np.pi / values["period"]
+        return Filter(values["intensity"], ("x", "v"), [[0, 1], [-(w**2), 0.2 * w]], [0, 1], [w**2, 0])
+
+
+PAIR = [sl.Bilinear(1.3, 0.05), sl.Bilinear(0.9, 0.05)]
+
+
+@pytest.mark.invariant
+@pytest.mark.parametrize("period", [0.4, [0.4, 0.8]], ids=["number", "cells"])
+@pytest.mark.parametrize(
+    "use",
+    [
+        lambda ground: ground.psd(1.0),
+        lambda ground: sl.linearize(PAIR[0], ground),
+        lambda ground: sl.correlate(*PAIR, ground),
+        lambda ground: sl.correlate(*PAIR, ground, method="simulation"),
+    ],
+    ids=["psd", "linearize", "correlate", "simulation"],
+)
+def test_a_filter_that_does_not_come_to_rest_is_refused(use, period):
+    with pytest.raises(
+        ValueError, match=r"Growing: motions of its filter grow with exp\(.* t\); allowed"
+    ):
+        use(Growing(period))
 
 
 @pytest.mark.cli

@@ -47,7 +47,6 @@ def test_a_package_with_every_example_passes_the_tests_of_what_is_listed(tmp_pat
         path = package / name
         path.parent.mkdir(exist_ok=True)
         path.write_text(f'"""An example."""\n\n{code}', encoding="utf-8")
-    (package / "views" / "added" / "__init__.py").write_text('"""An example."""\n')
     shutil.copytree(TESTS, tmp_path / "tests", ignore=shutil.ignore_patterns("__pycache__"))
     for name in ("docs", "pyproject.toml", "CITATION.cff", "CHANGELOG.md"):
         source = TESTS.parent / name

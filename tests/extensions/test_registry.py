@@ -1,13 +1,22 @@
 """The registry: found when asked for, in their order, each name once, and what is wrong is said."""
 
+import re
 import sys
 from importlib.metadata import EntryPoint
+from pathlib import Path
 
 import pytest
+from extending import PAGE
 
+import stochlin
 from stochlin import registry as registries
-from stochlin.models.rules.codes import CodeRule
+from stochlin.models.contacts.elements import CONTACTS, Contact
+from stochlin.models.envelopes import ENVELOPES, Envelope
+from stochlin.models.grounds import GROUNDS, Ground
+from stochlin.models.rules.codes import CODE_RULES, CodeRule
+from stochlin.models.structures import LAWS, Structure
 from stochlin.registry import GROUP, Registry, import_extensions
+from stochlin.views.shared.screen import COMMANDS
 
 pytestmark = pytest.mark.invariant
 
@@ -57,12 +66,83 @@ def test_an_unknown_name_lists_those_that_are_known():
         registry.named("other", "kind")
 
 
-def test_what_cannot_be_imported_is_told_each_time_that_it_is_asked_for(folder):
-    (folder / "broken.py").write_text("import nowhere_to_be_found\n")
+def test_a_file_that_cannot_be_imported_is_named_and_the_others_still_work(folder):
+    """Where warnings are errors, whoever asks next is told, too."""
+    (folder / "broken.py").write_text("def half(:\n")
+    (folder / "missing.py").write_text("import nowhere_to_be_found\n")
     registry = Registry("thing", "some_kind")
+    registry.register("useful")(object())
     for _ in range(2):
-        with pytest.raises(ModuleNotFoundError, match="nowhere_to_be_found"):
+        with pytest.raises(UserWarning, match=r"some_kind\.broken is not used, .*SyntaxError.*line 1"):
             list(registry)
+    with pytest.warns(UserWarning, match=r"some_kind\.") as messages:
+        assert list(registry) == ["useful"]
+    assert len(messages) == 2
+
+
+def test_a_module_of_a_folder_needs_no_other_file(folder):
+    (folder / "new").mkdir()
+    (folder / "new" / "thing.py").write_text("")
+    (folder / "new" / "other.py").write_text("import nowhere_to_be_found\n")
+    assert not Registry("thing", "some_kind", "thing")
+    assert "some_kind.new.thing" in sys.modules
+
+
+def test_the_page_has_every_registry_and_names_files_that_are_there():
+    page, sources = PAGE.read_text(encoding="utf-8"), [*Path(stochlin.__file__).parent.rglob("*.py")]
+    texts = [path.read_text(encoding="utf-8") for path in sources]
+    kinds = {name for text in texts for name in re.findall(r"^(\w+): Registry\[", text, re.MULTILINE)}
+    assert len(kinds) >= 13
+    assert {kind for kind in kinds if not re.search(rf"^\| .*\b{kind}`", page, re.MULTILINE)} == set()
+    named = set(re.findall(r"`(?:[\w/]*/)?(\w+\.(?:py|toml))`", page))
+    assert len(named) >= 7
+    assert named <= {path.name for path in sources}
+
+
+class NoFilter(Ground):
+    name = "none"
+
+
+class NoName(Ground):
+    @staticmethod
+    def filter(values): ...
+
+
+class NoRates(Structure): ...
+
+
+class NoTimes(Envelope): ...
+
+
+class NoRestitution(Contact): ...
+
+
+@pytest.mark.parametrize(
+    ("registry", "wrong", "says"),
+    [
+        (GROUNDS, NoFilter, "NoFilter has no filter, which a class of Ground needs"),
+        (GROUNDS, NoName, "NoName has no name, which"),
+        (LAWS, NoRates, "NoRates has no symbolic, which"),
+        (ENVELOPES, NoTimes, "NoTimes has no at, which"),
+        (CONTACTS, NoRestitution, "NoRestitution has no e, which"),
+        (LAWS, len, ".*len.* is registered; allowed: a class derived from Structure"),
+        (COMMANDS, len, "command .*len.*; allowed: a function below @click.command"),
+        (
+            CODE_RULES,
+            CodeRule(name="atlantis", reference="7.3", gap_of=lambda site: 0.01 * site.height_1),
+            "atlantis: the formula fails with both peaks alone; name what else it takes in needs",
+        ),
+        (
+            CODE_RULES,
+            CodeRule(name="atlantis", reference="7.3", gap_of=lambda site: site.number * site.peak_1),
+            "atlantis: the formula fails with both peaks alone; .* or by a number",
+        ),
+    ],
+)
+def test_what_lacks_what_its_kind_needs_is_refused(registry, wrong, says):
+    with pytest.raises(ValueError, match=f"^{says}"):
+        registry.register("wrong")(wrong)
+    assert "wrong" not in registry
 
 
 def test_an_extension_that_is_wrong_is_named_and_the_others_still_work(folder, monkeypatch):
@@ -107,6 +187,9 @@ def test_an_extension_that_is_wrong_is_named_and_the_others_still_work(folder, m
             {"multiplies": "ductility"},
             "multiplies = 'ductility'; allowed: '', 'behaviour', 'deflection'",
         ),
+        ({"needs": "zone"}, r"needs = 'zone'; allowed: a tuple, as \('zone',\)"),
+        ({"countries": "Chile"}, "countries = 'Chile'; allowed: a tuple"),
+        ({"called": "factor R"}, "called = 'factor R'; allowed: names by factor"),
         ({"called": {"q": "factor q"}}, "called = 'q'; allowed: 'behaviour', "),
         ({"multiplies": "behaviour"}, "called has no 'behaviour', which"),
     ],

@@ -103,6 +103,18 @@ class Filter:
         )
 
     @property
+    def growth(self) -> float:
+        """Largest rate [1/s] at which free motions grow, below 0 if they decay, over all cells.
+
+        Oscillators decay, since their damping is positive.
+        """
+        if self.oscillators:
+            return -np.inf
+        matrix = self.arrays.matrix
+        known = matrix[np.isfinite(matrix).all(axis=(-2, -1))]
+        return float(np.linalg.eigvals(known).real.max(initial=-np.inf))
+
+    @property
     def fastest(self) -> Entry:
         """Largest natural frequency of the filter [rad/s]; 0 without states."""
         if self.oscillators:

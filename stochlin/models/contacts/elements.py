@@ -30,7 +30,7 @@ from stochlin.models.parameters import (
     parameter,
 )
 from stochlin.models.plausible import ANY, Plausible
-from stochlin.registry import Registry
+from stochlin.registry import Registry, expect_class
 
 DAMPING = NOT_NEGATIVE
 RESTITUTION = Range(
@@ -46,7 +46,9 @@ SHARE = Range(
     include_upper=True,
     reason="0 is a plastic impact, 1 an elastic one",
 )
-CONTACTS: Registry[type[Contact]] = Registry("contact", "stochlin.models.contacts")
+CONTACTS: Registry[type[Contact]] = Registry(
+    "contact", "stochlin.models.contacts", check=lambda kind: expect_class(kind, Contact, "e")
+)
 
 
 @dataclass(frozen=True)

@@ -8,10 +8,12 @@ import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.models.parameters import POSITIVE, Model, parameter
-from stochlin.registry import Registry
+from stochlin.registry import Registry, expect_class
 
 _STEPS = 2000  # steps of the midpoint rule for the integral of the squared envelope
-ENVELOPES: Registry[type[Envelope]] = Registry("envelope", "stochlin.models.envelopes")
+ENVELOPES: Registry[type[Envelope]] = Registry(
+    "envelope", "stochlin.models.envelopes", check=lambda kind: expect_class(kind, Envelope, "at")
+)
 
 
 @dataclass(frozen=True)

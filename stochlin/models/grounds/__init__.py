@@ -27,13 +27,14 @@ from stochlin.models.parameters import (
 )
 from stochlin.models.plausible import PLAUSIBLE, Plausible
 from stochlin.models.uncertain import as_array, median_of
-from stochlin.registry import Registry
+from stochlin.registry import Registry, expect_class
 
 __all__ = ["Filter"]  # which grounds of other packages need
 
 
 def _check_kind(kind: type[Ground]) -> None:
-    """Raise a ValueError for a kind of ground that lacks a parameter which it declares or needs."""
+    """Raise a ValueError for a kind of ground that lacks a filter, a name, or a parameter."""
+    expect_class(kind, Ground, "filter", "name")
     calibration = kind.calibration or Calibration((0.0,) * 4)
     declared = {
         "Ground": ("intensity",),
@@ -139,12 +140,19 @@ class Ground(Model, base=True):
         raise NotImplementedError
 
     def filter_of(self, rows: Iterable[Array]) -> Filter:
-        """The filter for arrays over cells; ``rows`` are parameter values in the order of `cells`."""
-        return self.filter(dict(zip(self.cells(), rows, strict=True)))
+        """The filter for arrays over cells; ``rows`` are parameter values in the order of `cells`.
+
+        A ValueError is raised for a filter that does not come to rest.
+        """
+        made = self.filter(dict(zip(self.cells(), rows, strict=True)))
+        if made.growth >= 0:
+            what = f"{type(self).__name__}: motions of its filter grow with exp({made.growth:.3g} t)"
+            raise ValueError(f"{what}; allowed: a matrix whose eigenvalues have negative real parts")
+        return made
 
     def lone_filter(self) -> Filter:
         """The filter of a ground whose parameters are all numbers."""
-        return self.filter({name: value.item() for name, value in self.arrays().items()})
+        return self.filter_of(value.item() for value in self.arrays().values())
 
     def psd(self, frequency: Parameter) -> xr.DataArray:
         """Two-sided power spectral density of the ground acceleration, per rad/s [m^2/s^3].

@@ -35,7 +35,15 @@ if TYPE_CHECKING:
 
     Draw = Callable[[xr.Dataset], Figure]
 
-COMMANDS: Registry[click.Command] = Registry("command", "stochlin.views", "command")
+
+def _check_command(command: Any) -> None:
+    if not isinstance(command, click.Command):
+        raise ValueError(f"command {brief(command)}; allowed: a function below @click.command()")
+
+
+COMMANDS: Registry[click.Command] = Registry(
+    "command", "stochlin.views", "command", check=_check_command
+)
 SCREEN_ROWS, WIDTH = 40, 100
 STEPS = 1000  # of a bar
 COMPILING = "compiling for this machine, once: up to half a minute ('stochlin warmup' does it for all)"

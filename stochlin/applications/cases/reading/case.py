@@ -153,7 +153,8 @@ class Wanted(Form):
             countries = sorted({country for rule in CODE_RULES.values() for country in rule.countries})
             known = [*CODE_RULES, *countries]
             said = other_code(name) or hint(name, known)
-            what = f"has {plain(name)!r}, which is not known; {said}allowed: {', '.join(known)}"
+            listed = CODE_RULES if said else known  # with the nearest name, the countries are not needed
+            what = f"has {plain(name)!r}, which is not known; {said}allowed: {', '.join(listed)}"
             raise self.table.error("codes", f"{what}, or {OWN_RULE}")
         for rule in rules:
             if rule.takes_peaks() and not rule.multiplies:

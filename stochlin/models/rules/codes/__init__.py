@@ -26,7 +26,32 @@ HEIGHT, FIXED = "height", "fixed"  # families of rules that use no peaks
 FAMILIES = ("", "SRSS", "sum", HEIGHT, FIXED)
 INELASTIC = "peaks are largest displacements, inelastic where the structure yields"
 TWO = "a second building: what it says of a property line is not known here"
-CODE_RULES: Registry[CodeRule] = Registry("code rule", "stochlin.models.rules.codes")
+
+
+def _check_formula(rule: CodeRule) -> None:
+    """Raise a ValueError for a rule whose formula fails with what the rule says that it needs."""
+    tried = replace(rule, value=1.0) if rule.lacks_number else rule
+    try:
+        site = Site(0.1, 0.1, **{name: TRIED.get(name, 1.0) for name in rule.needs})
+        for pair in (site, replace(site, same_property=True)):
+            float(tried.gap_of_displaced(pair))
+    except (TypeError, AttributeError) as error:
+        known = ", ".join(["both peaks", *rule.needs, *(["its number"] if rule.number else [])])
+        what = f"{rule.name}: the formula fails with {known} alone"
+        raise ValueError(f"{what}; name what else it takes in needs, or by a number: {error}") from error
+
+
+CODE_RULES: Registry[CodeRule] = Registry(
+    "code rule", "stochlin.models.rules.codes", check=_check_formula
+)
+# Buildings with which formulas are tried; of other needs 1 in SI units is a value.
+TRIED: Mapping[str, Any] = {
+    "zone": "I",
+    "height_1": 10.0,
+    "height_2": 10.0,
+    "storeys_1": 3.0,
+    "storeys_2": 3.0,
+}
 # Factors of codes on displacements under design forces, as `stochlin.code_gaps` names them.
 FACTORS = BEHAVIOUR, DEFLECTION, IMPORTANCE = "behaviour", "deflection", "importance"
 AT_LEAST_1 = Range(1.0, include_lower=True, reason="it multiplies displacements under design forces")
@@ -163,6 +188,12 @@ class CodeRule(Published):
     def __post_init__(self) -> None:
         if self.gap_of is None and self.line_of is None:
             raise ValueError(f"{self.name}: gap_of is not given; allowed: a function of a Site")
+        for what in ("of_pairs", "needs", "countries"):
+            if isinstance(text := getattr(self, what), str):
+                raise ValueError(f"{self.name}: {what} = {text!r}; allowed: a tuple, as ({text!r},)")
+        if not isinstance(self.called, Mapping):
+            what = f"{self.name}: called = {brief(self.called)}"
+            raise ValueError(f"{what}; allowed: names by factor, as {{'behaviour': 'factor R'}}")
         words = {
             "family": ({self.family}, FAMILIES),
             "between": ({self.between}, FAMILIES),
