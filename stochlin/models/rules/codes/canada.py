@@ -10,20 +10,17 @@ from stochlin.models.rules import publish
 from stochlin.models.rules.codes import CODE_RULES, CodeRule
 from stochlin.models.rules.codes.families import root_of_squares
 
-publish(
-    CODE_RULES,
-    CodeRule(
-        name="canada",
-        title="Canada",
-        reference="National Building Code of Canada",
-        mark="S",
-        gap_of=root_of_squares,
-        family="SRSS",
-        assumptions="peaks are anticipated deflections, Rd Ro over IE times elastic",
-        multiplies="behaviour",
-        over_importance=True,
-        countries=("Canada",),
-        called={"behaviour": "force modification factors Rd Ro", "importance": "importance factor IE"},
-    ),
-    place=3,
+CANADA = CodeRule(
+    name="canada",
+    title="Canada",
+    reference="National Building Code of Canada",
+    mark="S",
+    gap_of=root_of_squares,
+    family="SRSS",
+    assumptions="peaks are anticipated deflections, Rd Ro over IE times elastic",
+    multiplies="behaviour",
+    over_importance=True,
+    countries=("Canada",),
+    called={"behaviour": "force modification factors Rd Ro", "importance": "importance factor IE"},
 )
+publish(CODE_RULES, CANADA, place=3)

@@ -22,20 +22,17 @@ def china(site: Site) -> Any:
     return site.over_peaks(0.1 + 0.02 * beyond / site.number)
 
 
-publish(
-    CODE_RULES,
-    CodeRule(
-        name="china_gb_50011",
-        title="China GB 50011",
-        reference="GB 50011-2010, 6.1.4",
-        mark="S",
-        gap_of=china,
-        family="fixed",
-        assumptions=(
-            "concrete frames, intensity 8, up to 15 m where no height is given; the peaks are not used"
-        ),
-        countries=("China",),
-        number=Number("step", units="m", usual=3.0),
+CHINA_GB_50011 = CodeRule(
+    name="china_gb_50011",
+    title="China GB 50011",
+    reference="GB 50011-2010, 6.1.4",
+    mark="S",
+    gap_of=china,
+    family="fixed",
+    assumptions=(
+        "concrete frames, intensity 8, up to 15 m where no height is given; the peaks are not used"
     ),
-    place=15,
+    countries=("China",),
+    number=Number("step", units="m", usual=3.0),
 )
+publish(CODE_RULES, CHINA_GB_50011, place=15)

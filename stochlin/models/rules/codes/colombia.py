@@ -16,6 +16,8 @@ import numpy as np
 from stochlin.models.rules import publish
 from stochlin.models.rules.codes import CODE_RULES, CodeRule, Site
 
+BESIDE = "the neighbour stands on the boundary and has left no joint"
+
 
 def beside(site: Site) -> Any:
     """What building 1 keeps beside a neighbour that stands on the boundary."""
@@ -34,21 +36,18 @@ def colombia_line(site: Site) -> Any:
     return 0.01 * (site.storeys_1 > 3) * site.height_1 + 0 * site.peak_1
 
 
-publish(
-    CODE_RULES,
-    CodeRule(
-        name="nsr_10",
-        title="NSR-10",
-        reference="NSR-10, Colombia, A.6.5.2",
-        mark="S",
-        gap_of=colombia,
-        line_of=colombia_line,
-        family="height",
-        assumptions="the peaks are not used",
-        of_pairs=(BESIDE,),
-        needs=("height_1", "height_2", "storeys_1", "storeys_2"),
-        line="beside an empty plot a building of more than three storeys keeps 0.01 of its height",
-        countries=("Colombia",),
-    ),
-    place=20,
+NSR_10 = CodeRule(
+    name="nsr_10",
+    title="NSR-10",
+    reference="NSR-10, Colombia, A.6.5.2",
+    mark="S",
+    gap_of=colombia,
+    line_of=colombia_line,
+    family="height",
+    assumptions="the peaks are not used",
+    of_pairs=(BESIDE,),
+    needs=("height_1", "height_2", "storeys_1", "storeys_2"),
+    line="beside an empty plot a building of more than three storeys keeps 0.01 of its height",
+    countries=("Colombia",),
 )
+publish(CODE_RULES, NSR_10, place=20)

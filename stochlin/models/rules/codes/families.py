@@ -35,60 +35,48 @@ def fixed_distance(site: Site) -> Any:
     return site.over_peaks(site.number)
 
 
-publish(
-    CODE_RULES,
-    CodeRule(
-        name="srss",
-        title="SRSS",
-        reference="Valles-Mattox and Reinhorn (1996), family of rules",
-        mark="P",
-        gap_of=root_of_squares,
-        family="SRSS",
-    ),
-    place=0,
+SRSS = CodeRule(
+    name="srss",
+    title="SRSS",
+    reference="Valles-Mattox and Reinhorn (1996), family of rules",
+    mark="P",
+    gap_of=root_of_squares,
+    family="SRSS",
 )
+publish(CODE_RULES, SRSS, place=0)
 
-publish(
-    CODE_RULES,
-    CodeRule(
-        name="share_of_sum",
-        reference="Valles-Mattox and Reinhorn (1996), family of rules",
-        mark="P",
-        gap_of=share_of_sum,
-        family="sum",
-        line="of one building the factor times its own peak",
-        number=Number("factor", usual=1.0),
-    ),
-    place=1,
+SHARE_OF_SUM = CodeRule(
+    name="share_of_sum",
+    reference="Valles-Mattox and Reinhorn (1996), family of rules",
+    mark="P",
+    gap_of=share_of_sum,
+    family="sum",
+    line="of one building the factor times its own peak",
+    number=Number("factor", usual=1.0),
 )
+publish(CODE_RULES, SHARE_OF_SUM, place=1)
 
-publish(
-    CODE_RULES,
-    CodeRule(
-        name="share_of_height",
-        reference="Valles-Mattox and Reinhorn (1996), family of rules",
-        mark="P",
-        gap_of=share_of_height,
-        family="height",
-        assumptions="the peaks are not used",
-        needs=("height_1", "height_2"),
-        line="of one building the factor times its own height",
-        number=Number("factor"),
-    ),
-    place=11,
+SHARE_OF_HEIGHT = CodeRule(
+    name="share_of_height",
+    reference="Valles-Mattox and Reinhorn (1996), family of rules",
+    mark="P",
+    gap_of=share_of_height,
+    family="height",
+    assumptions="the peaks are not used",
+    needs=("height_1", "height_2"),
+    line="of one building the factor times its own height",
+    number=Number("factor"),
 )
+publish(CODE_RULES, SHARE_OF_HEIGHT, place=11)
 
-publish(
-    CODE_RULES,
-    CodeRule(
-        name="fixed_distance",
-        reference="Valles-Mattox and Reinhorn (1996), family of rules",
-        mark="P",
-        gap_of=fixed_distance,
-        family="fixed",
-        assumptions="the peaks are not used",
-        line="the same distance from a property line",
-        number=Number("distance", units="m"),
-    ),
-    place=12,
+FIXED_DISTANCE = CodeRule(
+    name="fixed_distance",
+    reference="Valles-Mattox and Reinhorn (1996), family of rules",
+    mark="P",
+    gap_of=fixed_distance,
+    family="fixed",
+    assumptions="the peaks are not used",
+    line="the same distance from a property line",
+    number=Number("distance", units="m"),
 )
+publish(CODE_RULES, FIXED_DISTANCE, place=12)

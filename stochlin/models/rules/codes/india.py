@@ -11,23 +11,20 @@ from stochlin.models.rules import publish
 from stochlin.models.rules.codes import CODE_RULES, CodeRule
 from stochlin.models.rules.codes.families import total
 
-publish(
-    CODE_RULES,
-    CodeRule(
-        name="is_1893",
-        title="IS 1893",
-        reference="IS 1893 (Part 1): 2016, 7.11.3",
-        mark="M",
-        gap_of=total,
-        family="sum",
-        assumptions=(
-            "peaks are R times the displacements under design forces, where floors are not "
-            "level with the larger R of both"
-        ),
-        multiplies="behaviour",
-        larger_factor=True,
-        countries=("India",),
-        called={"behaviour": "response reduction factor R"},
+IS_1893 = CodeRule(
+    name="is_1893",
+    title="IS 1893",
+    reference="IS 1893 (Part 1): 2016, 7.11.3",
+    mark="M",
+    gap_of=total,
+    family="sum",
+    assumptions=(
+        "peaks are R times the displacements under design forces, where floors are not "
+        "level with the larger R of both"
     ),
-    place=7,
+    multiplies="behaviour",
+    larger_factor=True,
+    countries=("India",),
+    called={"behaviour": "response reduction factor R"},
 )
+publish(CODE_RULES, IS_1893, place=7)

@@ -23,26 +23,23 @@ def iran_line(site: Site) -> Any:
     return np.maximum(0.005 * site.height_1, displaced * site.peak_1)
 
 
-publish(
-    CODE_RULES,
-    CodeRule(
-        name="iran_2800",
-        title="Standard 2800 of Iran",
-        reference="Standard 2800, Iran, fourth edition",
-        mark="M high",
-        line_of=iran_line,
-        family="sum",
-        assumptions="peaks are nonlinear displacements with P-delta, Cd times elastic",
-        of_pairs=(BETWEEN,),
-        needs=("height_1", "height_2", "storeys_1", "storeys_2"),
-        line="0.005 of the height; above 8 storeys, or if important, its displacement if that is larger",
-        multiplies="deflection",
-        countries=("Iran",),
-        called={
-            "behaviour": "behaviour factor Ru",
-            "deflection": "displacement factor Cd",
-            "importance": "importance factor I",
-        },
-    ),
-    place=19,
+IRAN_2800 = CodeRule(
+    name="iran_2800",
+    title="Standard 2800 of Iran",
+    reference="Standard 2800, Iran, fourth edition",
+    mark="M high",
+    line_of=iran_line,
+    family="sum",
+    assumptions="peaks are nonlinear displacements with P-delta, Cd times elastic",
+    of_pairs=(BETWEEN,),
+    needs=("height_1", "height_2", "storeys_1", "storeys_2"),
+    line="0.005 of the height; above 8 storeys, or if important, its displacement if that is larger",
+    multiplies="deflection",
+    countries=("Iran",),
+    called={
+        "behaviour": "behaviour factor Ru",
+        "deflection": "displacement factor Cd",
+        "importance": "importance factor I",
+    },
 )
+publish(CODE_RULES, IRAN_2800, place=19)

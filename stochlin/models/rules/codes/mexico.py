@@ -16,6 +16,7 @@ from stochlin.models.rules import publish
 from stochlin.models.rules.codes import CODE_RULES, ZONES, CodeRule, Site
 
 SIMPLIFIED = {"I": 0.007, "II": 0.009, "III": 0.012}  # share of the height by zone
+ALIKE = "half for the same height, structural system and slab levels, which accepts contact of slabs"
 
 
 def mexico_city_line(site: Site) -> Any:
@@ -29,43 +30,37 @@ def mexico_city_simplified_line(site: Site) -> Any:
     return np.maximum(SIMPLIFIED[str(site.zone)] * site.height_1, 0.05) + 0 * site.peak_1
 
 
-publish(
-    CODE_RULES,
-    CodeRule(
-        name="mexico_city",
-        title="Mexico City",
-        reference="NTC-Sismo, Mexico City, 1.10",
-        mark="S",
-        line_of=mexico_city_line,
-        family="sum",
-        half_if_alike=True,
-        of_pairs=(ALIKE,),
-        needs=("height_1", "height_2", "zone"),
-        line=(
-            "a building keeps its displacement and a share of its height from its own "
-            "boundary, 50 mm at least"
-        ),
-        multiplies="behaviour",
-        countries=("Mexico",),
-        called={"behaviour": "seismic behaviour factor Q"},
+MEXICO_CITY = CodeRule(
+    name="mexico_city",
+    title="Mexico City",
+    reference="NTC-Sismo, Mexico City, 1.10",
+    mark="S",
+    line_of=mexico_city_line,
+    family="sum",
+    half_if_alike=True,
+    of_pairs=(ALIKE,),
+    needs=("height_1", "height_2", "zone"),
+    line=(
+        "a building keeps its displacement and a share of its height from its own "
+        "boundary, 50 mm at least"
     ),
-    place=6,
+    multiplies="behaviour",
+    countries=("Mexico",),
+    called={"behaviour": "seismic behaviour factor Q"},
 )
+publish(CODE_RULES, MEXICO_CITY, place=6)
 
-publish(
-    CODE_RULES,
-    CodeRule(
-        name="mexico_city_simplified",
-        title="Mexico City, simplified",
-        reference="NTC-Sismo, Mexico City, 1.10, simplified method",
-        mark="S",
-        line_of=mexico_city_simplified_line,
-        family="height",
-        half_if_alike=True,
-        assumptions="the peaks are not used: the simplified method has none",
-        of_pairs=(ALIKE,),
-        needs=("height_1", "height_2", "zone"),
-        line="a building keeps a share of its height from its own boundary, 50 mm at least",
-    ),
-    place=14,
+MEXICO_CITY_SIMPLIFIED = CodeRule(
+    name="mexico_city_simplified",
+    title="Mexico City, simplified",
+    reference="NTC-Sismo, Mexico City, 1.10, simplified method",
+    mark="S",
+    line_of=mexico_city_simplified_line,
+    family="height",
+    half_if_alike=True,
+    assumptions="the peaks are not used: the simplified method has none",
+    of_pairs=(ALIKE,),
+    needs=("height_1", "height_2", "zone"),
+    line="a building keeps a share of its height from its own boundary, 50 mm at least",
 )
+publish(CODE_RULES, MEXICO_CITY_SIMPLIFIED, place=14)

@@ -11,21 +11,18 @@ from stochlin.models.rules import publish
 from stochlin.models.rules.codes import BETWEEN, CODE_RULES, CodeRule
 from stochlin.models.rules.codes.families import total
 
-publish(
-    CODE_RULES,
-    CodeRule(
-        name="nzs_1170_5",
-        title="NZS 1170.5",
-        reference="NZS 1170.5:2004, New Zealand, 7.4.1",
-        mark="M",
-        gap_of=total,
-        family="sum",
-        assumptions="peaks are those of the ultimate limit state, mu times elastic",
-        of_pairs=(BETWEEN,),
-        line="from the boundary a building keeps its own displacement",
-        multiplies="deflection",
-        countries=("New Zealand",),
-        called={"behaviour": "reduction k_mu/Sp", "deflection": "structural ductility factor mu"},
-    ),
-    place=21,
+NZS_1170_5 = CodeRule(
+    name="nzs_1170_5",
+    title="NZS 1170.5",
+    reference="NZS 1170.5:2004, New Zealand, 7.4.1",
+    mark="M",
+    gap_of=total,
+    family="sum",
+    assumptions="peaks are those of the ultimate limit state, mu times elastic",
+    of_pairs=(BETWEEN,),
+    line="from the boundary a building keeps its own displacement",
+    multiplies="deflection",
+    countries=("New Zealand",),
+    called={"behaviour": "reduction k_mu/Sp", "deflection": "structural ductility factor mu"},
 )
+publish(CODE_RULES, NZS_1170_5, place=21)

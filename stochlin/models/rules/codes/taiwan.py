@@ -14,19 +14,16 @@ def taiwan(site: Site) -> Any:
     return 0.6 * total(site)
 
 
-publish(
-    CODE_RULES,
-    CodeRule(
-        name="taiwan",
-        title="Taiwan",
-        reference="Seismic design specifications for buildings, Taiwan",
-        mark="S",
-        gap_of=taiwan,
-        family="sum",
-        assumptions="peaks are 1.4 alpha_y Ra times the displacements under design forces",
-        multiplies="deflection",
-        countries=("Taiwan",),
-        called={"behaviour": "1.4 alpha_y Fu, by which forces are less", "deflection": "1.4 alpha_y Ra"},
-    ),
-    place=8,
+TAIWAN = CodeRule(
+    name="taiwan",
+    title="Taiwan",
+    reference="Seismic design specifications for buildings, Taiwan",
+    mark="S",
+    gap_of=taiwan,
+    family="sum",
+    assumptions="peaks are 1.4 alpha_y Ra times the displacements under design forces",
+    multiplies="deflection",
+    countries=("Taiwan",),
+    called={"behaviour": "1.4 alpha_y Fu, by which forces are less", "deflection": "1.4 alpha_y Ra"},
 )
+publish(CODE_RULES, TAIWAN, place=8)

@@ -23,22 +23,19 @@ def turkey(site: Site) -> Any:
     return np.maximum(0.5 * site.if_aligned(0.5) * root_of_squares(site), least)
 
 
-publish(
-    CODE_RULES,
-    CodeRule(
-        name="tbdy_2018",
-        title="TBDY 2018",
-        reference="TBDY 2018, Turkey, 4.9.3",
-        mark="S",
-        gap_of=turkey,
-        family="SRSS",
-        assumptions="peaks are reduced displacements times R/I",
-        of_pairs=(ALIGNED,),
-        needs=("height_1", "height_2"),
-        multiplies="behaviour",
-        over_importance=True,
-        countries=("Turkey", "Türkiye"),
-        called={"behaviour": "behaviour factor R", "importance": "importance factor I"},
-    ),
-    place=16,
+TBDY_2018 = CodeRule(
+    name="tbdy_2018",
+    title="TBDY 2018",
+    reference="TBDY 2018, Turkey, 4.9.3",
+    mark="S",
+    gap_of=turkey,
+    family="SRSS",
+    assumptions="peaks are reduced displacements times R/I",
+    of_pairs=(ALIGNED,),
+    needs=("height_1", "height_2"),
+    multiplies="behaviour",
+    over_importance=True,
+    countries=("Turkey", "Türkiye"),
+    called={"behaviour": "behaviour factor R", "importance": "importance factor I"},
 )
+publish(CODE_RULES, TBDY_2018, place=16)
