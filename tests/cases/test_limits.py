@@ -57,6 +57,22 @@ def spectrum(folder: Path, largest: float) -> Path:
     return folder / "site.csv"
 
 
+def far_spectrum(folder: Path, displacement: float) -> Path:
+    """A file of a spectrum, by its displacement at 10 s."""
+    rows = [(0.0, 3.0), (0.5, 6.0), (1.0, 6.0), (2.0, 4.0), (10.0, displacement * (2 * np.pi / 10) ** 2)]
+    text = "\n".join(f"{period},{ordinate!r}" for period, ordinate in rows)
+    (folder / "site.csv").write_text(f"period,Sa [m/s^2]\n{text}\n", encoding="utf-8")
+    return folder / "site.csv"
+
+
+def pushover(folder: Path, displacement: float = 0.2, force: float = 1e6) -> Path:
+    """A file of a pushover curve, by its largest displacement and base shear."""
+    rows = [(0.0, 0.0), (0.2, 0.6), (0.5, 0.9), (1.0, 1.0)]
+    text = "\n".join(f"{u * displacement!r},{v * force!r}" for u, v in rows)
+    (folder / "push.csv").write_text(f"roof [m],base shear [N]\n{text}\n", encoding="utf-8")
+    return folder / "push.csv"
+
+
 def pressed(depth: float) -> object:
     """Two buildings whose contact is pressed together so much: all is linear, and without a gap."""
     shaken = motion(SINE)
@@ -120,6 +136,11 @@ PYTHON: dict[str, Callable[[float, Path], object]] = {
     "peak of a record": lambda x, folder: sl.read_record(record(folder, peak=x)),
     "time step of a record": lambda x, folder: sl.read_record(record(folder, dt=x)),
     "largest ordinate": lambda x, folder: sl.read_spectrum(spectrum(folder, x), elastic=True),
+    "spectral displacement": lambda x, folder: sl.read_spectrum(
+        far_spectrum(folder, x), elastic=True, between="linear"
+    ),
+    "displacement of a pushover": lambda x, folder: sl.read_pushover(pushover(folder, x)),
+    "force of a pushover": lambda x, folder: sl.read_pushover(pushover(folder, force=x)),
     "divided_by": lambda x, folder: sl.read_spectrum(spectrum(folder, 1.0), divided_by=x),
     "scale of a record": lambda x, _: sl.scale_records({"a": motion(SINE)}, pga=x * abs(SINE).max()),
 }
@@ -221,6 +242,11 @@ FILES: dict[str, Callable[[float, Path], dict[str, str]]] = {
     "largest ordinate": lambda x, folder: {
         "site": f'spectrum = "{spectrum(folder, x).name}"\nelastic = true'
     },
+    "spectral displacement": lambda x, folder: {
+        "site": f'spectrum = "{far_spectrum(folder, x).name}"\nelastic = true\nbetween = "linear"'
+    },
+    "displacement of a pushover": lambda x, folder: with_pushover(pushover(folder, x)),
+    "force of a pushover": lambda x, folder: with_pushover(pushover(folder, force=x)),
     "divided_by": lambda x, folder: {
         "site": f'spectrum = "{spectrum(folder, 1.0).name}"\ndivided_by = {x!r}'
     },
@@ -236,8 +262,13 @@ FITTED = {
     "sds",
     "sd1",
     "largest ordinate",
+    "spectral displacement",
     "divided_by",
 }  # to which the explorer fits a ground
+
+
+def with_pushover(path: Path) -> dict[str, str]:
+    return {"building_1": f'{REGULAR}storey_height = "3 m"\npushover = "{path.name}"'}
 
 
 def with_record(path: Path, more: str = "") -> dict[str, str]:

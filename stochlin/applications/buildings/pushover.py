@@ -23,6 +23,7 @@ from stochlin.applications.sheets.sheets import sheets_of, table_in
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import DoubtfulInput, brief, plain
 from stochlin.models.arguments import Metres, Number, checked
+from stochlin.models.plausible import PLAUSIBLE
 from stochlin.models.structures import STATIONARY_HARDENING
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.inputs import input_path
@@ -85,6 +86,12 @@ def read_pushover(
         there are fewer than 4 points, displacements do not increase, or the base shear is not positive
         or falls from the start. The message names the line.
 
+    Warns
+    -----
+    DoubtfulInput
+        If the largest displacement is below 4 mm or above 2 m, or the largest base shear below 10 kN or
+        above 20 GN, so that a unit is probably wrong.
+
     Examples
     --------
     >>> import tempfile, pathlib
@@ -111,6 +118,10 @@ def read_pushover(
         values = choice.in_si(units)
         series.append(values * np.sign(values[np.argmax(np.abs(values))]))
     displacement, force = checked_curve(series[0], series[1], table.places())
+    for what, values, unit in ((DISPLACEMENT, displacement, "m"), ("force", force, "N")):
+        if text := PLAUSIBLE[f"{what} of a pushover"].doubt(float(values.max())):
+            largest = f"{name}: its largest {what} is {values.max():.3g} {unit}"
+            warnings.warn(f"{largest}; {text}", DoubtfulInput, stacklevel=3)
     return xr.DataArray(
         force,
         coords=[labels.axis(DISPLACEMENT, OF_ROOF, displacement, "m")],

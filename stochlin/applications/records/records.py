@@ -111,8 +111,8 @@ def read_record(
     Warns
     -----
     UserWarning
-        If the record is implausible: a peak of more than 3 g, a time step of more than 0.5 s, a
-        duration of more than 600 s, or one of five or more columns without names beside no time, which
+        If the record is implausible: a peak below 0.001 g or above 3 g, a time step of more than 0.5 s,
+        a duration of more than 600 s, or one of five or more columns without names beside no time, which
         may be rows of one series.
 
     Examples

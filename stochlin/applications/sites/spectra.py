@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import warnings
 from collections.abc import Mapping
@@ -174,12 +175,12 @@ def read_spectrum(
     Warns
     -----
     UserWarning
-        If the largest ordinate is below 0.0025 g or above 7.5 g, so that the units are probably wrong,
-        or a period is more than twice the last, and ``between`` is not given. If neither ``elastic`` nor
-        ``divided_by`` is given, and the spectrum is taken as elastic; or if its shape speaks against
-        that: it rises to less than 0.7 of the median of elastic spectra (Newmark and Hall 1982; to less
-        than 1.48 times the ordinate at 0 s for 5 % damping), unless it begins on its plateau, or it is
-        level from less than 4 s on.
+        If the largest ordinate is below 0.0025 g or above 7.5 g, or a spectral displacement is above
+        5 m, so that units are probably wrong, or periods are frequencies; or a period is more than twice
+        the last, and ``between`` is not given. If neither ``elastic`` nor ``divided_by`` is given, and
+        the spectrum is taken as elastic; or if its shape speaks against that: it rises to less than 0.7
+        of the median of elastic spectra (Newmark and Hall 1982; to less than 1.48 times the ordinate at
+        0 s for 5 % damping), unless it begins on its plateau, or it is level from less than 4 s on.
 
     Examples
     --------
@@ -202,6 +203,11 @@ def read_spectrum(
     largest = float(values.max())
     if text := PLAUSIBLE["largest ordinate"].doubt(largest):
         what = f"{name}: its largest ordinate is {largest / constants.g:.3g} g"
+        warnings.warn(f"{what}; {text}", DoubtfulInput, stacklevel=3)
+    farthest = int(np.argmax(values * period**2))
+    displacement = values[farthest] * (period[farthest] / math.tau) ** 2
+    if text := PLAUSIBLE["spectral displacement"].doubt(displacement):
+        what = f"{name}: its displacement at {period[farthest]:g} s is {displacement:.3g} m"
         warnings.warn(f"{what}; {text}", DoubtfulInput, stacklevel=3)
     if between is None and (period[1:] > WIDEST * period[:-1])[period[:-1] > 0].any():
         what = f"{name}: its points are far apart"
