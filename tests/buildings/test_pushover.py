@@ -182,6 +182,17 @@ def test_what_is_wrong_with_a_file_is_said(message: str, tmp_path: Path) -> None
         sl.read_pushover(path, **options)
 
 
+@pytest.mark.parametrize("titles", ["storey drift,base shear", "roof,Story Shear", "roof,storey_force"])
+def test_what_is_of_a_storey_is_not_taken_by_itself(titles: str, tmp_path: Path) -> None:
+    path = tmp_path / "push.csv"
+    first, second = titles.split(",")
+    rows = "\n0,0\n20,900\n50,1300\n120,1500\n"
+    path.write_text(f"{first} [mm],{second} [kN]{rows}", encoding="utf-8")
+    with pytest.raises(ValueError, match=r"give (displacement|force)_column="):
+        sl.read_pushover(path)
+    assert float(sl.read_pushover(path, displacement_column=1, force_column=2).max()) == 1.5e6
+
+
 # --- Buildings ----------------------------------------------------------------------------------------
 
 MASSES, STIFFNESSES = np.array([3e5, 2.5e5, 2.5e5, 1.5e5]), np.array([4e8, 3e8, 3e8, 2e8])

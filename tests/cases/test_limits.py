@@ -129,6 +129,7 @@ PYTHON: dict[str, Callable[[float, Path], object]] = {
     "period over 0.05 h^0.75": lambda x, _: storey(ratio=x),
     "stiffness upwards": lambda x, _: sl.ShearBuilding([1e5] * 3, [1e8, 1e8, x * 1e8], [3.0] * 3, 0.05),
     "mass upwards": lambda x, _: sl.ShearBuilding([1e5, x * 1e5], [1e8] * 2, [3.0] * 2, 0.05),
+    "height upwards": lambda x, _: sl.ShearBuilding([1e5] * 2, [1e8] * 2, [3.0, x * 3.0], 0.05),
     "mode downwards": lambda x, _: sl.ModalBuilding([0.4], [[x, 1.0]], [2e5] * 2, [3.0] * 2, 0.05),
     "yield drift": lambda x, _: storey(hardening=0.05, yield_drifts=3 * x),
     "pga of 475 years": lambda x, _: hazard(x),
@@ -226,6 +227,10 @@ FILES: dict[str, Callable[[float, Path], dict[str, str]]] = {
     ),
     "mass upwards": lambda x, _: oscillator(
         f'{BY_STOREYS}masses = ["1e5 kg", "{1e5 * x!r} kg"]\nstoreys = 2\n'
+        f'stiffnesses = ["1e8 N/m", "1e8 N/m"]'
+    ),
+    "height upwards": lambda x, _: oscillator(
+        f'damping = 0.05\nmasses = ["1e5 kg", "1e5 kg"]\nheights = ["3 m", "{3 * x!r} m"]\n'
         f'stiffnesses = ["1e8 N/m", "1e8 N/m"]'
     ),
     "mode downwards": lambda x, folder: oscillator(f'damping = 0.05\nmodes = "{modes(folder, x).name}"'),

@@ -27,3 +27,11 @@ def test_it_prints_saves_and_draws_the_numbers_that_gap_gives_for_the_same_file(
             assert float(gap) == float(table[f"required_gap_simulated{end}"])
         assert f"{float(table.confidence_of_no_pounding_simulated):.4f}" in done.output
     assert "Do not rely on the formula" in " ".join(done.output.split())
+
+
+@pytest.mark.parametrize(("gap", "asked"), [("8m", True), ("8cm", False)])
+def test_a_gap_of_the_command_line_has_the_limits_of_one_in_a_file(tmp_path, gap, asked):
+    case = tmp_path / "case.toml"
+    case.write_text(example_case().replace("2048", "100"), encoding="utf-8")
+    done = answered("probability", case, "--gap", gap)
+    assert ("usual are 0.01 to 1 m" in done.output) == asked

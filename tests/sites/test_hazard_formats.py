@@ -217,6 +217,20 @@ def test_what_is_no_hazard_curve_is_refused(tmp_path, message):
         sl.read_hazard(write(tmp_path, text), **options)
 
 
+@pytest.mark.parametrize("years", [50, 1000])
+@pytest.mark.parametrize(
+    "form", ["rate per {} years", "rate (1/{} yr)", "frequency in {} a", "tasa (1/{} años)"]
+)
+def test_frequencies_of_several_years_are_no_annual_ones(tmp_path, form, years):
+    """They are refused with the divisor, unless the column is asked for by its number."""
+    rows = "0.1,0.02\n0.2,0.002\n0.4,0.0002\n"
+    path = write(tmp_path, f"pga [g],{form.format(years)}\n{rows}")
+    with pytest.raises(ValueError, match=f"annual frequencies, so divide them by {years}"):
+        sl.read_hazard(path)
+    annual = sl.read_hazard(write(tmp_path, f"pga [g],{form.format(1)}\n{rows}", "annual.csv"))
+    assert sl.read_hazard(path, frequency_column=2) == annual
+
+
 def test_files_that_do_not_fit_are_refused(tmp_path):
     twice = write(tmp_path, SITES)
     with pytest.raises(ValueError, match=r"17\.csv: PGA is there twice"):

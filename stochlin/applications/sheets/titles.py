@@ -53,9 +53,10 @@ _OF_DAMPING = re.compile(
     r"|\b(?:damping|xi|zeta|h|ξ|ζ)\s*=\s*(0?\.\d+)",
     re.IGNORECASE,
 )
-# Of several curves one that is not the usual one, or a part of it.
+# Of several curves one that is not the usual one, or a part of it, as that of a storey.
 _ASIDE = re.compile(
     r"quantile|fractil|percentil|\d\s*(?:st|nd|rd|th)\b|sigma|σ|\bstd|deviation|\bcov\b|±|[+-]\s*1\b"
+    r"|stor(?:e?y|ies)[\s_-]*(?:drift|shear|force|disp|defl)|entrepiso|interpiano|geschoss"
     r"|(?<!damping )\bratio|normali[sz]|amplification|residual|\berror",
     re.IGNORECASE,
 )

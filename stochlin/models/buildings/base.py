@@ -197,6 +197,8 @@ class MultistoreyBuilding(WithoutCells, Model, base=True):
         yield from doubts_of_size(float(self.mode_periods()[0]), height, self.storeys)
         masses = self._numbers("masses")
         yield from doubt_of_order("mass", masses, masses[0])
+        heights = self._numbers("heights")
+        yield from doubt_of_order("height", heights, heights[0])
 
     def levels(self) -> Array:
         """Levels of the floors above the ground [m], (storeys,)."""

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 
 import click
 
 from stochlin.applications.cases.rows import gap_of, pair_of
+from stochlin.messages import ImplausibleInput
 from stochlin.views.shared.blocks import PICTURES
 from stochlin.views.shared.options import QuantityType
 from stochlin.views.shared.screen import (
@@ -42,6 +44,7 @@ def probability(case: Path, gap: float | None, out: Path | None, picture: Path |
     from stochlin.applications.cases.pairs import judge_gap
     from stochlin.applications.cases.reading.case import read_case
     from stochlin.applications.cases.rows import TOUCHING
+    from stochlin.models.plausible import PLAUSIBLE
     from stochlin.solver.tables.storage import FORMATS
     from stochlin.views.probability.pictures import draw_pounding
     from stochlin.views.probability.words import answer_sections
@@ -55,6 +58,8 @@ def probability(case: Path, gap: float | None, out: Path | None, picture: Path |
         if chosen is None:
             what = "has no existing gap; allowed: one there, or --gap 5cm"
             raise described.whole.table.error("separation", what)
+        if text := PLAUSIBLE["gap"].doubt(gap or 0.0):
+            warnings.warn(f"--gap is {gap:g} m; {text}", ImplausibleInput, stacklevel=2)
         with progress_bar("simulating") as progress:
             table = judge_gap(described, chosen, progress)
         show(lines(answer_sections(table, described, chosen)))

@@ -51,6 +51,7 @@ _LEVELS: dict[str, tuple[Quantity, ...]] = {
 _SITES = re.compile(rf"({'|'.join(_ALONG)}|custom_site_id|imt)\b", re.IGNORECASE)
 _YEARS = re.compile(r"investigation_time\s*=\s*([\d.eE+-]+)")
 _MEASURE = re.compile(r"\bimt\s*=\s*[\"']*([A-Za-z]\w*(?:\([^)]*\))?)")
+_PER_YEARS = re.compile(r"(?:\bper|1\s*/|\bin)\s*(\d+)\s*-?\s*(?:y|a\b|a[nñ]|j|sene)", re.IGNORECASE)
 SHARE = Range(upper=1.0, include_lower=True, include_upper=True)
 _LEVEL = "poe-"
 _NEAR = 0.01  # degrees, about 1 km: largest distance of a site that is named by its coordinates
@@ -87,6 +88,8 @@ def _of_columns(sheets: Sequence[Sheet], of: Hazard, choice: AskedHazard) -> Ord
     assert level is not None
     assert other is not None  # neither is optional
     values = other.in_si()
+    if other.quantity is RATE and not other.by_number:
+        _check_per_year(table, other.column.title)
     if other.quantity is PROBABILITY:
         if choice.years is None:
             title = brief(other.column.title)
@@ -99,6 +102,14 @@ def _of_columns(sheets: Sequence[Sheet], of: Hazard, choice: AskedHazard) -> Ord
     if of.measure == "intensity":
         intensities, unit = (size_of(unit, S0) or 1.0) * intensities, S0
     return Ordinate(of.period or 0.0, intensities, values, table.places(), unit)
+
+
+def _check_per_year(table: Table, title: str) -> None:
+    """Raise a ValueError if the title of frequencies states several years for which they hold."""
+    for years in _PER_YEARS.findall(title):
+        if int(years) != 1:
+            what = f"has {brief(title)}; allowed: annual frequencies, so divide them by {years}"
+            raise table.error(f"{what}, or frequency_column= by number, if they are annual")
 
 
 def _of_sites(table: Table, path: Path, choice: AskedHazard) -> Ordinate:
