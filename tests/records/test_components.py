@@ -14,6 +14,7 @@ LEVEL = [
     *(("N", "E"), ("NS", "EW"), ("N-S", "E-W"), ("NS2", "EW2"), ("north", "east"), ("S75E", "N15E")),
     *(("000", "090"), ("360", "270"), ("HNE", "HNN"), ("BH100", "BH200"), ("HN1", "HN2"), ("H1", "H2")),
     *(("T", "R"), ("L", "T"), ("X", "Y"), ("long", "tran"), ("N00E", "N90E")),
+    *(("FN", "FP"), ("comp1", "comp2"), ("hor1", "hor2")),
 ]
 SEPARATORS = (".", "-", "_", "--", "..", " ")
 # Where a component stands in the name of a file: last, before or after other parts, or first.

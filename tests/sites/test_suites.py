@@ -1,5 +1,6 @@
 """Suites of records: read, scaled, written, and asked for gaps."""
 
+import warnings
 from itertools import product
 
 import numpy as np
@@ -9,6 +10,11 @@ import scipy.stats
 from motions import write_at2
 
 import stochlin as sl
+
+pytestmark = [
+    pytest.mark.filterwarnings("ignore:.* are the same motion"),  # of files with the same wave
+    pytest.mark.filterwarnings("ignore:.* are of one earthquake and station; is one"),
+]
 
 G = 9.80665
 MOTIONS = sl.simulated_motions(sl.named_ground("firm", 0.01), 15.0, paths=3, seed=8)
@@ -391,3 +397,37 @@ def test_quantiles_of_the_gap_over_a_suite():
     assert (table.separation_quantile_lower <= table.separation_quantile).all()
     assert (table.separation_quantile_upper >= table.separation_quantile).all()
     assert "separation_quantile" not in sl.recorded_gap(one, two, SUITE["a"])
+
+
+@pytest.mark.invariant
+def test_records_that_are_a_copy_or_of_one_earthquake_are_asked_about(tmp_path):
+    """By their values, by how many are of a station, and by their lengths; else nothing is asked."""
+    motions = sl.simulated_motions(sl.named_ground("firm", 0.01), 3.0, paths=6, seed=3)
+
+    def asked(folder, names, event, length):
+        (tmp_path / folder).mkdir()
+        for k, name in enumerate(names):
+            record = motions[event(k)][: 120 + length(k)]
+            record.to_series().to_csv(tmp_path / folder / name)
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            sl.read_records(tmp_path / folder, units="m/s^2")
+        return " ".join(str(each.message) for each in caught)
+
+    names = [f"q{n}{c}.csv" for n in "123" for c in "ab"]
+    assert "are the same motion" in asked("copies", names, lambda k: k // 2, lambda k: 0)
+    assert "q1a.csv, q1b.csv are equally long" in asked("pairs", names, int, lambda k: k // 2)
+    assert not asked("alike", names, int, lambda k: 0)
+    assert not asked("apart", names, int, lambda k: k)
+    assert not asked("named", [f"q{n}h{k}.csv" for n in "123" for k in "12"], int, lambda k: k // 2)
+
+
+@pytest.mark.invariant
+def test_three_components_of_a_station_are_asked_about(tmp_path):
+    motions = sl.simulated_motions(sl.named_ground("firm", 0.01), 3.0, paths=3, seed=3)
+    for k, record in enumerate(motions):
+        write_at2(record.assign_attrs(event="Quake 7", station="s"), tmp_path / f"r{k + 1}.at2")
+    rows = "\n".join(f"r{k}.at2,Quake 7,s" for k in (1, 2, 3))
+    (tmp_path / "suite.csv").write_text(f"file,event,station\n{rows}\n", encoding="utf-8")
+    with pytest.warns(sl.DoubtfulInput, match="is one of them vertical"):
+        sl.read_records(tmp_path / "suite.csv")

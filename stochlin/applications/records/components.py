@@ -31,8 +31,8 @@ _TABLE = {
     Word(True): "UP DN DWN DOWN UD DU UPD UPDN UPDOWN UPWARD UPWARDS DOWNWARD DOWNWARDS ZUP "
     "ZDN ZDOWN UPZ VT VTC VRT VER VERT VERTIC VERTICAL VERTICALE DUSEY",
     Word(True, weight=USUAL): "U V Z AZ ACCZ",
-    Word(False, 0.0): "NS SN LN LONG LONGITUDINAL RADIAL H1",
-    Word(False, 90.0): "EW WE TR TRAN TRANS TRANSVERSE TRANSVERSAL H2",
+    Word(False, 0.0): "NS SN LN LONG LONGITUDINAL RADIAL H1 HOR1 COMP1 FN",
+    Word(False, 90.0): "EW WE TR TRAN TRANS TRANSVERSE TRANSVERSAL H2 HOR2 COMP2 FP",
     Word(False, 0.0, USUAL): "N S L R X AX ACCX NORTH SOUTH NORTE SUR NORD SUD KUZEY GUNEY",
     Word(False, 90.0, USUAL): "E W T Y AY ACCY EAST WEST ESTE OESTE EST OVEST DOGU BATI",
 }
@@ -44,10 +44,10 @@ _CHANNEL = re.compile(r"[A-Z]{1,2}Z\d{0,2}")  # vertical where it is stated, of 
 _QUADRANT = re.compile(r"([NS])(\d{1,2})([EW])")  # N45W
 _AZIMUTH = re.compile(r"([0-2]\d\d|3[0-5]\d|360)")
 _RIGHT_ANGLE = 5.0  # deg, allowed deviation from 90 degrees between two components
-# Words of a text, and where they are attached to others: ELC180, SCT190985NS, kobeUP, NS19950117.
+# Words of a text, and where they are attached to others: ELC180, SCT190985NS, EQ5h1, kobeUP, NS19950117.
 _RUN = re.compile(r"(?<![^\W_])(?:N-S|S-N|E-W|W-E|U-D|UP-D(?:OW)?N)(?![^\W_])|[^\W_]+", re.IGNORECASE)
 _AZIMUTH_BEHIND = r".*[^\W\d_](?P<azimuth>\d{3})"
-_BEHIND = re.compile(rf"{_AZIMUTH_BEHIND}|.*(?:\d(?P<word>[^\W\d_]+)|[a-z](?P<capitals>[A-Z]+))")
+_BEHIND = re.compile(rf"{_AZIMUTH_BEHIND}|.*(?:\d(?P<word>[^\W\d_]+[12]?)|[a-z](?P<capitals>[A-Z]+))")
 _AHEAD = re.compile(r"([^\W\d_]+)\d{3,}")
 _ENDING = re.compile(r"V?\d+[A-Z]?", re.IGNORECASE)  # of a file, such as V2 and 191, is no component
 

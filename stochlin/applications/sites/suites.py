@@ -51,6 +51,7 @@ from stochlin.models.plausible import PLAUSIBLE
 from stochlin.solver.tables.inputs import input_path, read_text
 
 FILE = "file"  # name of the table column with the paths of the records
+WHO_BELONGS = f"the columns {FILE}, event and station of a table say which belong together"
 # The table in a download of PEER, below a title, with a column for each component.
 PEER_TABLE = "_SearchResults.csv"
 PEER_FILES, PEER_FACTOR = r"Horizontal-[12] Acc\. Filename", "Scale Factor"
@@ -118,7 +119,9 @@ def read_records(
     UserWarning
         As in `read_record`; for each file and for all components that are left out; if a file and its
         name state different directions; and if records state a station and no earthquake, or the other
-        way round, and their names do not say which belong together.
+        way round, and their names do not say which belong together; if three are of one earthquake and
+        station, of which one may be vertical; if two are the same motion; and if two or three each are
+        equally long, and so may be components of one earthquake.
 
     Examples
     --------
@@ -153,7 +156,7 @@ def read_records(
             warnings.warn(what, DoubtfulInput, stacklevel=3)
     level = read if component is not None else _horizontal(read, plain(path.name))
     suite = {label: each.record for label, each in level.items()}
-    for question in _without_earthquake(suite):
+    for question in (*_without_earthquake(suite), *_alike(suite)):
         warnings.warn(f"{plain(path.name)}: {question}", DoubtfulInput, stacklevel=3)
     if not suite:
         what = "vertical ones alone, which component= reads" if read else "no record that can be read"
@@ -224,8 +227,28 @@ def _without_earthquake(suite: Suite) -> Iterator[str]:
         for text, labels in alike.items():
             if len(labels) > 1:
                 what = f"{listed(labels)} state the {known} {brief(text)} and no {missing}"
-                cure = f"the columns {FILE}, event and station of a table say which belong together"
-                yield f"{what}: each counts as an earthquake; {cure}"
+                yield f"{what}: each counts as an earthquake; {WHO_BELONGS}"
+
+
+def _alike(suite: Suite) -> Iterator[str]:
+    """Sentences on records that may be a vertical component, a copy, or a component of another one."""
+    of_events: dict[object, list[str]] = {}
+    copies: dict[bytes, dict[object, str]] = {}
+    lengths: dict[object, list[str]] = {}
+    for event, (label, record) in zip(events_of(suite, [*suite.values()]), suite.items(), strict=True):
+        of_events.setdefault(event, []).append(label)
+        copies.setdefault(record.to_numpy().tobytes(), {}).setdefault(event, label)
+    for labels in of_events.values():
+        if len(labels) == 1 and not any(suite[labels[0]].attrs.get(key) for key in PLACE):
+            time = suite[labels[0]].time.to_numpy()
+            lengths.setdefault((time.size, *np.round(time[:2], 6)), []).append(labels[0])
+    if crowded := next((labels for labels in of_events.values() if len(labels) > 2), []):
+        yield f"{listed(crowded)} are of one earthquake and station; is one of them vertical?"
+    if twice := next((labels.values() for labels in copies.values() if len(labels) > 1), ()):
+        yield f"{listed([*twice])} are the same motion; is it to count as several earthquakes?"
+    if len(lengths) > 1 and all(1 < len(labels) <= 3 for labels in lengths.values()):
+        what = f"{listed(next(iter(lengths.values())))} are equally long; are they of one earthquake?"
+        yield f"{what} {WHO_BELONGS}"
 
 
 # A file of a suite: its name, its name for messages, options of reading, and attributes.
