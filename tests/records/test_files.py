@@ -290,7 +290,7 @@ REFUSALS = [
     (r"record.txt, line 8, column 2: '0.1x' is not an acceleration", changed(8, "0.14 0.1x"), TIMED),
     ("line 3: 1 columns; allowed: 2, as in the first", "0.0,1\n0.1,2\n0.2,\n" * 9, TIMED),
     (r"does not increase: 0\.08 s is followed by 0\.08 s", changed(6, "0.08 1"), TIMED),
-    (r"time is uneven: 0\.18 s is followed by 0\.22 s; fill a gap", changed(11, ""), TIMED),
+    (r"record\.txt: time is uneven: 0\.18 s is followed by 0\.22 s; fill a gap", changed(11, ""), TIMED),
     (r"dt = 0\.01 contradicts the time, .* 0\.02 s", HOURS, {**TIMED, "dt": 0.01}),
     ("record has 15 samples; allowed: at least 16", lines(WAVE[:15]), PLAIN),
     (

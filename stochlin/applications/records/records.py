@@ -221,7 +221,7 @@ def _labelled(series: Series, name: str, dt: float | None, units: str | None) ->
         raise ValueError(f"dt = {dt:g} contradicts {name}, which states {series.dt:g}; {_CURE}")
     step, start = dt or series.dt, 0.0
     if series.time is not None and (series.timed or step is None):
-        step, start = _time_step(series.time, step), float(series.time[0])
+        step, start = _time_step(series.time, step, f"{name}: time"), float(series.time[0])
     elif series.time is not None and step is not None:
         _check_step(step, float(np.mean(np.diff(series.time))))
     if step is None:
@@ -242,14 +242,15 @@ def _labelled(series: Series, name: str, dt: float | None, units: str | None) ->
     return record
 
 
-def _time_step(time: npt.NDArray[np.float64], dt: float | None = None) -> float:
-    """Step of an evenly spaced time [s], which is ``dt`` if this is given and agrees."""
+def _time_step(time: npt.NDArray[np.float64], dt: float | None = None, of: str = "time") -> float:
+    """Step of an evenly spaced time [s] of this name, which is ``dt`` if this is given and agrees."""
     steps = np.diff(time)
     if not steps.size or not np.isfinite(time).all():
-        raise ValueError("time is not a series of finite numbers; allowed: increasing, in seconds")
+        raise ValueError(f"{of} is not a series of finite numbers; allowed: increasing, in seconds")
     if steps.min() <= 0:
         i = int(np.argmax(steps <= 0))
-        raise ValueError(f"time does not increase: {time[i]:.9g} s is followed by {time[i + 1]:.9g} s")
+        between = f"{time[i]:.9g} s is followed by {time[i + 1]:.9g} s"
+        raise ValueError(f"{of} does not increase: {between}; take out what repeats or sums up")
     # Rounded to twelve digits, the mean step of printed times is 0.02, not 0.019999999999999997.
     step = float(f"{(time[-1] - time[0]) / steps.size:.12g}")
     if dt is not None:
@@ -257,7 +258,7 @@ def _time_step(time: npt.NDArray[np.float64], dt: float | None = None) -> float:
     if (np.abs(time - time[0] - step * np.arange(time.size)) > TIME_TOLERANCE * step).any():
         i = int(np.argmax(np.abs(steps - np.median(steps))))
         between = f"{time[i]:.9g} s is followed by {time[i + 1]:.9g} s"
-        raise ValueError(f"time is uneven: {between}; fill a gap, or resample the record evenly")
+        raise ValueError(f"{of} is uneven: {between}; fill a gap, or resample the record evenly")
     return dt or step
 
 

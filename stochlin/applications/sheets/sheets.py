@@ -26,7 +26,7 @@ from stochlin.solver.tables.inputs import read_input, read_text
 
 MOST_CELLS = 2**23  # of a text, with the empty ones between others
 _SAMPLE = 50  # lines in which the separator is looked for, and where the numbers begin
-_DECIMAL_COMMA = re.compile(r"(^|[;\s])[-+]?\d*,\d+([;\s]|$)")
+_DECIMAL_COMMA = re.compile(r"(^|[;\s])[-+]?\d*,\d+(?:[eE][-+]?\d+)?([;\s]|$)")
 _BETWEEN_TITLES = r"\t+|\s{2,}", r"\s+(?![(\[])", r"\s+"  # white space, which may be within titles
 _UNIT = re.compile(r"(.*)[(\[]([^()\[\]]*)[)\]](.*)")  # the last pair of brackets
 
@@ -89,7 +89,8 @@ class Sheet(NamedTuple):
         beyond = self.cells.loc[lines].iloc[:, width:]
         for n, m in np.argwhere((beyond != "").to_numpy())[:1]:
             what = f"{brief(beyond.iat[n, m])} is beyond the {width} columns above; allowed: no signs"
-            raise self.error(beyond.index[n], beyond.columns[m], f"{what} between thousands")
+            what += " between thousands, and '.' before decimals, or ';' between columns"
+            raise self.error(beyond.index[n], beyond.columns[m], what)
 
     def without_comments(self) -> Sheet:
         """The lines that do not begin with # or %."""
