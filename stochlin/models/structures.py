@@ -6,17 +6,19 @@ package.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import KW_ONLY, dataclass
 from functools import cache, cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 import xarray as xr
+from scipy.constants import g
 
 from stochlin.kernels.linearization.gaussian import Closure
 from stochlin.messages import listed
 from stochlin.models.parameters import PERIODS, POSITIVE, Model, Parameter, Range, parameter
+from stochlin.models.plausible import PLAUSIBLE
 from stochlin.models.states import cannot_be_linearized, in_words
 from stochlin.registry import Registry, expect_class
 
@@ -86,6 +88,16 @@ class Structure(Model, base=True):
             raise ValueError(f"{name}: yield_displacement and reduction_factor; allowed: one of them")
         if self.yields and self.hardening is None:
             raise ValueError(f"{name}: hardening is not given beside a strength; allowed: {HARDENING}")
+
+    def doubts(self) -> Iterator[str]:
+        """Text on period and yield displacement, if no building has their acceleration at yield."""
+        numbers = self.cells()
+        period, displacement = numbers["period"], numbers.get("yield_displacement")
+        if isinstance(period, float) and isinstance(displacement, float):
+            acceleration = (2 * np.pi / period) ** 2 * displacement
+            if text := PLAUSIBLE["acceleration at yield"].doubt(acceleration):
+                both = f"{displacement:.3g} m with a period of {period:.3g} s"
+                yield f"yield_displacement = {both} is {acceleration / g:.3g} g; {text}"
 
     @property
     def yields(self) -> bool:

@@ -94,6 +94,9 @@ PYTHON: dict[str, Callable[[float, Path], object]] = {
     "period": lambda x, _: sl.Bilinear(x, 0.05),
     "damping": lambda x, _: sl.Bilinear(1.0, x),
     "ground_damping": lambda x, _: sl.KanaiTajimi(0.6, x),
+    "ground_period": lambda x, _: sl.KanaiTajimi(x, 0.6),
+    "years": lambda x, _: sl.pounding_risk(*PAIR, FIRM, 0.1, WIDE, years=x, **FEW),
+    "acceleration at yield": lambda x, _: sl.Bilinear(1.0, 0.05, 0.05, x / (2 * np.pi) ** 2),
     "mass": lambda x, _: sl.Bilinear(1.0, 0.05, mass=x),
     "masses": lambda x, _: storey(mass=x),
     "heights": lambda x, _: storey(height=x),
@@ -168,6 +171,10 @@ FILES: dict[str, Callable[[float, Path], dict[str, str]]] = {
     "period": lambda x, _: oscillator(f'period = "{x!r} s"\ndamping = 0.05'),
     "damping": lambda x, _: oscillator(f'period = "1 s"\ndamping = {x!r}'),
     "ground_damping": lambda x, _: {"site": f"{KANAI_TAJIMI}damping = {x!r}"},
+    "ground_period": lambda x, _: {"site": f"{KANAI_TAJIMI.replace('0.6 s', f'{x!r} s')}damping = 0.6"},
+    "acceleration at yield": lambda x, _: {
+        "building_1": f'{OSCILLATOR}{YIELDS}yield_displacement = "{x / (2 * np.pi) ** 2!r} m"'
+    },
     "mass": lambda x, _: oscillator(f'{OSCILLATOR}mass = "{x!r} kg"'),
     "masses": lambda x, _: oscillator(f'{BY_STOREYS}masses = ["{x!r} kg"]\n{stiffness_of(mass=x)}'),
     "heights": lambda x, _: oscillator(
@@ -257,9 +264,9 @@ FILES: dict[str, Callable[[float, Path], dict[str, str]]] = {
     },
     "scale of a record": lambda x, folder: with_record(record(folder), f"scale = {x!r}"),
 }
-# In a case file a gap is `existing`, and displacements are those of a design; forces in contacts are
-# those of `stochlin pound`.
-OF_PYTHON = {"gaps", "peak", "penetration"}
+# In a case file a gap is `existing`, displacements are those of a design, and years are 50; forces in
+# contacts are those of `stochlin pound`.
+OF_PYTHON = {"gaps", "peak", "penetration", "years"}
 FITTED = {
     "pga",
     "sa",

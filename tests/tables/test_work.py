@@ -18,7 +18,8 @@ TINIEST = np.float64(1e-7)  # as of a scan
 TINY = sl.Bilinear(np.float64(1e-6), 0.05, 0.05, reduction_factor=3, mass=1e6)
 GROUND = sl.named_ground("firm", intensity=0.01)
 STIFF = [
-    sl.BoucWen(T, 0.05, 0.05, yield_displacement=0.01, mass=1e6, exponent=1.0) for T in (1.0, TINIEST)
+    sl.BoucWen(T, 0.05, 0.05, yield_displacement=0.01 * T**2, mass=1e6, exponent=1.0)
+    for T in (1.0, TINIEST)
 ]
 TIME = 0.01 * np.arange(2000)
 RECORD = xr.DataArray(np.sin(TIME), dims="time", coords={"time": TIME}, attrs={"units": "m/s^2"})

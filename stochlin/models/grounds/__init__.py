@@ -111,7 +111,10 @@ class Ground(Model, base=True):
     """
 
     name: ClassVar[str]
-    other_limits: ClassVar[Mapping[str, Plausible]] = {"damping": OF_GROUND}
+    other_limits: ClassVar[Mapping[str, Plausible]] = {
+        "damping": OF_GROUND,
+        "period": PLAUSIBLE["ground_period"],
+    }
     fit: ClassVar[Fit | None] = None
     calibration: ClassVar[Calibration | None] = None
     source: str = field(default="", compare=False, kw_only=True)
@@ -311,7 +314,7 @@ class CloughPenzien(Ground):
 
     name: ClassVar[str] = "Clough-Penzien"
     other_limits: ClassVar[Mapping[str, Plausible]] = {
-        "damping": OF_GROUND,
+        **Ground.other_limits,
         "high_pass_damping": OF_GROUND,
         "high_pass_period": PLAUSIBLE["period"],
     }

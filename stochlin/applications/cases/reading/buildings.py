@@ -300,9 +300,9 @@ class Building:
 
     def doubts(self) -> Iterator[str]:
         """Texts on what follows from several keys and is implausible."""
-        if self.has_storeys:
-            return iter(self.structure.doubts())
-        return doubts_of_size(self.period, self.height, self.storeys)
+        yield from self.structure.doubts()
+        if not self.has_storeys:
+            yield from doubts_of_size(self.period, self.height, self.storeys)
 
     @unquestioned()
     def on(self, site: Site) -> Building:
