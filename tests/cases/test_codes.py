@@ -300,6 +300,10 @@ def test_factors_are_refused_with_their_cure() -> None:
         ("Chile", "Chile (NCh 433, DS 61) has no rule here"),
         ("BSL", "Japan (Building Standard Law) has no rule here"),
         ("Japan", "Japan (Building Standard Law) has no rule here"),
+        ("EC8", "; eurocode_8 is EN 1998-1; allowed: "),
+        ("EN 1998-1", "; eurocode_8 is EN 1998-1; allowed: "),
+        ("IBC 2021", "; asce_7 is that of ASCE 7, to which IBC refers; allowed: "),
+        ("ASCE 7-16", "; asce_7 is that of ASCE 7, to which IBC refers; allowed: "),
         ("Atlantis", "'Atlantis', which is not known; allowed: "),
     ],
 )
