@@ -80,7 +80,7 @@ def implausible(
         known = limits_of(name) if limits is None else limits.get(name, ANY)
         value = getattr(number, "median", number)  # of an uncertain parameter
         judged = of_one or name == OF_A_ROW
-        each = np.array(value, object).ravel() if judged and np.ndim(value) else [value]
+        each = np.array(value, object).ravel() if judged else [value]
         if odd := [n for n in each if _is_number(n) and not known.holds(n) and n < FAR]:
             yield f"{name} = {odd[0]:g}: {known.doubt(odd[0])}"
     for end in ("", "_1", "_2"):

@@ -16,8 +16,8 @@ def unit_and_long_name(name: str, special: Variables = NONE) -> tuple[str, str] 
     """Unit and long name of a variable; None if it has none.
 
     A name that is neither ``special`` nor in `VARIABLES` may end as in `ENDINGS` or in the number of a
-    structure, or begin with ``record_``, also in several ways at once. The rest of it has the words of
-    `VARIABLES`, if it is there.
+    structure, or begin with ``record_``, also in several ways at once. The rest has ``special``
+    words only where `VARIABLES` has none for it.
     """
     if known := special.get(name) or VARIABLES.get(name):
         return known
@@ -29,7 +29,9 @@ def unit_and_long_name(name: str, special: Variables = NONE) -> tuple[str, str] 
         stem, _, number = name.rpartition("_")
         if number.isdigit():
             rest, text = stem, f"{{}}, structure {number}"
-    known = VARIABLES.get(rest) or (unit_and_long_name(rest, special) if rest != name else None)
+    if rest == name:
+        return None
+    known = unit_and_long_name(rest) or (unit_and_long_name(rest, special) if special else None)
     if known is None:
         return None
     units, long_name = known

@@ -14,6 +14,7 @@ SOURCES = {source for sources in claims.CLAIMS.values() for source in sources} -
 PAGES = [file for file, sources in claims.CLAIMS.items() if ASSUMED in sources]
 
 
+@pytest.mark.extreme  # dampers and peaks of scans
 @pytest.mark.parametrize("source", with_slow(sorted(SOURCES), LONG))
 def test_numbers_in_words_are_computed(source: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("MPLBACKEND", "agg")

@@ -144,6 +144,7 @@ def test_stiff_links_change_how_forces_are_distributed_over_the_height():
 
 
 @pytest.mark.slow
+@pytest.mark.extreme  # bumpers
 def test_supplemental_damping_is_preferred(hard):
     """What each measure makes of the buildings as built and standing alone, on the same motions."""
     damped = [replace(building, damping=0.2) for building in (FIVE, EIGHT)]

@@ -57,6 +57,7 @@ SAID = {
 
 @pytest.mark.slow
 @pytest.mark.paper
+@pytest.mark.extreme  # bumpers
 @pytest.mark.parametrize("yields", SAID, ids=["elastic", "yielding"])
 def test_the_estimate_has_the_error_that_is_said_and_a_bumper_makes_it_smaller(yields):
     """The smaller restitution of a bumper leads to smaller amplifications, says the paper."""

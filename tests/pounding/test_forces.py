@@ -38,6 +38,7 @@ def test_forces_of_floors_are_in_balance():
         np.testing.assert_array_equal(table.base_shear.sel(structure=number), shear[:, 0])
 
 
+@pytest.mark.extreme  # a bumper
 @pytest.mark.parametrize("contact", with_slow([SPRING, BUMPER, BLOW], [BUMPER]))
 def test_peaks_are_those_between_outputs(contact):
     pair = [building(3), building(2, 4e8)]
