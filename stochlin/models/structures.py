@@ -93,7 +93,10 @@ class Structure(Model, base=True):
         """Text on period and yield displacement, if no building has their acceleration at yield."""
         numbers = self.cells()
         period, displacement = numbers["period"], numbers.get("yield_displacement")
-        if isinstance(period, float) and isinstance(displacement, float):
+        if not (isinstance(period, float) and isinstance(displacement, float)):
+            return
+        each = {"period": period, "yield_displacement": displacement}
+        if all(PLAUSIBLE[name].holds(value) for name, value in each.items()):
             acceleration = (2 * np.pi / period) ** 2 * displacement
             if text := PLAUSIBLE["acceleration at yield"].doubt(acceleration):
                 both = f"{displacement:.3g} m with a period of {period:.3g} s"

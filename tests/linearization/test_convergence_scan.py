@@ -101,6 +101,7 @@ def test_the_strongest_shaking_leaves_the_stiffness_after_yielding(law, closure,
     assert off[-1] < 0.02
 
 
+@pytest.mark.extreme
 def test_shaking_beyond_reach_says_so():
     with pytest.raises(ArithmeticError, match="check the units"):
         sl.linearize(sl.Bilinear(1.0, 0.05, 0.05, yield_displacement=1e-30), sl.WhiteNoise(0.01))

@@ -102,6 +102,7 @@ def test_an_envelope_whose_slope_is_infinite_at_the_start_is_followed():
         assert std == pytest.approx(np.sqrt(variance), rel=1e-5, abs=1e-12)
 
 
+@pytest.mark.extreme
 def test_a_structure_that_would_need_too_short_steps_is_refused():
     weak = sl.BoucWen(0.5, 0.05, 0.05, yield_displacement=1e-6, exponent=2.5)
     with pytest.raises(ArithmeticError, match=r"so weak that .* give it more strength, or simulate"):

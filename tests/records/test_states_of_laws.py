@@ -78,6 +78,7 @@ def test_z_of_a_flag_follows_the_exact_displacement_where_it_gives_no_force(shar
     np.testing.assert_allclose(table.z, exact[::fine], rtol=0, atol=3e-4)
 
 
+@pytest.mark.extreme
 @pytest.mark.parametrize("law", [sl.BoucWen, sl.Flag, sl.ModifiedClough])
 def test_z_is_at_most_1_where_the_law_gives_no_force(law):
     table = sl.respond(law(PERIOD, DAMPING, 1.0, yield_displacement=1e-3 * PEAK), RECORD)
