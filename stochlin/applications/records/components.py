@@ -111,7 +111,8 @@ def titled_as_vertical(title: str) -> bool | None:
     runs = _RUN.findall(re.sub(r"[(\[].*?[)\]]", " ", part))
     if not runs:
         return None
-    first, last = word_of(runs[0]), word_of(runs[-1])
+    first = word_of(runs[0])
+    last = word_of(runs[-1])
     begins = first is not None and first.vertical and first.weight == SURE
     ends = last is not None and last.vertical and (last.weight >= USUAL or len(runs) == 1)
     return begins or ends or any(_in_capitals(run).startswith("VERTI") for run in runs) or None
@@ -209,7 +210,8 @@ def events_of(labels: Iterable[str], records: Sequence[xr.DataArray]) -> list[ob
     about = [record.attrs for record in records]
     files = [str(of.get("file") or of.get("source") or n) for n, of in zip(labels, about, strict=True)]
     parts = [(file, of.get("component")) for file, of in zip(files, about, strict=True)]
-    names, counted = FileNames({*files}), Counter(parts)
+    names = FileNames({*files})
+    counted = Counter(parts)
     events: list[object] = []
     for n, (record, part) in enumerate(zip(records, parts, strict=True)):
         event, station = (record.attrs.get(key) for key in PLACE)

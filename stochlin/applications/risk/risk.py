@@ -128,6 +128,7 @@ def pounding_risk(
     motion with pounding below the lowest intensity the first two points are extrapolated, which is an
     upper limit for a curve that becomes flatter towards weaker shaking, as hazard curves do in
     logarithms.
+
     Motions of the same intensity differ as samples of a
     random process; the larger difference between earthquakes is included by ``scatter``.
 
@@ -337,9 +338,10 @@ class SimulatedRisk(NamedTuple):
 
         The upper end includes the largest frequencies beyond the table of the hazard.
         """
-        mean, error = self.rate(gap)
+        rates = self.rates(gap).sum(axis=1)
         stronger, weaker = self.unseen_rates(gap)
-        most, error_of_most = mean_with_error(self.rates(gap).sum(axis=1) + stronger + weaker)
+        mean, error = mean_with_error(rates)
+        most, error_of_most = mean_with_error(rates + stronger + weaker)
         ends = mean, max(mean - NORMAL * error, 0.0), most + NORMAL * error_of_most
         return dict(zip(labels.VALUE_AND_ENDS, ends, strict=True))
 
