@@ -221,7 +221,8 @@ def _labelled(series: Series, name: str, dt: float | None, units: str | None) ->
         raise ValueError(f"dt = {dt:g} contradicts {name}, which states {series.dt:g}; {_CURE}")
     step, start = dt or series.dt, 0.0
     if series.time is not None and (series.timed or step is None):
-        step, start = _time_step(series.time, step, f"{name}: time"), float(series.time[0])
+        step = _time_step(series.time, step, f"{name}: time")
+        start = float(series.time[0])
     elif series.time is not None and step is not None:
         _check_step(step, float(np.mean(np.diff(series.time))))
     if step is None:

@@ -114,7 +114,8 @@ def sensitivity(
     >>> change.values.round(3)  # the square root of 0.9 and of 1.1, less 1
     array([-0.051,  0.049])
     """
-    usual, scatter = median_of(ground), scatter_of(ground, scatter)
+    usual = median_of(ground)
+    scatter = scatter_of(ground, scatter)
     structures = standing(first, second)
     both = {role: median_of(structure) for role, structure in structures.items()}
     check_duration(duration, both)

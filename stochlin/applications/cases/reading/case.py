@@ -117,7 +117,8 @@ class Wanted(Form):
                 raise self.table.error("risk", "needs a hazard; allowed: with [site.hazard]")
             with self.table.naming("risk"):
                 check_target(site.hazard, self.risk)
-        pga, spectrum = self.design_pga, site.spectrum
+        pga = self.design_pga
+        spectrum = site.spectrum
         if pga is not None and spectrum is not None and (above := doubt_of_pga(spectrum, pga)):
             self.table.warn("design_pga", above)
         if self.floors_align and (slabs := slabs_of_row(buildings)):

@@ -50,7 +50,8 @@ _UNITS = re.compile(r"(?:\bin\s|units:|units\s*=)\s*([a-z/^*\d]+)", re.IGNORECAS
 _END = re.compile(r"points of|end.of.data|/&", re.IGNORECASE)
 _WIDTH = 10  # of fields where it is not stated
 _EXAMPLE = "15050 points of accel data equally spaced at .020 sec, in cm/sec2. (8f10.6)"
-_MOST_HEADS, _WIDEST = 100, 200  # lines and signs of the header above a channel
+_MOST_HEADS = 100  # lines of the header above a channel
+_WIDEST = 200  # signs of one of them
 _STEP, _LENGTH = 61, 62  # numbers of real values, from 0
 
 

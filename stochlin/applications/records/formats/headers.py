@@ -24,7 +24,8 @@ _OF_KNET, _LAST = re.compile(r"(.{0,18})(.*)"), "Memo."
 _SCALE, _DURATION = "Scale Factor", "Duration Time(s)"
 _FRACTION = re.compile(r"([\d.]+)\s*\(\s*gal\s*\)\s*/\s*([\d.]+)", re.IGNORECASE)
 _OF_ESM = re.compile(r"([A-Z][A-Z0-9_/^]*)\s*:\s*(.*)")
-_DATE, _TIME = "EVENT_DATE_YYYYMMDD", "EVENT_TIME_HHMMSS"
+_DATE = "EVENT_DATE_YYYYMMDD"
+_TIME = "EVENT_TIME_HHMMSS"
 _HERTZ = re.compile(r"\s*Hz$", re.IGNORECASE)
 # KiK-net has numbers of channels for the directions of K-NET; those of three are in a borehole.
 _CHANNELS = {"4": "N-S", "5": "E-W", "6": "U-D"}
