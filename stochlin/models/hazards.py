@@ -95,6 +95,8 @@ class HazardCurve(Hazard):
         ratio 0.05), or intensity ``S0`` of the ground.
     period : float, optional
         Period [s] of ``"sa"``, required with it and not allowed otherwise.
+    source : str
+        The file, and what of it was asked for by number or converted. Equal curves may differ in it.
 
     Raises
     ------
@@ -123,6 +125,7 @@ class HazardCurve(Hazard):
 
     intensities: tuple[float, ...]
     frequencies: tuple[float, ...]
+    source: str = field(default="", kw_only=True, compare=False)
 
     def __post_init__(self) -> None:
         super().__post_init__()

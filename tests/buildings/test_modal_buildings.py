@@ -190,6 +190,15 @@ def test_floors_follow_the_ground_where_modes_are_left_out() -> None:
         np.testing.assert_allclose(floor, 0.3 * alone + 0.7 * ground, atol=1e-9 * np.ptp(ground))
 
 
+def test_modes_that_are_exchanged_are_asked_about() -> None:
+    """A slower mode across the gap has little of the mass along it, and may have a node."""
+    with pytest.warns(sl.ImplausibleInput, match="mode 1 has a node and a longer period than mode 2"):
+        sl.ModalBuilding(**TWO | {"shapes": TWO["shapes"][::-1]})
+    across = {"participation": [0.05, 1.24, 0.2], "modal_masses": [4e3, 3.6e5, 2e4]}
+    shapes = [[-0.4, 1.0], *TWO["shapes"]]
+    sl.ModalBuilding(**TWO | across | {"shapes": shapes, "periods": [0.7, *TWO["periods"]]})
+
+
 def test_uncertain_periods_scale_all_modes() -> None:
     values = modes_of(TALL)
     uncertain = sl.ModalBuilding(**values | {"periods": sl.Uncertain(values["periods"], 0.0)})

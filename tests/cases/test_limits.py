@@ -57,6 +57,14 @@ def spectrum(folder: Path, largest: float) -> Path:
     return folder / "site.csv"
 
 
+def jumping_spectrum(folder: Path, jump: float) -> Path:
+    """A file of a spectrum, by how much an ordinate is less than that before and the periods allow."""
+    rows = [(0.0, 2.0), (0.2, 5.0), (0.4, 5.0), (0.5, 5.0 / jump / 1.25**2), (0.6, 1.0)]
+    text = "\n".join(f"{period},{ordinate!r}" for period, ordinate in rows)
+    (folder / "site.csv").write_text(f"period,Sa [m/s^2]\n{text}\n", encoding="utf-8")
+    return folder / "site.csv"
+
+
 def far_spectrum(folder: Path, displacement: float) -> Path:
     """A file of a spectrum, by its displacement at 10 s."""
     rows = [(0.0, 3.0), (0.5, 6.0), (1.0, 6.0), (2.0, 4.0), (10.0, displacement * (2 * np.pi / 10) ** 2)]
@@ -125,6 +133,7 @@ PYTHON: dict[str, Callable[[float, Path], object]] = {
     "ag": lambda x, _: sl.eurocode_8(x, "C"),
     "sds": lambda x, _: sl.asce_7(x, 0.4 * x, 8.0),
     "sd1": lambda x, _: sl.asce_7(max(0.2 * 9.81, min(x, 30.0)), x, 8.0),
+    "sd1 over sds": lambda x, _: sl.asce_7(5.0, 5.0 * x, 8.0),
     "sa": lambda x, _: sl.scale_ground(FIRM, 2.0, sa=x, period=0.5, paths=64),
     "confidence": lambda x, _: sl.separation(*PAIR, FIRM, confidence=x, **FEW),
     "risk": lambda x, _: sl.required_gap(*PAIR, FIRM, WIDE, risk=x, **FEW),
@@ -140,6 +149,7 @@ PYTHON: dict[str, Callable[[float, Path], object]] = {
     "peak of a record": lambda x, folder: sl.read_record(record(folder, peak=x)),
     "time step of a record": lambda x, folder: sl.read_record(record(folder, dt=x)),
     "largest ordinate": lambda x, folder: sl.read_spectrum(spectrum(folder, x), elastic=True),
+    "next ordinate": lambda x, folder: sl.read_spectrum(jumping_spectrum(folder, x), elastic=True),
     "spectral displacement": lambda x, folder: sl.read_spectrum(
         far_spectrum(folder, x), elastic=True, between="linear"
     ),
@@ -218,6 +228,9 @@ FILES: dict[str, Callable[[float, Path], dict[str, str]]] = {
         "site": f'spectrum = "asce_7"\nsds = "{max(2.0, min(x, 30.0))!r} m/s^2"\n'
         f'sd1 = "{x!r} m/s^2"\ntl = "8 s"'
     },
+    "sd1 over sds": lambda x, _: {
+        "site": f'spectrum = "asce_7"\nsds = "5 m/s^2"\nsd1 = "{5 * x!r} m/s^2"\ntl = "8 s"'
+    },
     "sa": lambda x, _: {"site": f'ground = "firm"\nsa = "{x!r} m/s^2"\nsa_period = "0.5 s"'},
     "confidence": lambda x, _: {"separation": f"confidence = {x!r}"},
     "risk": lambda x, _: {
@@ -254,6 +267,9 @@ FILES: dict[str, Callable[[float, Path], dict[str, str]]] = {
     "largest ordinate": lambda x, folder: {
         "site": f'spectrum = "{spectrum(folder, x).name}"\nelastic = true'
     },
+    "next ordinate": lambda x, folder: {
+        "site": f'spectrum = "{jumping_spectrum(folder, x).name}"\nelastic = true'
+    },
     "spectral displacement": lambda x, folder: {
         "site": f'spectrum = "{far_spectrum(folder, x).name}"\nelastic = true\nbetween = "linear"'
     },
@@ -274,6 +290,8 @@ FITTED = {
     "sds",
     "sd1",
     "largest ordinate",
+    "next ordinate",
+    "sd1 over sds",
     "spectral displacement",
     "divided_by",
 }  # to which the explorer fits a ground

@@ -143,6 +143,7 @@ def test_modes_of_a_case_take_a_strength_of_the_whole_building(tmp_path: Path, l
         assert "bears all of its strength and yields at" in said
 
 
+@pytest.mark.filterwarnings("ignore:.*are their shapes exchanged")
 def test_a_strength_of_the_whole_building_needs_most_of_the_mass_in_mode_1(tmp_path: Path) -> None:
     modes = sl.read_modes(write(tmp_path))
     modes["period"] = "mode", [0.5, 0.4, 0.3]

@@ -17,7 +17,7 @@ from stochlin.applications.cases.reading.case import Case
 from stochlin.applications.cases.rows import motion_of
 from stochlin.applications.cases.separation import answer_case
 from stochlin.applications.cases.shaking import doubts, recorded_shaking, shaking_of
-from stochlin.views.shared.words import scatter, spectrum_taken
+from stochlin.views.shared.words import files_taken, scatter
 
 pytestmark = pytest.mark.invariant
 
@@ -231,7 +231,25 @@ def test_the_spectrum_of_a_file_is_taken_as_the_case_file_says(line, tmp_path):
     elastic = spectrum_file(tmp_path, divided)
     case = read(tmp_path, f'spectrum = "site.csv"\n{line}\n', SHORT)
     np.testing.assert_allclose(case.site.spectrum, elastic, rtol=1e-9)
-    assert spectrum_taken(case) == f"The spectrum of site.csv: PGA 0.3 g, plateau 0.75 g, {said}."
+    assert files_taken(case) == f"The spectrum of site.csv: PGA 0.3 g, plateau 0.75 g, {said}."
+
+
+def test_what_was_taken_of_other_files_is_said(tmp_path):
+    """Columns by their numbers, and what the hazard has for a design."""
+    (tmp_path / "hazard.csv").write_text("level,often\n0.1,1e-2\n0.3,1e-3\n0.5,1e-4\n", "utf-8")
+    rows = "\n".join(f"{0.02 * n:.2f},{np.sin(n / 3):.6f},{np.cos(n / 4):.6f}" for n in range(60))
+    (tmp_path / "shaken.csv").write_text(f"time,x,y\n{rows}\n", "utf-8")
+    lines = (
+        'measure = "pga"\nfile = "hazard.csv"\nunits = "g"\nfrequency_column = 2\n'
+        '[[site.records]]\npath = "shaken.csv"\nunits = "m/s^2"\ncolumn = 3\n'
+    )
+    case = read(tmp_path, f'{FIRM}pga = "0.3 g"\n[site.hazard]\n{lines}', SHORT)
+    curve = case.site.hazard
+    of_hazard = (
+        "The hazard of hazard.csv; column 2 'often' is an annual frequency; with a return period of "
+        f"475 years PGA {curve.intensity(475.0) / G:.3g}\u00a0g."
+    )
+    assert files_taken(case) == f"{of_hazard} The record shaken.csv: column 3 'y' is an acceleration."
 
 
 @pytest.mark.cli

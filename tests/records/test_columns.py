@@ -1,6 +1,7 @@
 """Columns of all files: known by what their titles say, and never by their place."""
 
 from collections.abc import Callable, Sequence
+from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -17,6 +18,7 @@ from stochlin.applications.sheets.quantities import (
     PERIOD,
     QUANTITIES,
     RATE,
+    RETURN_PERIOD,
     TIME,
     Quantity,
 )
@@ -84,7 +86,7 @@ READERS = {
         ("frequency_column", "column"),
         lambda curve: np.array([curve.frequencies, curve.intensities]),
         np.array([RATES, G * LEVELS]),
-        {RATE: RATES},
+        {RATE: RATES, RETURN_PERIOD: 1 / RATES},
         {"units": "g"},
     ),
     "pushover": Reader(
@@ -214,7 +216,7 @@ def test_what_follows_from_another_quantity_is_converted_and_said(tmp_path):
     for titles, columns in files.items():
         read = read_elastic(written(tmp_path, titles, columns))
         np.testing.assert_allclose(both(read), [T, G * SA], rtol=1e-9)
-        assert ("converted" in read.attrs.get("comment", "")) == (len(titles) == 2)
+        assert ("converted" in read.attrs.get("columns", "")) == (len(titles) == 2)
 
 
 MEASURES = {
@@ -307,7 +309,9 @@ def test_components_may_be_named_by_a_letter(tmp_path):
     """Which is no unit, such as N, S and T."""
     for letter in "NSEWZTVHXYRL":
         path = written(tmp_path, ["time", letter, "other"], [TIMES, WAVE, 2 * WAVE])
-        np.testing.assert_allclose(sl.read_record(path, column=letter, units="g"), G * WAVE)
+        with pytest.warns(match="is vertical") if letter in "ZV" else nullcontext():
+            record = sl.read_record(path, column=letter, units="g")
+        np.testing.assert_allclose(record, G * WAVE)
 
 
 @pytest.mark.parametrize("form", ["2020-01-31T23:59:{:06.3f}", "2020-01-31 23:59:{:06.3f}Z"])

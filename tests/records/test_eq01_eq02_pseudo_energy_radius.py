@@ -84,6 +84,7 @@ def test_eq02_holds_in_part_for_simulated_motions(ground, of_displacement, of_ve
 
 
 @needs_records
+@pytest.mark.filterwarnings("ignore:.*is it a weak motion")
 @pytest.mark.parametrize(
     ("name", "of_displacement", "of_velocity", "near"),
     [

@@ -19,6 +19,7 @@ pytestmark = pytest.mark.oracle
 
 G = 9.80665
 WAVE = np.round(0.1 * np.sin(np.arange(40) / 3), 6)
+SMOOTH = np.round(0.1 * np.sin(np.arange(120) / 3), 6)
 GAL = 1000 * WAVE
 TIMES = [round(0.02 * i, 2) for i in range(40)]
 COUNTS = np.round(6182761 / 3920 * (GAL + 7.5))
@@ -199,7 +200,7 @@ def test_every_format_states_its_step_and_component(tmp_path, name):
 
 
 def test_rows_beyond_the_stated_number_are_left_out(tmp_path):
-    record = read(tmp_path, samples.unam([GAL], "/V") + "    9.0000\n    9.0000\n")
+    record = read(tmp_path, samples.unam([GAL], "/N00E") + "    9.0000\n    9.0000\n")
     np.testing.assert_allclose(record, GAL / 100, rtol=1e-12)
     assert record.attrs["comment"] == "2 rows beyond the stated 40 are left out"
 
@@ -340,12 +341,25 @@ def test_refusals_say_what_and_where(tmp_path, message, text, options):
         read(tmp_path, text, **options)
 
 
+def test_three_components_without_titles_are_no_rows_of_a_series(tmp_path):
+    components = SMOOTH[:40], 0.8 * SMOOTH[40:80], 0.5 * SMOOTH[80:]
+    for number, values in enumerate(components, start=1):
+        record = read(tmp_path, lines(*components), **PLAIN, column=number)
+        np.testing.assert_allclose(record, values * 9.80665, rtol=1e-9)
+
+
 @pytest.mark.parametrize(
     ("text", "options", "message"),
     [
         (lines([i * 10 for i in range(40)], WAVE), TIMED, "its time step is 10 s.*is time in seconds"),
         (lines(100 * WAVE), PLAIN, "its peak is 10 g.*are the units right"),
         (lines(*[WAVE] * 5), {**PLAIN, "column": 1}, "its 5 columns may be rows of one series; is it"),
+        (lines(*SMOOTH.reshape(40, 3).T), {**PLAIN, "column": 2}, "its 3 columns may be rows of one"),
+        (
+            "acc UD\n" + lines(10 * WAVE, separator=","),
+            PLAIN,
+            "'acc UD' is vertical, and gaps follow from horiz",
+        ),
     ],
 )
 def test_what_is_hardly_meant_is_asked_about(tmp_path, text, options, message):

@@ -116,6 +116,13 @@ def test_risks_that_are_none_or_outside_of_the_hazard_are_named():
             sl.required_gap(*ELASTIC, GROUND, hazard, 15.0, risk=risk, paths=32)
 
 
+def test_a_large_risk_in_words_is_asked_about_as_its_number_is():
+    hazard = sl.PowerLawHazard(0.02, 2.5)
+    for risk, shown in (("50 % in 50 years", "'50 % in 50 years' is 0.0139 a year"), (0.0139, "0.0139")):
+        with pytest.warns(sl.ImplausibleInput, match=f"{shown}.*usual are 1e-4 to 2e-3 per year"):
+            sl.required_gap(*ELASTIC, GROUND, hazard, 15.0, risk=risk, paths=32)
+
+
 @pytest.mark.slow
 def test_risk_of_what_is_not_known_exactly_is_the_mean_of_the_rates_of_drawn_pairs():
     hazard, gap = sl.PowerLawHazard(k0=0.02, k=2.5), 0.08

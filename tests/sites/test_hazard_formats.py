@@ -165,7 +165,13 @@ REFUSALS = {
     "line 3, column 5: the annual frequency .* follows .*; allowed: falling": samples.openquake(
         [0.1, 0.2, 0.3], {(0, 0): [0.1, 0.2, 0.01]}
     ),
-    "2 'return period': a return period; allowed: a column": "pga [g],return period\n.1,475\n.2,100\n",
+    "annual frequency 0.01 follows 0.00210526": "pga [g],return period\n.1,475\n.2,100\n",
+    "2 'rate density': a density; allowed: a column": "pga [g],rate density\n.1,.01\n.2,.001\n",
+    "2 'CDF': a probability that it is not exceeded": "pga [g],CDF\n.1,.9\n.2,.99\n",
+    "2 'pdf', and frequency_column = 2 is a density": (
+        "pga [g],pdf\n.1,.01\n.2,.001\n",
+        {"frequency_column": 2},
+    ),
     "has 'poe', a probability; give investigation_time=": columns("pga [g],poe", LEVELS, probability()),
     "line 3: the annual frequency is 0": columns("pga [g],rate", [0.1, 0.2, 0.3], [1, 0, 0.1]),
     "site = 1 does not apply": (columns("pga [g],rate", LEVELS, frequency()), {"site": 1}),
@@ -208,6 +214,22 @@ REFUSALS = {
     "1 'first', 2 .*; give column= .* and frequency_column=": "first,second,third\n.1,5,.2\n.2,6,.1\n",
     "site = 1 does not apply: .* is a response of the USGS": (USGS, {"site": 1}),
 }
+
+
+def test_return_periods_are_read_and_said(tmp_path):
+    titles = {"IML [g]": LEVELS, "Tr (yr)": 1 / (100 * frequency())}
+    curve = sl.read_hazard(write(tmp_path, columns(",".join(titles), *titles.values()), "site.csv"))
+    np.testing.assert_allclose(curve.frequencies, 100 * frequency(), rtol=1e-12)
+    assert curve.source == "site.csv; column 2 'Tr (yr)' is a return period, converted"
+
+
+def test_columns_by_number_are_said(tmp_path):
+    path = write(tmp_path, columns("a,b", LEVELS, 100 * frequency()), "site.csv")
+    curve = sl.read_hazard(path, units="g", column=1, frequency_column=2)
+    assert curve.source == (
+        "site.csv; column 1 'a' is an acceleration; column 2 'b' is an annual frequency"
+    )
+    assert curve == sl.HazardCurve(curve.intensities, curve.frequencies)
 
 
 @pytest.mark.parametrize("message", REFUSALS)

@@ -198,7 +198,8 @@ def test_a_folder_of_vertical_records_is_read_with_a_component(tmp_path):
         ValueError, match="holds vertical ones alone, which component= reads; allowed: one"
     ):
         sl.read_records(tmp_path)
-    assert list(sl.read_records(tmp_path, component="UP")) == ["RSN1_UP.at2"]
+    with pytest.warns(sl.DoubtfulInput, match="'UP' is vertical"):
+        assert list(sl.read_records(tmp_path, component="UP")) == ["RSN1_UP.at2"]
 
 
 def csmip_at_station(component):

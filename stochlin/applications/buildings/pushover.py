@@ -17,7 +17,7 @@ from stochlin.applications.sheets.columns import (
     Need,
     check_one_kind,
     chosen,
-    numbered,
+    noted,
 )
 from stochlin.applications.sheets.sheets import sheets_of, table_in
 from stochlin.kernels.basics.arrays import Array
@@ -126,7 +126,7 @@ def read_pushover(
         force,
         coords=[labels.axis(DISPLACEMENT, OF_ROOF, displacement, "m")],
         name=CURVE,
-        attrs={"units": "N", "long_name": "base shear", "source": name} | numbered(choices),
+        attrs={"units": "N", "long_name": "base shear", "source": name} | noted(choices),
     )
 
 

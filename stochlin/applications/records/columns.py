@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from stochlin.applications.records.formats import RecordFile, Series
-from stochlin.applications.sheets.columns import ColumnName, Need, chosen, columns_of, numbered
+from stochlin.applications.sheets.columns import ColumnName, Need, chosen, columns_of, noted
 from stochlin.applications.sheets.quantities import ACCELERATION, TIME
 from stochlin.applications.sheets.sheets import Table, number_in, table_of, text_sheet, with_unit
 from stochlin.kernels.basics.arrays import Array
@@ -25,6 +25,8 @@ MOST_TITLES = 2
 TIME_TOLERANCE = 0.25
 # s; longer ones are doubtful, and no untitled column of them is known to be a time
 LONGEST_STEP = PLAUSIBLE["time step of a record"].high
+_ROWS_OF_A_SERIES = 5  # fewest numbers in a row; the usual components of a motion are three
+_SMOOTHER = 0.7  # mean change along the rows of one series, over that from row to row; of three 0.3 to 1
 _HEAD = 50  # lines in which the numbers begin
 # Lines of other formats: "SAMPLING INTERVAL (sec) : 0.01", "UNITS OF ACCEL ARE SEC AND G/10".
 _STATEMENT = re.compile(r"[:=]\s*\S|\bunits?\b", re.IGNORECASE)
@@ -77,12 +79,12 @@ class Text(NamedTuple):
         if not of_values.column.said.quantities and _even_step(values):
             what = f"has column {of_values.column.label}, which rises by equal steps, as a time"
             raise table.error(f"{what}; allowed as column=: accelerations, or with a title that says so")
-        about = numbered([choice for choice in (time, of_values) if choice])
-        nameless = 0 if of_values.column.title or time else table.width
+        about = noted([choice for choice in (time, of_values) if choice])
+        rows = 0 if of_values.column.title or time else _in_rows(table)
         units = self.units_of(of_values.column.said.unit)
         times = None if time is None else time.in_si()
         title = of_values.column.title
-        return Series(values, times, None, units, about, nameless, time_column is not None, title)
+        return Series(values, times, None, units, about, rows, time_column is not None, title)
 
     def table(self) -> Table:
         """The table of all lines, as wide as the first: numbers by pandas, or texts if it has others."""
@@ -161,6 +163,20 @@ class Text(NamedTuple):
         steps = [_even_step(table.numbers(number - 1, "number")) for number in free]
         even = [n for n, step in zip(free, steps, strict=True) if 0 < step <= LONGEST_STEP]
         return even[0] if len(even) == 1 else None
+
+
+def _in_rows(table: Table) -> int:
+    """Number of columns without names that may be rows of one series; 0 if they are not.
+
+    They may where they are many, or where the numbers change less from column to column than from line
+    to line.
+    """
+    many = table.width >= _ROWS_OF_A_SERIES
+    if table.width == 1 or many or not table.rows.dtypes.eq(float).all():
+        return table.width if many else 0
+    values = table.rows.to_numpy()
+    along, down = (np.abs(np.diff(each, axis=0)).mean() for each in (values.ravel(), values))
+    return table.width if along < _SMOOTHER * down else 0
 
 
 def _even_step(values: Array) -> float:

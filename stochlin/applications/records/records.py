@@ -13,7 +13,7 @@ import xarray as xr
 from scipy import constants
 
 from stochlin.applications.records.columns import TIME_TOLERANCE
-from stochlin.applications.records.components import identifies
+from stochlin.applications.records.components import WEAK, FileNames, identifies, is_vertical
 from stochlin.applications.records.files import chosen, read_channels
 from stochlin.applications.records.formats import Series
 from stochlin.applications.sheets.columns import ColumnName
@@ -35,7 +35,6 @@ SHORTEST_STEP = 1e-6  # s, of a file
 # displacements are below 1e60 m, and the squares of their squares below the largest number, 1e308.
 LARGEST_ACCELERATION = 1e9  # m/s^2
 STEPS = Range(1e-9, 1e9, include_lower=True, include_upper=True)  # s
-_ROWS_OF_A_SERIES = 5  # fewest numbers in a row; the usual components of a motion are three
 
 
 @checked
@@ -111,29 +110,34 @@ def read_record(
     Warns
     -----
     UserWarning
-        If the record is implausible: a peak below 0.001 g or above 3 g, a time step of more than 0.5 s,
-        a duration of more than 600 s, or one of five or more columns without names beside no time, which
-        may be rows of one series.
+        If the record is implausible: a peak below 0.04 g or above 1.5 g, a time step of more than 0.5 s,
+        a duration of more than 600 s, one of several columns without names that may be rows of one
+        series, or a vertical component.
 
     Examples
     --------
     >>> import tempfile, pathlib
     >>> import stochlin as sl
     >>> path = pathlib.Path(tempfile.mkdtemp()) / "record.csv"
-    >>> lines = [f"{0.02 * i:.2f},{(-1) ** i}" for i in range(100)]
+    >>> lines = [f"{0.02 * i:.2f},{100 * (-1) ** i}" for i in range(100)]
     >>> _ = path.write_text("time,north\n" + "\n".join(lines), encoding="utf-8")
     >>> record = sl.read_record(path, units="gal")
     >>> record.sizes["time"], record.attrs["dt"], float(record.max())
-    (100, 0.02, 0.01)
+    (100, 0.02, 1.0)
     """
     name, channels = read_channels(path, column, time_column, wrapped, skip)
-    return recorded(chosen(channels, component, name), name, dt, units)
+    return recorded(chosen(channels, component, name), name, dt, units, asked=True)
 
 
-def recorded(series: Series, name: str, dt: float | None, units: str | None) -> xr.DataArray:
-    """The record of a component of this source, with a warning where it is implausible."""
+def recorded(
+    series: Series, name: str, dt: float | None, units: str | None, asked: bool
+) -> xr.DataArray:
+    """The record of a component of this source, with a warning where it is implausible.
+
+    One that is ``asked`` for by itself is also doubted if it is vertical.
+    """
     record = _labelled(series, name, dt, units)
-    for warning in _doubts(record, series):
+    for warning in (*_doubts(record, series), *(_doubt_of_direction(series, name) if asked else ())):
         warnings.warn(f"{name}: {warning}", DoubtfulInput, stacklevel=4)
     return record
 
@@ -147,8 +151,16 @@ def _doubts(record: xr.DataArray, series: Series) -> Iterator[str]:
         yield f"its time step is {step:.6g} s; {text}"
     if text := PLAUSIBLE["duration"].doubt(step * record.size):
         yield f"its duration is {step * record.size:.6g} s; {text}"
-    if series.nameless >= _ROWS_OF_A_SERIES:
-        yield f"its {series.nameless} columns may be rows of one series; is it one, with wrapped=True?"
+    if series.rows:
+        yield f"its {series.rows} columns may be rows of one series; is it one, with wrapped=True?"
+
+
+def _doubt_of_direction(series: Series, name: str) -> Iterator[str]:
+    """Text on a vertical record."""
+    component, in_name = series.about.get("component", ""), FileNames([name]).component(name)
+    if is_vertical(component, series.title, in_name if in_name and in_name.weight > WEAK else None):
+        which = brief(component or series.title or name)
+        yield f"{which} is vertical, and gaps follow from horizontal components; is it the right one?"
 
 
 def strong_samples(motions: Array, start: float = 0.05, end: float = 0.95) -> tuple[Array, Array]:

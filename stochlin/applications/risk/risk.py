@@ -6,6 +6,7 @@ For one building it is the frequency of crossing its property line.
 from __future__ import annotations
 
 import re
+import warnings
 from collections.abc import Callable, Mapping
 from functools import reduce
 from operator import and_
@@ -20,7 +21,7 @@ from stochlin.applications.sites.intensity import scale_ground
 from stochlin.applications.sites.simulated_spectra import PGA_STEP
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.messages import brief
+from stochlin.messages import ImplausibleInput, brief
 from stochlin.models.arguments import (
     Duration,
     Metres,
@@ -34,6 +35,7 @@ from stochlin.models.arguments import (
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground, scatter_of
 from stochlin.models.hazards import Hazard, HazardCurve
+from stochlin.models.plausible import PLAUSIBLE
 from stochlin.models.systems import AnyStructure, first_period
 from stochlin.models.uncertain import applied, median_of
 from stochlin.solver.linearization.strength import strength_in_metres
@@ -207,6 +209,8 @@ def required_gap(
     >>> bool(abs(table.annual_rate / table.target_rate - 1) < 1e-3)
     True
     """
+    if text := doubt_of_text(risk):
+        warnings.warn(f"required_gap: risk {text}", ImplausibleInput, stacklevel=3)
     motion = duration, envelope, scatter_of(ground, scatter), paths, seed
     table = _over_cells(
         lambda simulated: simulated.gap_of(risk),
@@ -270,6 +274,13 @@ def allowed_rate(risk: str | float) -> tuple[float, float | None]:
         allowed = 'such as "2 % in 50 years", above 0 and below 100 %, or an annual frequency [1/yr]'
         raise ValueError(f"risk = {brief(risk)}; allowed: {allowed}")
     return -np.log1p(-share) / years, years
+
+
+def doubt_of_text(risk: str | float) -> str:
+    """What is implausible about a risk in words; numbers are judged as other arguments are."""
+    rate, years = allowed_rate(risk)
+    text = "" if years is None else PLAUSIBLE["risk"].doubt(rate)
+    return text and f"is doubtful: {brief(risk)} is {rate:.3g} a year; {text}"
 
 
 def check_target(hazard: Hazard, risk: str | float) -> float:

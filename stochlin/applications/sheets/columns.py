@@ -7,7 +7,7 @@ by its place.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from functools import partial
 from math import isclose, isnan
@@ -147,14 +147,9 @@ class Choice(NamedTuple):
 
     @property
     def comment(self) -> str:
-        """What is to be said of a column that is asked for by its number, or converted."""
+        """The column with the quantity for which it is taken."""
         of = "" if self.column.said.base is None else "the logarithm of "
         return f"column {self.column.label} is {of}{self.quantity.name}"
-
-    @property
-    def by_number(self) -> bool:
-        """Whether the caller asked for the column by its number."""
-        return is_whole(self.by_caller)
 
     def in_si(self, units: str | None = None, argument: str = "", allowed: Range | None = None) -> Array:
         """The numbers in the unit of the quantity, without a logarithm.
@@ -220,10 +215,14 @@ def check_one_kind(table: Table, column: int, what: str) -> None:
         raise table.sheet.error(names.index[1], column, f"{second}; export one of them")
 
 
-def numbered(choices: Sequence[Choice]) -> dict[str, str]:
-    """The attribute ``columns`` of what is read, with the columns that are asked for by number."""
-    said = "; ".join(choice.comment for choice in choices if choice.by_number)
-    return {"columns": said} if said else {}
+def noted(choices: Sequence[Choice], converted: Collection[Quantity] = ()) -> dict[str, str]:
+    """The attribute ``columns``, on those that are asked for by number, or of which others follow."""
+    parts = []
+    for choice in choices:
+        changed = choice.quantity in converted or choice.column.said.base is not None
+        if changed or is_whole(choice.by_caller):
+            parts.append(f"{choice.comment}{', converted' * changed}")
+    return {"columns": "; ".join(parts)} if parts else {}
 
 
 def chosen(table: Table, needs: Sequence[Need], cure: Callable[[], str] = str) -> list[Choice | None]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import NamedTuple
 
 import numpy as np
@@ -11,8 +12,9 @@ from scipy import constants
 from stochlin.applications.sites.elastic_spectra import BY_CODE, marked
 from stochlin.applications.sites.spectra import labelled
 from stochlin.kernels.basics.arrays import Array
-from stochlin.messages import brief
+from stochlin.messages import ImplausibleInput, brief
 from stochlin.models.arguments import Acceleration, DampingOrZero, Seconds, checked, is_number
+from stochlin.models.plausible import PLAUSIBLE
 
 STEP = 0.01  # step between the periods of a spectrum [s]
 LEAST = 0.2  # lower bound of the design spectrum of Eurocode 8, beta, over ag
@@ -157,8 +159,8 @@ def asce_7(sds: Acceleration, sd1: Acceleration, tl: Seconds) -> xr.DataArray:
     Warns
     -----
     UserWarning
-        If ``sds`` is below 0.167 g, for which the code asks for no spectrum, or above 7.5 g, so that it
-        is probably not in m/s^2.
+        If ``sds`` is below 0.167 g, for which the code asks for no spectrum, or above 3.75 g, so that it
+        is probably not in m/s^2, or if ``sd1`` is more than 1.25 times ``sds``.
 
     References
     ----------
@@ -175,6 +177,8 @@ def asce_7(sds: Acceleration, sd1: Acceleration, tl: Seconds) -> xr.DataArray:
     corner = sd1 / sds
     if corner >= tl:
         raise ValueError(f"tl = {tl:g} s; allowed: longer than TS = sd1/sds = {corner:.4g} s")
+    if text := PLAUSIBLE["sd1 over sds"].doubt(corner):
+        warnings.warn(f"asce_7: sd1 is {corner:.3g} times sds; {text}", ImplausibleInput, stacklevel=3)
     grid = STEP * np.arange(round(_ASCE_LONGEST / STEP) + 1)
     corners = [t for t in (0.2 * corner, corner, tl) if t < _ASCE_LONGEST]
     near = np.abs(grid[:, None] - corners).min(axis=1) < 1e-6

@@ -5,6 +5,7 @@ It is said once, where the spectrum is read or first used, and stands in the att
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Iterator
 from typing import Annotated
@@ -17,6 +18,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import DoubtfulInput, plain
 from stochlin.models.arguments import Number, as_numbers
 from stochlin.models.parameters import Range
+from stochlin.models.plausible import PLAUSIBLE
 
 ELASTIC = "elastic"  # attribute that says how a spectrum was taken
 ELASTIC_AT = "elastic_at"  # attribute: period [s] and ordinate [m/s^2] for which that was said
@@ -84,7 +86,7 @@ def as_elastic(
     taken = marked(spectrum, how)
     missing = [_not_stated(taken, share)] if how == NOT_STATED else []
     source = plain(spectrum.attrs.get("source", "spectrum"))
-    for text in (*missing, *_against(taken)):
+    for text in (*missing, *_doubts(taken)):
         warnings.warn(f"{source}: {text}", DoubtfulInput, stacklevel=4)
     return taken
 
@@ -134,9 +136,16 @@ def _not_stated(spectrum: xr.DataArray, share: float) -> str:
     return f"nothing says that it is elastic ({plateau_in_words(spectrum)}), and it is taken so; {cure}"
 
 
-def _against(spectrum: xr.DataArray) -> Iterator[str]:
-    """What in the shape of a spectrum speaks against an elastic one."""
+def _doubts(spectrum: xr.DataArray) -> Iterator[str]:
+    """What in the ordinates of a spectrum is implausible, or speaks against an elastic one."""
     period, values = spectrum.period.values, spectrum.values
+    if text := PLAUSIBLE["largest ordinate"].doubt(values.max()):
+        yield f"its largest ordinate is {_in_g(values.max())}; {text}"
+    farthest = int(np.argmax(values * period**2))
+    displacement = values[farthest] * (period[farthest] / math.tau) ** 2
+    if text := PLAUSIBLE["spectral displacement"].doubt(displacement):
+        yield f"its displacement at {period[farthest]:g} s is {displacement:.3g} m; {text}"
+    yield from _doubt_of_rows(period, values)
     percent = 100 * float(spectrum.attrs.get("damping", 0.05))
     usual, rise = 3.21 - 0.68 * np.log(percent), values.max() / values[0]
     if period[0] <= STIFF and not _begins_on_plateau(values) and rise < LEAST_OF_MEDIAN * usual:
@@ -154,6 +163,21 @@ def _against(spectrum: xr.DataArray) -> Iterator[str]:
             f"divided spectra, and elastic ones of codes are so from {LEVEL_FROM:g} s on (IS 1893, "
             "NBC 2010); is it divided by R or q?"
         )
+
+
+def _doubt_of_rows(period: Array, values: Array) -> Iterator[str]:
+    """Text on ordinates that jump from a period to the next, as if rows had different units.
+
+    An ordinate may be more than that before by the ratio of the periods, and less by its square, as
+    where velocity and displacement are constant.
+    """
+    above = np.flatnonzero(period[:-1] > 0)
+    ratio, growth = period[above + 1] / period[above], values[above + 1] / values[above]
+    jump = np.maximum(growth / ratio, 1 / (growth * ratio**2))
+    for n in above[jump > PLAUSIBLE["next ordinate"].high][:1]:
+        ends = f"from {values[n]:.3g} to {values[n + 1]:.3g} m/s^2"
+        what = f"its ordinate goes {ends} between {period[n]:g} and {period[n + 1]:g} s"
+        yield f"{what}; {PLAUSIBLE['next ordinate'].doubt(jump.max())}"
 
 
 def doubt_of_pga(spectrum: xr.DataArray, pga: float) -> str:

@@ -137,7 +137,10 @@ def _of_ordinates(
         raise ValueError(f"period = {period:g} is beyond {names}; allowed: within {known}")
     lower, upper = (_in_metres(curves[end], names, units) for end in (max(below), min(above)))
     intensities, frequencies = _between(lower, upper, period)
-    return HazardCurve(tuple(intensities), tuple(frequencies), measure=of.measure, period=of.period)
+    columns = dict.fromkeys(curve.columns for curve in (lower, upper))
+    source = "; ".join(filter(None, (names, *columns)))
+    points = tuple(intensities), tuple(frequencies)
+    return HazardCurve(*points, measure=of.measure, period=of.period, source=source)
 
 
 def _in_metres(curve: Ordinate, name: str, units: str | None) -> Ordinate:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 import warnings
 from collections.abc import Mapping
@@ -10,7 +9,6 @@ from typing import Literal, TypeGuard, get_args
 
 import numpy as np
 import xarray as xr
-from scipy import constants
 
 from stochlin.applications.records.records import checked_array
 from stochlin.applications.sheets.columns import ColumnName
@@ -20,7 +18,6 @@ from stochlin.applications.sites.spectrum_files import AskedSpectrum, points_in
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import DoubtfulInput, brief, listed, plain
 from stochlin.models.arguments import DampingRatio, Truth, checked, is_number
-from stochlin.models.plausible import PLAUSIBLE
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.inputs import input_path
 
@@ -159,7 +156,7 @@ def read_spectrum(
     xarray.DataArray
         Elastic pseudo-acceleration [m/s^2] over ``period`` [s], with the attributes ``damping``,
         ``source`` and ``elastic``, which says how the file was taken; of a linear one also at periods
-        between the points. The attribute ``comment`` says what is converted, and ``columns`` which
+        between the points. The attribute ``columns`` says what is converted, and which
         columns were asked for by number; of the USGS ``spectrum`` says which is read.
 
     Raises
@@ -200,23 +197,15 @@ def read_spectrum(
     request = AskedSpectrum(units, damping, period_column, column, site)
     period, values, places, about = points_in(path, request)
     check_ordinates(period, values, places)
-    largest = float(values.max())
-    if text := PLAUSIBLE["largest ordinate"].doubt(largest):
-        what = f"{name}: its largest ordinate is {largest / constants.g:.3g} g"
-        warnings.warn(f"{what}; {text}", DoubtfulInput, stacklevel=3)
-    farthest = int(np.argmax(values * period**2))
-    displacement = values[farthest] * (period[farthest] / math.tau) ** 2
-    if text := PLAUSIBLE["spectral displacement"].doubt(displacement):
-        what = f"{name}: its displacement at {period[farthest]:g} s is {displacement:.3g} m"
-        warnings.warn(f"{what}; {text}", DoubtfulInput, stacklevel=3)
     if between is None and (period[1:] > WIDEST * period[:-1])[period[:-1] > 0].any():
         what = f"{name}: its points are far apart"
         cure = "is it linear in logarithms between them, or between='linear'?"
         warnings.warn(f"{what}; {cure}", DoubtfulInput, stacklevel=3)
-    if between == "linear":
-        finer = np.unique(np.linspace(period[:-1], period[1:], FINER))
-        period, values = finer, np.interp(finer, period, values)
     spectrum = labelled(period, values, damping, name).assign_attrs(about)
     if "spectrum" in about:
         spectrum = marked(spectrum, BY_CODE)
-    return as_elastic(spectrum, elastic, divided_by)
+    spectrum = as_elastic(spectrum, elastic, divided_by)
+    if between == "linear":
+        finer = np.unique(np.linspace(period[:-1], period[1:], FINER))
+        return spectrum.interp(period=finer)
+    return spectrum

@@ -21,7 +21,7 @@ from stochlin.applications.sheets.columns import (
     check_one_kind,
     chosen,
     columns_of,
-    numbered,
+    noted,
 )
 from stochlin.applications.sheets.quantities import (
     ACCELERATION,
@@ -128,13 +128,7 @@ def _converted(table: Table, abscissa: Choice, ordinate: Choice, units: str | No
         values = values * (2 * np.pi / period) ** power
     if abscissa.quantity is not PERIOD and (np.diff(period) < 0).all():
         period, values, places = period[::-1], values[::-1], places[::-1]
-    changed = [
-        choice
-        for choice in (abscissa, ordinate)
-        if choice.quantity in {**_TURNS, **_POWERS} or choice.column.said.base is not None
-    ]
-    comment = "; ".join(f"{choice.comment}, converted" for choice in changed)
-    about = numbered([abscissa, ordinate]) | ({"comment": comment} if comment else {})
+    about = noted([abscissa, ordinate], {**_TURNS, **_POWERS})
     return Points(period, values, places, about)
 
 

@@ -185,11 +185,11 @@ def _components(
     if component is None and 1 < len(channels) <= 3:
         for channel in channels:
             label = f"{name}, {channel.about.get('component', '')}"
-            yield label, _Read(recorded(channel, source, dt, units), channel.title, False)
+            yield label, _Read(recorded(channel, source, dt, units, asked=False), channel.title, False)
     else:
         channel = chosen(channels, component, source)
-        title = channel.title
-        yield name, _Read(recorded(channel, source, dt, units), title, len(channels) == 1)
+        record = recorded(channel, source, dt, units, asked=component is not None)
+        yield name, _Read(record, channel.title, len(channels) == 1)
 
 
 def _horizontal(read: dict[str, _Read], folder: str) -> dict[str, _Read]:

@@ -38,6 +38,8 @@ ANY = Range(lower=-np.inf)
 ORTHOGONAL = 0.02  # largest modal mass that two modes share, over the root of those of both
 LEAST_MASS = 1e-6  # share of the mass below which a mode does not move along the gap
 ENOUGH_MASS = 0.9  # share of the mass that codes ask of the modes together
+IN_ANOTHER_DIRECTION = 0.03  # share of the mass below which a mode may be one across the gap
+SMALL_MOVE = 0.1  # part of the largest displacement of a mode below which its sign does not count
 DIMENSIONS = {
     **dict.fromkeys(("periods", "damping", "participation", "modal_masses"), MODE),
     **dict.fromkeys(("hardening", "yield_displacements"), YIELDING),
@@ -343,7 +345,10 @@ class ModalBuilding(MultistoreyBuilding):
         of_table = {name: self._numbers(name) for name in ("masses", "heights")}
         yield from implausible(of_table, self.limits(), of_one=True)
         yield from super().doubts()
-        yield from doubt_of_shape(self._numbers("shapes")[self.leading])
+        shapes = self._numbers("shapes")
+        yield from doubt_of_shape(shapes[self.leading])
+        shares = self.effective_masses() / self._numbers("masses").sum()
+        yield from doubt_of_modes(self._numbers("periods"), shapes, shares)
 
     def oscillator(self) -> Structure:
         """The mode with the largest effective mass [kg] as an oscillator.
@@ -435,6 +440,19 @@ def doubt_of_shape(leading: Array) -> Iterator[str]:
     ratio = lowest / roof if roof > 0 else np.inf
     if text := PLAUSIBLE["mode downwards"].doubt(ratio):
         yield f"the leading mode moves {lowest:g} at the lowest floor and {roof:g} at the roof; {text}"
+
+
+def doubt_of_modes(periods: Array, shapes: Array, shares: Array) -> Iterator[str]:
+    """Text on a mode with a node, slower than that with most effective mass, as if two were exchanged.
+
+    Modes in other directions, which have little of the mass along the gap, are left out.
+    """
+    longest = periods[np.argmax(shares)]
+    for n in np.flatnonzero((periods > longest) & (shares > IN_ANOTHER_DIRECTION)):
+        large = shapes[n][np.abs(shapes[n]) > SMALL_MOVE * np.abs(shapes[n]).max()]
+        if large.min() < 0 < large.max():
+            what = f"mode {n + 1} has a node and a longer period than mode {np.argmax(shares) + 1}"
+            yield f"{what}, which has more effective mass; are their shapes exchanged?"
 
 
 def _give(shapes: Array, masses: Array, modal_masses: Array) -> bool:

@@ -18,6 +18,7 @@ from stochlin.views.shared.words import (
     SPACE,
     along,
     at_medians,
+    files_taken,
     floors,
     in_g,
     left_out,
@@ -29,7 +30,6 @@ from stochlin.views.shared.words import (
     scatter,
     shaking,
     site_in_words,
-    spectrum_taken,
     with_interval,
 )
 
@@ -86,7 +86,7 @@ def answer_sections(case: Case, table: xr.Dataset) -> list[ViewSection]:
     strongest = table[["peak_ground_acceleration"]].max()
     return [
         opening(case, doubts(strongest)),
-        ViewSection("", texts([floors(case), *left_out(case), at_medians(case), spectrum_taken(case)])),
+        ViewSection("", texts([floors(case), *left_out(case), at_medians(case), files_taken(case)])),
         *(ViewSection("", texts(several)) for several in facts),
         _values(case, table),
     ]

@@ -15,6 +15,7 @@ from stochlin.views.shared.words import (
     SPACE,
     along,
     centimetres,
+    files_taken,
     floors,
     interval,
     left_out,
@@ -24,7 +25,6 @@ from stochlin.views.shared.words import (
     scatter,
     shaking,
     site_in_words,
-    spectrum_taken,
     with_interval,
     yielding_modes,
 )
@@ -212,7 +212,7 @@ def cautions(answer: CaseAnswer) -> list[str]:
 
 def taken(case: Case) -> list[str]:
     """What was taken for the motions: the spectrum of a file, and the scatter in strength."""
-    return [spectrum_taken(case), scatter(case)]
+    return [files_taken(case), scatter(case)]
 
 
 def _without_storeys(answer: CaseAnswer) -> str:

@@ -11,6 +11,7 @@ from stochlin.applications.sites.elastic_spectra import taken_in_words
 from stochlin.messages import plain
 from stochlin.models.arguments import checked
 from stochlin.models.grounds import ground_names
+from stochlin.models.hazards import OF_DESIGN, HazardCurve
 from stochlin.models.rules.codes import CODE_RULES
 from stochlin.models.rules.effective_properties import EFFECTIVE_RULES
 from stochlin.solver.tables.labels import VALUE_AND_ENDS
@@ -114,17 +115,34 @@ def scatter(case: Case) -> str:
     return sentence if now else ""
 
 
-def spectrum_taken(case: Case) -> str:
-    """How the spectrum of a file was taken; empty without such a file."""
-    spectrum = case.site.spectrum
-    if spectrum is None or "code" in spectrum.attrs:
-        return ""
-    return f"The spectrum of {plain(spectrum.attrs['source'])}: {taken_in_words(spectrum)}."
+def files_taken(case: Case) -> str:
+    """How spectrum, hazard and records of files were taken; empty without such files."""
+    spectrum, hazard, sentences = case.site.spectrum, case.site.hazard, list[str]()
+    if spectrum is not None and "code" not in spectrum.attrs:
+        columns = f"; {plain(spectrum.attrs['columns'])}" if "columns" in spectrum.attrs else ""
+        taken = f"{taken_in_words(spectrum)}{columns}"
+        sentences.append(f"The spectrum of {plain(spectrum.attrs['source'])}: {taken}.")
+    if isinstance(hazard, HazardCurve) and hazard.source:
+        sentences.append(f"The hazard of {plain(hazard.source)}{_of_design(hazard)}.")
+    sentences += [
+        f"The record {name}: {plain(record.attrs['columns'])}."
+        for name, record in case.site.records.items()
+        if "columns" in record.attrs
+    ]
+    return " ".join(sentences)
+
+
+def _of_design(hazard: HazardCurve) -> str:
+    """What is exceeded once in 475 years, if the curve has that."""
+    design = hazard.of_design()
+    what = "PGA" if hazard.period is None else f"Sa({hazard.period:.3g} s)"
+    shown = f"{design:.3g} m^2/s^3 of S0" if hazard.measure == "intensity" else f"{what} {in_g(design)}"
+    return f"; with a return period of {OF_DESIGN:g} years {shown}" if np.isfinite(design) else ""
 
 
 def strength(table: xr.Dataset, case: Case) -> list[str]:
     """How strong the motions are, by which spectrum, and how they differ."""
-    return [shaking(table, case), spectrum_taken(case), scatter(case)]
+    return [shaking(table, case), files_taken(case), scatter(case)]
 
 
 def in_g(acceleration: float) -> str:

@@ -156,7 +156,9 @@ class Storeyed(WithFloors):
 
     described_as = "a building by its storeys"
 
-    storey_height: float | None = of(ShearBuilding, "heights", "Storey height", None, uncertain=False)
+    storey_height: float | None = of(
+        RegularBuilding, "storey_height", "Storey height", None, uncertain=False
+    )
     heights: Any = of(ShearBuilding, "heights", "Heights of storeys", None, uncertain=False, single="")
     dampers: Any = of(ShearBuilding, "dampers", default=None, single="alone")
     p_delta: bool = key(TRUTH, "Weight softens storeys (P-delta)", False)

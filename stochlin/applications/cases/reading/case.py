@@ -37,7 +37,7 @@ from stochlin.applications.cases.reading.kinds import (
 from stochlin.applications.cases.reading.records import PEAK
 from stochlin.applications.cases.reading.site import MOTIONS, SITES, Site, read_site
 from stochlin.applications.cases.reading.tables import NO_TABLE, Form, Table, read_table
-from stochlin.applications.risk.risk import check_target
+from stochlin.applications.risk.risk import check_target, doubt_of_text
 from stochlin.applications.sites.elastic_spectra import doubt_of_pga
 from stochlin.kernels.simulation.stepping import whole_groups
 from stochlin.messages import hint, plain
@@ -117,6 +117,8 @@ class Wanted(Form):
                 raise self.table.error("risk", "needs a hazard; allowed: with [site.hazard]")
             with self.table.naming("risk"):
                 check_target(site.hazard, self.risk)
+            if text := doubt_of_text(self.risk):
+                self.table.warn("risk", text)
         pga = self.design_pga
         spectrum = site.spectrum
         if pga is not None and spectrum is not None and (above := doubt_of_pga(spectrum, pga)):

@@ -193,7 +193,7 @@ class OfPowerLaw(OfHazard):
 
     k0: float = key(FACTOR, "Annual frequency of exceedance of one unit, of a power law")
     k: float = key(FACTOR, "Exponent of the power law")
-    units: str = key(TEXT, "Unit of k0")
+    units: str = key(Kind(TEXT.read, 'a unit of the measure, as "g"'), "Unit of k0")
 
     def hazard(self) -> Hazard:
         """The law in SI units."""

@@ -226,7 +226,8 @@ class Asce7(Spectrum):
 
     def target(self) -> xr.DataArray:
         """The spectrum of the code."""
-        return self.table.made(asce_7, sds=self.sds, sd1=self.sd1, tl=self.tl)
+        with self.table.asking("sd1"):
+            return self.table.made(asce_7, sds=self.sds, sd1=self.sd1, tl=self.tl)
 
 
 class Divisors(Form):

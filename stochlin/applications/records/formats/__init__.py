@@ -25,7 +25,7 @@ class Series(NamedTuple):
     dt: float | None
     units: str | None
     about: Mapping[str, str] = MappingProxyType({})  # event, station and component, if stated
-    nameless: int = 0  # number of columns without names, none of which is known to be the time
+    rows: int = 0  # number of columns that may be rows of one series
     timed: bool = True  # whether the time holds beside a time step of the caller, who asked for it
     title: str = ""  # of the file, which may end with the component
 

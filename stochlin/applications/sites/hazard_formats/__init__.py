@@ -24,6 +24,7 @@ class Ordinate(NamedTuple):
     frequencies: Array  # 1/yr
     places: Sequence[str]  # of each point, for messages
     units: str  # of the intensities; empty if the file does not state them
+    columns: str = ""  # those that are asked for by number, or converted
 
 
 class AskedHazard(NamedTuple):

@@ -16,13 +16,14 @@ from pathlib import Path
 
 import numpy as np
 
-from stochlin.applications.sheets.columns import Need, chosen
+from stochlin.applications.sheets.columns import Need, chosen, noted
 from stochlin.applications.sheets.quantities import (
     ACCELERATION,
     LEVEL,
     PEAK,
     PROBABILITY,
     RATE,
+    RETURN_PERIOD,
     SPECTRAL,
     Quantity,
 )
@@ -79,17 +80,19 @@ def _of_columns(sheets: Sequence[Sheet], of: Hazard, choice: AskedHazard) -> Ord
     """The curve in columns of intensities and of annual frequencies, or of probabilities."""
     table = table_in(sheets, "intensities and annual frequencies")
     refuse(table.sheet.name, "a file of one site", {"site": choice.site})
-    wanted = (RATE, PROBABILITY) if choice.years is None else (PROBABILITY,)
+    wanted = (RATE, PROBABILITY, RETURN_PERIOD) if choice.years is None else (PROBABILITY,)
     needs = [
         Need("column", choice.column, _LEVELS[of.measure], True, logarithms=True, period=of.period),
         Need("frequency_column", choice.frequency_column, wanted, logarithms=True),
     ]
-    level, other = chosen(table, needs)
-    assert level is not None
-    assert other is not None  # neither is optional
+    choices = [choice for choice in chosen(table, needs) if choice]
+    level, other = choices
     values = other.in_si()
-    if other.quantity is RATE and not other.by_number:
+    if other.quantity is RATE and not is_whole(other.by_caller):
         _check_per_year(table, other.column.title)
+    if other.quantity is RETURN_PERIOD:
+        with np.errstate(divide="ignore"):
+            values = 1 / values
     if other.quantity is PROBABILITY:
         if choice.years is None:
             title = brief(other.column.title)
@@ -101,7 +104,8 @@ def _of_columns(sheets: Sequence[Sheet], of: Hazard, choice: AskedHazard) -> Ord
     intensities, unit = level.numbers(), level.column.said.unit
     if of.measure == "intensity":
         intensities, unit = (size_of(unit, S0) or 1.0) * intensities, S0
-    return Ordinate(of.period or 0.0, intensities, values, table.places(), unit)
+    about = noted(choices, [PROBABILITY, RETURN_PERIOD]).get("columns", "")
+    return Ordinate(of.period or 0.0, intensities, values, table.places(), unit, about)
 
 
 def _check_per_year(table: Table, title: str) -> None:
