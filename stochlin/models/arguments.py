@@ -205,6 +205,16 @@ def checked(function: Any = None, *, uncertain: bool = False, in_metres: InMetre
     if function is None:
         return partial(checked, uncertain=uncertain, in_metres=in_metres)
     parameters = inspect.signature(function).parameters
+    annotations = functools.cache(lambda: with_doubts(function))
+
+    def _of_types(values: dict[str, Any]) -> Iterator[str]:
+        return (
+            text
+            for name, of in annotations()
+            if name in values
+            for text in of.doubts(name, values[name])
+        )
+
     by_place = [n for n, each in parameters.items() if each.kind == each.POSITIONAL_OR_KEYWORD]
 
     @functools.wraps(function)
@@ -214,7 +224,7 @@ def checked(function: Any = None, *, uncertain: bool = False, in_metres: InMetre
         for name, check in checks_of(function, uncertain):
             if name in values:
                 check(name, values[name])
-        warn_caller(function.__name__, lambda: _doubts(values, in_metres))
+        warn_caller(function.__name__, lambda: [*_doubts(values, in_metres), *_of_types(values)])
         with unquestioned():
             made = function(*args, **kwargs)
         if isinstance(made, Model):  # of a file, or computed
@@ -231,6 +241,9 @@ def _doubts(values: dict[str, Any], in_metres: InMetres) -> Iterator[str]:
     yield from implausible(values | {"intensity": of_ground if of_motion else 0})
     for each in (each for each in values.values() if isinstance(each, Mapping)):  # facts for codes
         yield from implausible(each)
+    first, second = (median_of(values.get(role)) for role in ("first", "second"))
+    if of_motion and isinstance(first, Model) and first == second:
+        yield "first and second are the same building, which need no gap; usual are two that differ"
     several = values.get("structures")
     for each in (*values.values(), *(several if isinstance(several, (list, tuple)) else ())):
         structure = median_of(each)
@@ -260,6 +273,18 @@ def checks_of(called: Callable[..., Any], uncertain: bool = False) -> tuple[tupl
     return tuple((name, check) for name in names for check in _checks(declared.get(name), uncertain))
 
 
+def with_doubts(called: Callable[..., Any]) -> list[tuple[str, Any]]:
+    """Name and annotation of the arguments of a function whose type has a method ``doubts``."""
+    declared = typing.get_type_hints(called, include_extras=True)
+    return [
+        (name, each)
+        for name in inspect.signature(called).parameters
+        for kind in (declared.get(name), *typing.get_args(declared.get(name)))
+        for each in getattr(kind, "__metadata__", ())
+        if hasattr(each, "doubts")
+    ]
+
+
 def _checks(declared: Any, uncertain: bool) -> list[Check]:
     """The checks of a type: those that it is annotated with, or of its classes if these are models.
 
@@ -268,7 +293,8 @@ def _checks(declared: Any, uncertain: bool) -> list[Check]:
     union = typing.get_origin(declared) in (typing.Union, types.UnionType)
     options = list(typing.get_args(declared)) if union else [declared]
     kinds = [option for option in options if option is not types.NoneType]
-    checks: list[Check] = [each for kind in kinds for each in getattr(kind, "__metadata__", ())]
+    declared_with = [each for kind in kinds for each in getattr(kind, "__metadata__", ())]
+    checks: list[Check] = [each for each in declared_with if callable(each)]
     checks += [OneOf(typing.get_args(kind)) for kind in kinds if typing.get_origin(kind) is Literal]
     if all(isinstance(kind, type) and issubclass(kind, Model) for kind in kinds):
         checks = [OfClass(tuple(kinds), uncertain)]

@@ -22,6 +22,7 @@ MEASURES: tuple[Exceeded, ...] = get_args(Exceeded)
 FEWEST = 2  # smallest number of points of a curve
 MOST_OFTEN = 1e4  # [1/yr], about once an hour, above which an annual frequency has another unit
 OF_DESIGN = 475.0  # yr, return period of the shaking of a design, 10 % in 50 years
+OFTEN = 2.0  # yr, return period of shaking that most sites have had
 _ROUNDING = 1e-9  # relative rounding error allowed at the ends of a curve
 
 
@@ -54,8 +55,12 @@ class Hazard(Model, base=True):
         """Intensity, in the unit of the measure, with a return period of 475 years; NaN for a scan."""
         return float("nan")
 
+    def often(self) -> float:
+        """Intensity, in the unit of the measure, with a return period of 2 years; NaN if it has none."""
+        return float("nan")
+
     def doubts(self) -> Iterator[str]:
-        """Text on the shaking of a design, if it is implausible.
+        """Texts on the shaking of a design, and on what is frequent, if they are implausible.
 
         A spectral acceleration is compared with the lowest and the highest of the spectra of EN 1998-1,
         3.2.2.2, for the limits of the ground acceleration: that of type 2 on ground A, and the plateau.
@@ -71,6 +76,8 @@ class Hazard(Model, base=True):
         if text := limits.doubt(design):
             of_period = f"{self.measure} with a return period of {OF_DESIGN:g} years"
             yield f"its {of_period} is {design:.3g} {units}; {text}"
+        if self.measure == "pga" and (text := PLAUSIBLE["pga of 2 years"].doubt(often := self.often())):
+            yield f"its pga with a return period of {OFTEN:g} years is {often:.3g} m/s^2; {text}"
 
 
 def _of(values: Any, name: str) -> float | xr.DataArray:
@@ -158,6 +165,11 @@ class HazardCurve(Hazard):
         exponent = 2 / 3 if self.measure == "intensity" else 1 / 3
         return float(self.intensity(years) * (OF_DESIGN / years) ** exponent)
 
+    def often(self) -> float:
+        """Intensity, in the unit of the measure, with a return period of 2 years; NaN beyond it."""
+        known = self.frequencies[-1] <= 1 / OFTEN <= self.frequencies[0]
+        return float(self.intensity(OFTEN)) if known else float("nan")
+
     def describe(self) -> str:
         """The curve with its points in one line; long tables are shortened."""
         both = (f"{name}={brief(list(getattr(self, name)))}" for name in ("intensities", "frequencies"))
@@ -230,8 +242,15 @@ class PowerLawHazard(Hazard):
 
     def of_design(self) -> float:
         """Intensity, in the unit of the measure, with a return period of 475 years; NaN for a scan."""
-        design = self.intensity(OF_DESIGN)
-        return design if isinstance(design, float) else float("nan")
+        return self._of_law(OF_DESIGN)
+
+    def often(self) -> float:
+        """Intensity, in the unit of the measure, with a return period of 2 years; NaN for a scan."""
+        return self._of_law(OFTEN)
+
+    def _of_law(self, years: float) -> float:
+        intensity = self.intensity(years)
+        return intensity if isinstance(intensity, float) else float("nan")
 
 
 def check_curve(intensities: Array, frequencies: Array, places: Sequence[str]) -> None:

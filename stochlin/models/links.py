@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
@@ -96,6 +97,11 @@ class Link(Model):
         if self.within_one and (self.floors is None or self.floors[0] <= self.floors[1]):
             what = f"Link: floors = {self.floors} inside structure {self.structures}"
             raise ValueError(f"{what}; allowed: (upper, lower), of which the lower is 0 for the ground")
+
+    def doubts(self) -> Iterator[str]:
+        """Text on a spring that yields and has no stiffness."""
+        if self.yields and not self.arrays()["stiffness"].any():
+            yield "its spring yields and has no stiffness; usual are both, or a dashpot alone"
 
     @property
     def within_one(self) -> bool:

@@ -11,6 +11,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 import numpy.typing as npt
+import pandas as pd
 import xarray as xr
 
 from stochlin.messages import Named, brief, hyphenated, sentence
@@ -23,7 +24,7 @@ from stochlin.models.uncertain import (
     as_array,
     median_of,
 )
-from stochlin.models.units import size_of
+from stochlin.models.units import parsed, size_of
 from stochlin.models.values import CASE, ByValue
 
 _Number = float | np.floating | np.integer
@@ -64,6 +65,7 @@ class Range:
 
 POSITIVE, NOT_NEGATIVE = Range(), Range(include_lower=True)
 # Of structures and grounds in seconds, where their frequencies and those of others are of use together.
+NO_UNIT = ("", "1", "-", "dimensionless")
 PERIODS = Range(1e-9, 1e9, include_lower=True, include_upper=True)
 
 
@@ -269,11 +271,15 @@ def check_alignment(what: str, *arrays: xr.DataArray) -> None:
 
 
 def check_units(label: str, stated: object, units: str) -> None:
-    """Raise a ValueError if an array states a unit of its quantity in which its values are not taken.
+    """Raise a ValueError if an array states a unit in which its values are not taken, or an unknown one.
 
-    Another quantity is no reason: arithmetic with arrays keeps the attributes of the first of them.
+    Another quantity is no reason, but for the inverse: arithmetic with arrays keeps the attributes of
+    the first of them.
     """
-    if stated is not None and size_of(str(stated), units) not in (None, 1.0):
+    unit = "" if stated is None else str(stated)
+    other = parsed(unit) is None and unit not in NO_UNIT
+    inverse = units != "1" and size_of(unit, f"1/{units}")
+    if other or inverse or size_of(unit, units) not in (None, 1.0):
         what = f"{label} is in {brief(stated)}, by its attribute units"
         raise ValueError(f"{what}; allowed: {units}, so convert its values, and state it there")
 
@@ -284,6 +290,8 @@ def check(prefix: str, name: str, value: Any, declared: Mapping[str, Any]) -> fl
     ``declared`` is the metadata of `parameter`; ``prefix`` precedes the name in messages.
     """
     label, allowed = f"{prefix}{name}", declared["allowed"]
+    if isinstance(value, pd.Series) and type(value.index) is pd.Index:  # of labels, which must agree
+        value = xr.DataArray(value.to_numpy(), {CASE: value.index.to_numpy()}, CASE)
     array = value if isinstance(value, xr.DataArray) else as_array(value)
     if array.dtype.kind not in "iuf":
         raise TypeError(f"{label} = {brief(value)} is not a real number; allowed: {allowed}")

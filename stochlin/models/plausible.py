@@ -11,6 +11,7 @@ from math import inf
 from typing import Any, NamedTuple, TypeGuard
 
 import numpy as np
+import xarray as xr
 from scipy.constants import g
 
 from stochlin.data_files import data_of
@@ -73,20 +74,29 @@ def implausible(
 ) -> Iterator[str]:
     """Texts on implausible numbers among the arguments of a call.
 
-    ``limits`` are those of a model, in place of those of the names. Arrays and numbers of numpy are
-    scans, or computed, and not judged, unless they are ``of_one`` building.
+    ``limits`` are those of a model, in place of those of the names. Arrays are scans, of which all
+    numbers must be implausible, unless they are ``of_one`` building; numbers of numpy are computed.
     """
     for name, number in values.items():
         known = limits_of(name) if limits is None else limits.get(name, ANY)
         value = getattr(number, "median", number)  # of an uncertain parameter
         judged = of_one or name == OF_A_ROW
-        each = np.array(value, object).ravel() if judged else [value]
+        each = np.array(value, object).ravel() if judged else [_nearest(value, known)]
         if odd := [n for n in each if _is_number(n) and not known.holds(n) and n < FAR]:
             yield f"{name} = {odd[0]:g}: {known.doubt(odd[0])}"
     for end in ("", "_1", "_2"):
         height, storeys = (values.get(f"{of}{end}") for of in ("height", "storeys"))
         if _is_number(height) and _is_number(storeys) and (text := doubt_of_storeys(height, storeys)):
             yield f"height{end} = {height:g}: {text}"
+
+
+def _nearest(value: object, known: Plausible) -> object:
+    """A number as it is; of an array in memory that number, or limit, that is nearest to usual ones."""
+    data = value.data if isinstance(value, xr.DataArray) else value
+    if known is ANY or not isinstance(data, np.ndarray) or not data.size or data.dtype.kind not in "iuf":
+        return value
+    least, most = float(data.min()), float(data.max())  # NaN if any is
+    return least if least > known.high else min(most, known.low)
 
 
 def doubt_of_storeys(height: float, storeys: float) -> str:

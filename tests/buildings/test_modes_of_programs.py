@@ -192,7 +192,6 @@ def based(elevation: float) -> list[Cells]:
     return [*etabs(), table(name, "Tower|BSName|BSElev", "||m", [["T1", "Base", elevation]])]
 
 
-@pytest.mark.filterwarnings("ignore:.*are mass and stiffness right, or is it isolated")
 @pytest.mark.parametrize(("elevation", "below"), [(-8.0, 2), (-1.5, 0), (25.0, 0)])
 def test_floors_at_or_below_the_ground_do_not_pound(
     tmp_path: Path, elevation: float, below: int

@@ -65,6 +65,7 @@ def test_a_contact_is_the_one_that_python_makes(model, values, expected, tmp_pat
 # --- Measures -------------------------------------------------------------------------------------
 
 
+@pytest.mark.filterwarnings("ignore:.*is the same as that before")
 def test_devices_stand_in_storeys(tmp_path: Path) -> None:
     both = [STOREYS.format(1, "elastic = true"), STOREYS.format(2, "elastic = true")]
     lines = """[measures.Fluid]

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import xarray as xr
 from motions import motion, write_at2
 
 import stochlin as sl
@@ -48,6 +49,27 @@ def record(folder: Path, peak: float = 3.0, dt: float = 0.02, samples: int = 200
     """A file of a record."""
     shape = np.sin(np.arange(samples) * np.pi / 2)
     write_at2(motion(peak * shape / np.abs(shape).max(), dt), folder / "record.at2")
+    return folder / "record.at2"
+
+
+def shaken(velocity: float, acceleration: float = 3.0, dt: float = 0.02) -> xr.DataArray:
+    """A record with these largest values: one pulse to either side, and an impulse of the peak."""
+    pulse = velocity / (50 * dt)
+    values = np.zeros(200)
+    values[50:100], values[100:150] = pulse, -pulse
+    values[170], values[171] = acceleration, -acceleration
+    return motion(values, dt)
+
+
+def jerk(ratio: float) -> xr.DataArray:
+    """A record by its largest velocity over its peak [s]: a square wave of so long halves."""
+    dt = ratio / 100 if ratio > 0.5 else ratio / 2
+    return motion(np.tile(np.repeat([3.0, -3.0], round(ratio / dt)), 4), dt)
+
+
+def written(record: xr.DataArray, folder: Path) -> Path:
+    """A file of a record."""
+    write_at2(record, folder / "record.at2")
     return folder / "record.at2"
 
 
@@ -147,6 +169,17 @@ PYTHON: dict[str, Callable[[float, Path], object]] = {
     "pga of 475 years": lambda x, _: hazard(x),
     "penetration": lambda x, _: pressed(x),
     "peak of a record": lambda x, folder: sl.read_record(record(folder, peak=x)),
+    "velocity of a record": lambda x, _: sl.recorded_gap(*PAIR, shaken(x, acceleration=4.0)),
+    "velocity over acceleration of a record": lambda x, _: sl.recorded_gap(*PAIR, jerk(x)),
+    "peak_factor": lambda x, _: sl.Bilinear(1.0, 0.05, peak_factor=x),
+    "scatter": lambda x, _: sl.separation(*PAIR, FIRM, scatter=x, **FEW),
+    "importance": lambda x, _: sl.code_gaps(
+        0.1, 0.1, behaviour_1=3.0, behaviour_2=3.0, importance_1=x, importance_2=1.0
+    ),
+    "tl": lambda x, _: sl.asce_7(10.0, 5.0, x),
+    "damping_constant": lambda x, _: sl.Link(damping_constant=x),
+    "dampers": lambda x, _: storey(dampers=x),
+    "pga of 2 years": lambda x, _: sl.HazardCurve([0.5 * x, x, 5.0], [1.0, 0.5, 1 / 475]),
     "time step of a record": lambda x, folder: sl.read_record(record(folder, dt=x)),
     "largest ordinate": lambda x, folder: sl.read_spectrum(spectrum(folder, x), elastic=True),
     "next ordinate": lambda x, folder: sl.read_spectrum(jumping_spectrum(folder, x), elastic=True),
@@ -263,6 +296,27 @@ FILES: dict[str, Callable[[float, Path], dict[str, str]]] = {
         f'intensities = ["{x!r} m/s^2", "{2 * x!r} m/s^2"]'
     },
     "peak of a record": lambda x, folder: with_record(record(folder, peak=x)),
+    "velocity of a record": lambda x, folder: with_record(written(shaken(x, 4.0), folder)),
+    "velocity over acceleration of a record": lambda x, folder: with_record(written(jerk(x), folder)),
+    "peak over that of the site": lambda x, folder: {
+        "site": f'ground = "firm"\npga = "2 m/s^2"\n[[site.records]]\n'
+        f'path = "{record(folder, peak=2 * x).name}"'
+    },
+    "scatter": lambda x, _: {"motion": f'duration = "20 s"\nscatter = {x!r}'},
+    "importance_factor": lambda x, _: {
+        **oscillator(f"{OSCILLATOR}{OF_CODES}importance_factor = {x!r}"),
+        "separation": 'confidence = 0.9\ncodes = ["eurocode_8"]',
+    },
+    "tl": lambda x, _: {
+        "site": f'spectrum = "asce_7"\nsds = "10 m/s^2"\nsd1 = "5 m/s^2"\ntl = "{x!r} s"'
+    },
+    "dampers": lambda x, _: oscillator(
+        f'{BY_STOREYS}masses = ["1e5 kg"]\n{stiffness_of()}\ndampers = "{x!r} N s/m"'
+    ),
+    "pga of 2 years": lambda x, _: {
+        "site": f'{FIRM_SITE}\n[site.hazard]\nmeasure = "pga"\nfrequencies = [1.0, 0.5, 0.002]\n'
+        f'intensities = ["{0.5 * x!r} m/s^2", "{x!r} m/s^2", "5 m/s^2"]'
+    },
     "time step of a record": lambda x, folder: with_record(record(folder, dt=x)),
     "largest ordinate": lambda x, folder: {
         "site": f'spectrum = "{spectrum(folder, x).name}"\nelastic = true'
@@ -282,13 +336,16 @@ FILES: dict[str, Callable[[float, Path], dict[str, str]]] = {
 }
 # In a case file a gap is `existing`, displacements are those of a design, and years are 50; forces in
 # contacts are those of `stochlin pound`.
-OF_PYTHON = {"gaps", "peak", "penetration", "years"}
+OF_PYTHON = {"gaps", "peak", "penetration", "years", "peak_factor", "damping_constant", "importance"}
+OF_FILES = {"peak over that of the site", "importance_factor"}
 FITTED = {
     "pga",
     "sa",
     "ag",
     "sds",
     "sd1",
+    "tl",
+    "peak over that of the site",
     "largest ordinate",
     "next ordinate",
     "sd1 over sds",
@@ -345,7 +402,7 @@ WAYS = {"python": (asked_in_python, PYTHON), "file": (asked_in_a_file, FILES)}
 @pytest.mark.parametrize("name", PLAUSIBLE)
 def test_a_value_beyond_its_limits_is_asked_about_and_one_within_is_not(name, way, tmp_path):
     asked, known = WAYS[way]
-    if name in OF_PYTHON and way == "file":
+    if (name in OF_PYTHON and way == "file") or (name in OF_FILES and way == "python"):
         assert name not in known
         return
     limits = PLAUSIBLE[name]

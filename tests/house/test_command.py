@@ -188,4 +188,4 @@ def test_what_is_doubtful_is_shown_on_a_line(tmp_path: Path) -> None:
     result = refused("pound", tmp_path / "case.toml")
     (line,) = [line for line in result.splitlines() if "10 g" in line]
     assert line.startswith("Warning: case.toml, line ")
-    assert "is doubtful: taft.txt: its peak is 10 g; usual are 0.01 to 1 g" in line
+    assert "is doubtful: taft.txt: its peak is 10 g; usual are 0.03 to 1 g" in line

@@ -46,7 +46,7 @@ def test_energy_of_a_damper_in_white_noise_is_c_times_the_variance_of_its_veloci
     device = sl.Link(0.0, 0.2 * MASS * w, structures=(1, 1), floors=(1, 0))
     structure = sl.Bilinear(PERIOD, DAMPING, mass=MASS)
     if within_storey:
-        structure = sl.ShearBuilding([MASS], [MASS * w**2], [3.0], DAMPING)
+        structure = sl.ShearBuilding([MASS], [MASS * w**2], [9.0], DAMPING)
     table = sl.simulate(
         [structure], sl.WhiteNoise(s0), paths=1024, duration=seconds, link=[device], seed=3
     )

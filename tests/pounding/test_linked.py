@@ -91,6 +91,7 @@ def test_buildings_move_as_by_another_integrator(linked):
     assert float(table.energy_balance_error.max()) < (1e-6 if linked else 1e-8)
 
 
+@pytest.mark.filterwarnings("ignore:pound. motion. its peak is 2.755 g")
 def test_weight_that_eats_the_hardening_still_balances_or_falls_over():
     soft = {"hardening": 0.005, "yield_drifts": 0.02, "p_delta": True}
     weak = sl.ShearBuilding([2e5] * 3, [3e7, 2.5e7, 2e7], [3.0] * 3, 0.05, **soft)

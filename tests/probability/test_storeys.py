@@ -39,7 +39,7 @@ def one_storey(oscillator, **law):
     stiffness = 1e5 * (2 * np.pi / oscillator.period) ** 2
     strength = {"yield_drifts": oscillator.yield_displacement} if oscillator.yields else {}
     return sl.ShearBuilding(
-        [1e5], [stiffness], [3.0], oscillator.damping, oscillator.hardening, **strength, **law
+        [1e5], [stiffness], [9.0], oscillator.damping, oscillator.hardening, **strength, **law
     )
 
 

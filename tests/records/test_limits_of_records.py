@@ -12,7 +12,7 @@ from stochlin.applications.records.cells import checked_motions
 from stochlin.kernels.records.runs import peaks_on_records
 from stochlin.solver.tables import labels
 
-pytestmark = pytest.mark.invariant
+pytestmark = [pytest.mark.invariant, pytest.mark.filterwarnings("ignore:.*(its peak is|period = )")]
 
 
 @pytest.mark.parametrize("largest", [1.001e9, 1e155, -1e300])

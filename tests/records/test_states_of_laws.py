@@ -6,7 +6,7 @@ from motions import from_sample_to_sample, shaking
 
 import stochlin as sl
 
-pytestmark = pytest.mark.oracle
+pytestmark = [pytest.mark.oracle, pytest.mark.filterwarnings("ignore:.*yield_displacement = 0.543")]
 
 PERIOD, DAMPING = 0.7, 0.05
 BOUC_WEN = {"beta": 0.6, "gamma": 0.3, "exponent": 1.0}

@@ -10,7 +10,7 @@ import stochlin as sl
 from stochlin.applications.records.cells import checked_motions
 from stochlin.applications.records.stepped import stepped_gap
 
-pytestmark = pytest.mark.oracle
+pytestmark = [pytest.mark.oracle, pytest.mark.filterwarnings("ignore:.*its (peak|velocity)")]
 
 V, Z = sympy.symbols("v z")
 

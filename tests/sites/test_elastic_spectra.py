@@ -107,6 +107,28 @@ def spectrum_of(period: Array = EVEN, divided: float | Array = 1.0, **attrs: obj
     return xr.DataArray(values, dims="period", coords={"period": period}, attrs=about)
 
 
+@pytest.mark.invariant
+def test_what_contradicts_an_elastic_spectrum_is_asked_about() -> None:
+    code = sl.eurocode_8(0.25 * G, "C")
+    with pytest.warns(sl.DoubtfulInput, match=r"its ordinates are 0.333 of those .* is it divided by 3"):
+        sl.code_gaps(modes_1=sl.Bilinear(0.4, 0.05), spectrum=code / 3, elastic=True)
+    with pytest.warns(sl.DoubtfulInput, match="at 0 s is exactly 1 g; are ordinates divided by"):
+        sl.code_gaps(modes_1=sl.Bilinear(0.4, 0.05), spectrum=spectrum_of() / 0.4, elastic=True)
+
+
+@pytest.mark.invariant
+@pytest.mark.parametrize(
+    "title", ["Sa/PGA", "Se/ag [-]", "Sa/R [g]", "Sa design q=3 [g]", "Sa SRSS [g]", "Sa vertical [g]"]
+)
+def test_a_title_of_another_spectrum_is_not_taken_by_itself(title: str, tmp_path: Path) -> None:
+    path = written(tmp_path, EVEN, in_g(EVEN))
+    text = path.read_text().splitlines()
+    path.write_text("\n".join([f"T [s],{title}", *text[1:]]))
+    with pytest.raises(ValueError, match=r"column") as refused:
+        sl.read_spectrum(path, units="g", elastic=True)
+    assert title in str(refused.value)
+
+
 USES = {
     "fit_ground": lambda spectrum, **said: sl.fit_ground(spectrum, duration=8.0, filters=1, **said),
     "simulated_spectrum": lambda spectrum, **said: (

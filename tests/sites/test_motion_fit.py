@@ -102,6 +102,7 @@ def test_a_fit_that_misses_duration_or_spectrum_says_so(start, message):
 
 
 @pytest.mark.invariant
+@pytest.mark.filterwarnings("ignore:.*are the same motion")
 @pytest.mark.parametrize(
     ("change", "message"),
     [
@@ -119,6 +120,7 @@ def test_what_cannot_be_fitted_is_refused(record, change, message):
         sl.fit_motion(change(record.assign_attrs(event="Duzce", station="Bolu")))
 
 
+@pytest.mark.filterwarnings("ignore:.*are the same motion")
 @pytest.mark.oracle
 def test_motions_of_a_fitted_ground_have_sources_too_long_for_names(record):
     long = [record.assign_attrs(source=f"{name}, {'intensity ' * 30}") for name in "ab"]

@@ -4,7 +4,10 @@ import re
 import warnings
 
 import numpy as np
+import pandas as pd
 import pytest
+import xarray as xr
+from motions import motion
 
 import stochlin as sl
 from stochlin.messages import ImplausibleInput
@@ -25,6 +28,15 @@ def tower(**given):
     )
 
 
+SOLID = [sl.Bilinear(T, 0.05) for T in (0.6, 1.0)]
+SHAKEN = motion(2.682 * np.sin(np.arange(750) * 0.2), 0.02)
+MODES = {
+    "periods": [0.4],
+    "shapes": [[1.0, 1.0]],
+    "masses": [2e5] * 2,
+    "heights": [3.0] * 2,
+    "damping": 0.05,
+}
 STIFF = tower(base_shear_coefficient=None)
 QUESTIONS = {
     "asce_7: sds = 1: usual are .* is it in g": lambda: sl.asce_7(sds=1.0, sd1=0.6, tl=8.0),
@@ -42,7 +54,28 @@ QUESTIONS = {
     "code_gaps: behaviour_1 = 40: ": lambda: sl.code_gaps(0.1, 0.1, behaviour_1=40.0, behaviour_2=3.0),
     "ShearBuilding.regular: storey_height = 3200: .* mm": lambda: tower(storey_height=3200.0),
     "ShearBuilding.regular: storey 1, 3.2 m high, yields at .* usual": lambda: tower(
-        period=5.5, base_shear_coefficient=0.5
+        period=3.4, base_shear_coefficient=0.69
+    ),
+    "pounding_probability: gap = 8: .* in cm": lambda: sl.pounding_probability(
+        *PAIR, FIRM, np.array([8.0, 10.0]), **FEW
+    ),
+    "separation: first and second are the same": lambda: sl.separation(ONE, ONE, FIRM, **FEW),
+    "recorded_gap: a and b are the same motion": lambda: sl.recorded_gap(
+        *SOLID, {"a": SHAKEN, "b": SHAKEN}
+    ),
+    "recorded_gap: record: its peak is 2.683 g": lambda: sl.recorded_gap(*SOLID, 9.81 * SHAKEN),
+    "recorded_gap: record: its velocity reaches": lambda: sl.recorded_gap(*SOLID, SHAKEN + 0.8),
+    "simulate: duration = 8: its strong shaking has 0.55 s": lambda: sl.simulate(
+        PAIR, FIRM, duration=8.0, paths=32, envelope=sl.AminAng(0.5, 0.7, 2.0)
+    ),
+    "Link: its spring yields and has no stiffness": lambda: sl.Link(
+        hardening=0.02, yield_displacement=0.005
+    ),
+    "ModalBuilding: all modes together move its floors by 1.5": lambda: sl.ModalBuilding(
+        **MODES, participation=[1.5], modal_masses=[3.6e5]
+    ),
+    "ShearBuilding: the mass of storeys falls upwards, 0.25 times": lambda: sl.ShearBuilding(
+        [8e5, 6e5, 4e5, 2e5], [4e8] * 4, [3.0] * 4, 0.05
     ),
     "ShearBuilding: masses = 400: .* in t": lambda: sl.ShearBuilding([400.0], [1e8], [3.0], 0.05),
     "Bilinear: mass = 400: .* in t": lambda: sl.Bilinear(1.0, 0.05, mass=400.0),
@@ -80,3 +113,23 @@ def test_what_is_usual_or_scanned_or_dimensionless_is_not_asked_about():
         tower(base_shear_coefficient=coefficient, storey_height=height).oscillator()
     sl.asce_7(2.0, 1.0, 8.0)
     sl.eurocode_8(0.6, "A")
+
+
+def test_units_of_arrays_are_known_and_of_the_quantity():
+    """Those of another quantity pass, since arithmetic keeps the attributes of the first array."""
+    for unit in ("s", "", "-", "1", "N", "m"):
+        sl.Bilinear(xr.DataArray([0.6, 1.0], dims="n", attrs={"units": unit}), 0.05)
+    for unit in ("Hz", "rad/s", "1/s", "min", "ms", "seconds since"):
+        with pytest.raises(
+            ValueError, match=f"period is in '{unit}', by its attribute units; allowed: s"
+        ):
+            sl.Bilinear(xr.DataArray([0.6, 1.0], dims="n", attrs={"units": unit}), 0.05)
+
+
+def test_columns_of_pandas_agree_in_their_labels():
+    """Labels in another order are not taken by their places; they come back with the results."""
+    table = pd.DataFrame({"period": [0.6, 1.0], "damping": [0.05, 0.02]}, index=["Hall", "Annex"])
+    made = sl.Bilinear(table["period"], table["damping"])
+    assert sl.linearize(made, FIRM).case.values.tolist() == ["Hall", "Annex"]
+    with pytest.raises(ValueError, match="share a dimension whose coordinates"):
+        sl.Bilinear(table["period"], table["damping"].iloc[::-1])

@@ -13,8 +13,8 @@ from stochlin.applications.records.components import events_of
 from stochlin.applications.records.gaps import quantiles_of_records
 from stochlin.applications.records.records import strong_part
 from stochlin.applications.records.response import response_spectrum
+from stochlin.applications.sites.elastic_spectra import USUAL_DAMPING
 from stochlin.applications.sites.intensity import shaking
-from stochlin.applications.sites.spectra import USUAL_DAMPING
 from stochlin.models.plausible import PLAUSIBLE
 from stochlin.solver.simulation.finite_motions import keeping_apart
 from stochlin.solver.tables import labels

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Annotated, NamedTuple
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
-from stochlin.applications.records.records import checked_record
+from stochlin.applications.records.records import checked_record, doubts_of_motion
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import cores
 from stochlin.kernels.records.oscillator import DISPLACEMENT
 from stochlin.kernels.records.runs import SampledMotion, work_of
+from stochlin.messages import plain
 from stochlin.models.arguments import OfClass, check_label, is_label
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import expect
@@ -23,7 +24,33 @@ from stochlin.solver.tables.cells import Flat, flat
 from stochlin.solver.tables.checks import check_work, count_cells
 from stochlin.solver.tables.lazy import check_names
 
-Records = xr.DataArray | Sequence[xr.DataArray] | Mapping[str, xr.DataArray]
+
+class AskedRecords:
+    """What is asked about records in memory, as `read_record` asks about those of files."""
+
+    def doubts(self, name: str, records: object) -> Iterator[str]:
+        """Texts on implausible records, and on those that are there twice."""
+        named = {name: records} if isinstance(records, xr.DataArray) else _by_name(records)
+        try:
+            motions = {label: checked_record(record) for label, record in named.items()}
+        except (TypeError, ValueError):  # which are refused later
+            return
+        copies: dict[bytes, str] = {}
+        for label, (values, step) in motions.items():
+            yield from (f"{plain(label)}: {text}" for text in doubts_of_motion(values, step))
+            first = copies.setdefault(values.tobytes(), label)
+            if first != label:
+                yield f"{plain(first)} and {plain(label)} are the same motion; is it to count twice?"
+
+
+def _by_name(records: object) -> dict[str, Any]:
+    """Several records by their names, or by their numbers from 1."""
+    if isinstance(records, Mapping):
+        return {str(name): record for name, record in records.items()}
+    return {str(n): r for n, r in enumerate(records, 1)} if isinstance(records, (list, tuple)) else {}
+
+
+Records = Annotated[xr.DataArray | Sequence[xr.DataArray] | Mapping[str, xr.DataArray], AskedRecords()]
 """One record, as from `read_record`, or several as a list, or as a mapping with their names."""
 
 RECORD = "record"

@@ -16,15 +16,13 @@ from stochlin.applications.sheets.quantities import ACCELERATION, TIME
 from stochlin.applications.sheets.sheets import Table, number_in, table_of, text_sheet, with_unit
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief
-from stochlin.models.plausible import PLAUSIBLE
 from stochlin.models.units import size_of
 
 MOST_TITLES = 2
 # Allowed deviation of a printed time from its even position, in time steps. Times at 1/300 s are printed
 # 0.003, 0.007, 0.010. A lost sample deviates by 0.5 at least.
 TIME_TOLERANCE = 0.25
-# s; longer ones are doubtful, and no untitled column of them is known to be a time
-LONGEST_STEP = PLAUSIBLE["time step of a record"].high
+LONGEST_STEP = 0.5  # s; no untitled column of longer ones is known to be a time
 _ROWS_OF_A_SERIES = 5  # fewest numbers in a row; the usual components of a motion are three
 _SMOOTHER = 0.7  # mean change along the rows of one series, over that from row to row; of three 0.3 to 1
 _HEAD = 50  # lines in which the numbers begin

@@ -126,31 +126,46 @@ def read_record(
     (100, 0.02, 1.0)
     """
     name, channels = read_channels(path, column, time_column, wrapped, skip)
-    return recorded(chosen(channels, component, name), name, dt, units, asked=True)
+    return recorded(chosen(channels, component, name), name, dt, units, alone=True)
 
 
 def recorded(
-    series: Series, name: str, dt: float | None, units: str | None, asked: bool
+    series: Series, name: str, dt: float | None, units: str | None, alone: bool
 ) -> xr.DataArray:
     """The record of a component of this source, with a warning where it is implausible.
 
-    One that is ``asked`` for by itself is also doubted if it is vertical.
+    One that is read ``alone`` is also doubted if it is vertical.
     """
     record = _labelled(series, name, dt, units)
-    for warning in (*_doubts(record, series), *(_doubt_of_direction(series, name) if asked else ())):
+    for warning in (*_doubts(record, series), *(_doubt_of_direction(series, name) if alone else ())):
         warnings.warn(f"{name}: {warning}", DoubtfulInput, stacklevel=4)
     return record
 
 
+def doubts_of_motion(acceleration: Array, step: float) -> Iterator[str]:
+    """Texts on a record that is implausible, of these samples [m/s^2] and time step [s]."""
+    peak, duration = float(np.abs(acceleration).max()), step * acceleration.size
+    velocity = float(np.abs(step * np.cumsum(acceleration)).max())
+    # Of what follows from one mistake the first is said.
+    for of, value, shown in (
+        ("peak of a record", peak, f"its peak is {peak / constants.g:.4g} g"),
+        ("time step of a record", step, f"its time step is {step:.6g} s"),
+        ("duration", duration, f"its duration is {duration:.6g} s"),
+        ("velocity of a record", velocity, f"its velocity reaches {velocity:.3g} m/s"),
+        (
+            "velocity over acceleration of a record",
+            velocity / peak,
+            f"its largest velocity is {velocity / peak:.3g} s times its peak",
+        ),
+    ):
+        if text := PLAUSIBLE[of].doubt(value):
+            yield f"{shown}; {text}"
+            return
+
+
 def _doubts(record: xr.DataArray, series: Series) -> Iterator[str]:
     """Texts of warnings on an implausible record, each as a question."""
-    peak, step = float(np.abs(record).max()), record.attrs["dt"]
-    if text := PLAUSIBLE["peak of a record"].doubt(peak):
-        yield f"its peak is {peak / constants.g:.4g} g; {text}"
-    if text := PLAUSIBLE["time step of a record"].doubt(step):
-        yield f"its time step is {step:.6g} s; {text}"
-    if text := PLAUSIBLE["duration"].doubt(step * record.size):
-        yield f"its duration is {step * record.size:.6g} s; {text}"
+    yield from doubts_of_motion(record.to_numpy(), record.attrs["dt"])
     if series.rows:
         yield f"its {series.rows} columns may be rows of one series; is it one, with wrapped=True?"
 

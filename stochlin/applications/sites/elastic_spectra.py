@@ -27,12 +27,14 @@ NOT_STATED = "taken as elastic, which is not stated"
 # The least behaviour factor q of Eurocode 8 is 1.5 (EN 1998-1, 3.2.2.5): a spectrum with less than 0.7
 # of the ordinate for which it was said to be elastic has been divided since.
 LEAST_SHARE = 0.7
+USUAL_DAMPING = 0.05
 STIFF = 0.02  # longest period of a rigid structure, whose ordinate is the peak ground acceleration [s]
 SAME = 1e-3  # relative difference of ordinates that are equal, as rounded in files
 # Elastic spectra rise to 3.21 - 0.68 ln(damping in %) times the peak ground acceleration in the median
 # (Newmark and Hall 1982, Earthquake spectra and design), which is 2.12 for 5 %; those of Eurocode 8 and
 # ASCE 7 rise to 2.5 times. Below this share of the median a spectrum is in doubt: 1.48 for 5 %.
 LEAST_OF_MEDIAN = 0.7
+LARGEST_RISE = 3.5  # of ordinates over the ground acceleration
 LEVEL, LEVEL_FROM = 3, 4.0  # last points that are equal at a lower bound; [s], of elastic code spectra
 
 _FACTOR = Number(Range(1, include_lower=True), "a number of at least 1")
@@ -84,7 +86,8 @@ def as_elastic(
     else:
         return spectrum
     taken = marked(spectrum, how)
-    missing = [_not_stated(taken, share)] if how == NOT_STATED else []
+    contradicted = bool(elastic) and share < LEAST_SHARE
+    missing = [_not_stated(taken, share)] if how == NOT_STATED or contradicted else []
     source = plain(spectrum.attrs.get("source", "spectrum"))
     for text in (*missing, *_doubts(taken)):
         warnings.warn(f"{source}: {text}", DoubtfulInput, stacklevel=4)
@@ -132,7 +135,9 @@ def _not_stated(spectrum: xr.DataArray, share: float) -> str:
     """That nothing says what a spectrum is, with the cure."""
     cure = "state elastic=True, or divided_by=4 if its ordinates are divided by R or q = 4"
     if share < LEAST_SHARE:
-        return f"its ordinates are {share:.3g} of those that were elastic; {cure}"
+        stated = f"is it divided by {1 / share:.3g}, and not elastic?"
+        shown = stated if spectrum.attrs[ELASTIC] == STATED else cure
+        return f"its ordinates are {share:.3g} of those that were elastic; {shown}"
     return f"nothing says that it is elastic ({plateau_in_words(spectrum)}), and it is taken so; {cure}"
 
 
@@ -146,7 +151,11 @@ def _doubts(spectrum: xr.DataArray) -> Iterator[str]:
     if text := PLAUSIBLE["spectral displacement"].doubt(displacement):
         yield f"its displacement at {period[farthest]:g} s is {displacement:.3g} m; {text}"
     yield from _doubt_of_rows(period, values)
-    percent = 100 * float(spectrum.attrs.get("damping", 0.05))
+    units = [unit for unit in (1.0, constants.g) if abs(values[0] / unit - 1) < SAME]
+    if period[0] == 0 and units and values.max() < LARGEST_RISE * values[0]:
+        what = f"its ordinate at 0 s is exactly {_in_g(values[0])}"
+        yield f"{what}; are ordinates divided by the ground acceleration?"
+    percent = 100 * float(spectrum.attrs.get("damping", USUAL_DAMPING))
     usual, rise = 3.21 - 0.68 * np.log(percent), values.max() / values[0]
     if period[0] <= STIFF and not _begins_on_plateau(values) and rise < LEAST_OF_MEDIAN * usual:
         yield (
@@ -156,7 +165,7 @@ def _doubts(spectrum: xr.DataArray) -> Iterator[str]:
         )
     level = np.flatnonzero(np.abs(values / values[-1] - 1) > SAME)
     first = level[-1] + 1 if level.size else 0
-    low = first <= values.size - LEVEL and values[-1] < 0.9 * values.max()
+    low = first <= values.size - LEVEL and (not first or values[-1] < 0.9 * values.max())
     if low and period[first] < LEVEL_FROM * (1 - SAME):
         yield (
             f"it is level at {_in_g(values[-1])} from {period[first]:g} s on, as at the lower bound of "
@@ -208,7 +217,9 @@ def plateau_in_words(spectrum: xr.DataArray) -> str:
 
 def taken_in_words(spectrum: xr.DataArray) -> str:
     """Peak ground acceleration and plateau of a spectrum, and how it was taken."""
-    return f"{plateau_in_words(spectrum)}, {plain(spectrum.attrs.get(ELASTIC, NOT_STATED))}"
+    damping = float(spectrum.attrs.get("damping", USUAL_DAMPING))
+    other = "" if damping == USUAL_DAMPING else f", damping {100 * damping:.3g} %"
+    return f"{plateau_in_words(spectrum)}{other}, {plain(spectrum.attrs.get(ELASTIC, NOT_STATED))}"
 
 
 def _in_g(acceleration: float) -> str:

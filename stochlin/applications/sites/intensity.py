@@ -10,8 +10,9 @@ import numpy as np
 import xarray as xr
 from scipy import constants
 
+from stochlin.applications.sites.elastic_spectra import USUAL_DAMPING
 from stochlin.applications.sites.simulated_spectra import PGA_STEP, Motions, peak_accelerations
-from stochlin.applications.sites.spectra import USUAL_DAMPING, check_goal
+from stochlin.applications.sites.spectra import check_goal
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.arguments import Acceleration, DampingRatio, Duration, Paths, Seconds, Seed, checked

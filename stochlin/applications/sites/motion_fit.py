@@ -16,8 +16,9 @@ from stochlin.applications.records.envelope_fit import FittedEnvelope, fit_envel
 from stochlin.applications.records.files import is_record
 from stochlin.applications.records.records import checked_record, strong_samples
 from stochlin.applications.records.response import response_spectrum
+from stochlin.applications.sites.elastic_spectra import USUAL_DAMPING
 from stochlin.applications.sites.ground_fit import LONGEST, POINTS, Wanted, deliver
-from stochlin.applications.sites.spectra import BAND, BAND_POINTS, SHORTEST, USUAL_DAMPING, check_band
+from stochlin.applications.sites.spectra import BAND, BAND_POINTS, SHORTEST, check_band
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.messages import DoubtfulInput, plain

@@ -8,14 +8,13 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import xarray as xr
 
-from stochlin.applications.sites.elastic_spectra import DividedBy, as_elastic, taken_in_words
-from stochlin.applications.sites.spectra import (
-    SHORTEST,
+from stochlin.applications.sites.elastic_spectra import (
     USUAL_DAMPING,
-    checked_spectrum,
-    interpolated,
-    is_spectrum,
+    DividedBy,
+    as_elastic,
+    taken_in_words,
 )
+from stochlin.applications.sites.spectra import SHORTEST, checked_spectrum, interpolated, is_spectrum
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.messages import brief, refuse

@@ -12,7 +12,13 @@ import xarray as xr
 
 from stochlin.applications.records.records import checked_array
 from stochlin.applications.sheets.columns import ColumnName
-from stochlin.applications.sites.elastic_spectra import BY_CODE, DividedBy, as_elastic, marked
+from stochlin.applications.sites.elastic_spectra import (
+    BY_CODE,
+    USUAL_DAMPING,
+    DividedBy,
+    as_elastic,
+    marked,
+)
 from stochlin.applications.sites.hazard_formats import Site
 from stochlin.applications.sites.spectrum_files import AskedSpectrum, points_in
 from stochlin.kernels.basics.arrays import Array
@@ -21,7 +27,6 @@ from stochlin.models.arguments import DampingRatio, Truth, checked, is_number
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.inputs import input_path
 
-USUAL_DAMPING = 0.05
 SHORTEST = 0.05  # shortest period for which a spectrum is fitted or compared [s]
 BAND, BAND_POINTS = (0.2, 2.0), 40  # [s] of usual buildings, in which spectra are compared; periods
 FEWEST = 4  # smallest number of points

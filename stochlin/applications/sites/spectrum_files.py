@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from stochlin.applications.records.components import titled_as_vertical
 from stochlin.applications.sheets.columns import (
     Choice,
     Column,
@@ -95,6 +96,9 @@ def points_in(path: Path, request: AskedSpectrum) -> Points:
     abscissa, ordinate, damping = chosen(table, needs)
     assert abscissa is not None
     assert ordinate is not None  # only that of the damping is optional
+    if request.column is None and titled_as_vertical(ordinate.column.title):
+        what = f"has {brief(ordinate.column.title)}, of vertical motion"
+        raise table.error(f"{what}; allowed: a horizontal one, or column= by number if it is that")
     if damping is not None:
         _check_damping(damping, request.damping)
     return _converted(table, abscissa, ordinate, request.units)

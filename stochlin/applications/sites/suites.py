@@ -27,11 +27,10 @@ from stochlin.applications.records.records import checked_record, recorded
 from stochlin.applications.records.response import response_spectrum
 from stochlin.applications.sheets.columns import ColumnName
 from stochlin.applications.sheets.sheets import number_in, text_sheet
-from stochlin.applications.sites.elastic_spectra import DividedBy, as_elastic
+from stochlin.applications.sites.elastic_spectra import USUAL_DAMPING, DividedBy, as_elastic
 from stochlin.applications.sites.spectra import (
     BAND,
     BAND_POINTS,
-    USUAL_DAMPING,
     check_band,
     check_goal,
     checked_spectrum,
@@ -151,7 +150,8 @@ def read_records(
                 read[label] = each._replace(record=each.record.assign_attrs(about, file=name))
         except (OSError, ValueError) as error:
             if not (path.is_dir() and isinstance(error, UnknownFormatError)):
-                raise ValueError(f"{where}: {sentence(error, LONGEST_MESSAGE)}") from error
+                text = sentence(error, LONGEST_MESSAGE)
+                raise ValueError(text if text.startswith(where) else f"{where}: {text}") from error
             what = f"{where} is left out: no record can be seen in it"
             warnings.warn(what, DoubtfulInput, stacklevel=3)
     level = read if component is not None else _horizontal(read, plain(path.name))
@@ -185,10 +185,10 @@ def _components(
     if component is None and 1 < len(channels) <= 3:
         for channel in channels:
             label = f"{name}, {channel.about.get('component', '')}"
-            yield label, _Read(recorded(channel, source, dt, units, asked=False), channel.title, False)
+            yield label, _Read(recorded(channel, source, dt, units, alone=False), channel.title, False)
     else:
         channel = chosen(channels, component, source)
-        record = recorded(channel, source, dt, units, asked=component is not None)
+        record = recorded(channel, source, dt, units, alone=component is not None)
         yield name, _Read(record, channel.title, len(channels) == 1)
 
 

@@ -226,11 +226,12 @@ class MultistoreyBuilding(WithoutCells, Model, base=True):
 
 
 def doubt_of_order(what: str, values: Array, lowest: float) -> Iterator[str]:
-    """Text on values of storeys that grow from the lowest to the roof, as if listed from there down."""
+    """Text on values that grow upwards, as if listed from the roof down, or fall as sums do."""
     growth = values[-1] / lowest
     text = PLAUSIBLE[f"{what} upwards"].doubt(growth)
-    if text and (np.diff(values) >= 0).all():
-        yield f"the {what} of storeys grows upwards, {growth:.3g} times up to the roof; {text}"
+    if text and (np.sign(growth - 1) * np.diff(values) >= 0).all():
+        grows = "grows" if growth > 1 else "falls"
+        yield f"the {what} of storeys {grows} upwards, {growth:.3g} times up to the roof; {text}"
 
 
 def check_ranges(model: Model, prefix: str) -> None:

@@ -39,6 +39,7 @@ ORTHOGONAL = 0.02  # largest modal mass that two modes share, over the root of t
 LEAST_MASS = 1e-6  # share of the mass below which a mode does not move along the gap
 ENOUGH_MASS = 0.9  # share of the mass that codes ask of the modes together
 IN_ANOTHER_DIRECTION = 0.03  # share of the mass below which a mode may be one across the gap
+OFF = 0.25  # difference of two shares that are equal, but at the edge of a plan that turns
 SMALL_MOVE = 0.1  # part of the largest displacement of a mode below which its sign does not count
 DIMENSIONS = {
     **dict.fromkeys(("periods", "damping", "participation", "modal_masses"), MODE),
@@ -349,6 +350,13 @@ class ModalBuilding(MultistoreyBuilding):
         yield from doubt_of_shape(shapes[self.leading])
         shares = self.effective_masses() / self._numbers("masses").sum()
         yield from doubt_of_modes(self._numbers("periods"), shapes, shares)
+        yield from self.oscillator().doubts()
+        masses = self._numbers("masses")
+        moved = float(masses @ self.moves().sum(axis=1) / masses.sum())
+        if abs(moved - shares.sum()) > OFF:
+            what = f"all modes together move its floors by {moved:.3g} of the ground, in the mean"
+            share = f"their effective masses are {shares.sum():.3g} of the mass"
+            yield f"{what}, and {share}; do participation factors and shapes belong together?"
 
     def oscillator(self) -> Structure:
         """The mode with the largest effective mass [kg] as an oscillator.
@@ -404,7 +412,9 @@ class ModalBuilding(MultistoreyBuilding):
         if shared.max() > ORTHOGONAL:
             i, j = np.sort(np.unravel_index(np.argmax(shared), shared.shape)) + 1
             what = f"{name}shapes of modes {i} and {j} are not orthogonal: {shared.max():.2g} is shared"
-            raise ValueError(f"{what}; allowed: up to {ORTHOGONAL:g}, or participation and modal_masses")
+            order = "are the floors in order, from the ground up, in a row for each mode"
+            cure = f"{order}, or are participation and modal_masses missing?"
+            raise ValueError(f"{what}; allowed: up to {ORTHOGONAL:g}; {cure}")
 
     def _check_masses(self, name: str) -> None:
         shares = self.effective_masses() / self._numbers("masses").sum()

@@ -10,6 +10,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.models.parameters import POSITIVE, Model, parameter
 from stochlin.registry import Registry, expect_class
 
+SHORTEST, LEAST_SHARE = 2.0, 0.2  # of strong shaking: [s], and share of a motion
 _STEPS = 2000  # steps of the midpoint rule for the integral of the squared envelope
 ENVELOPES: Registry[type[Envelope]] = Registry(
     "envelope", "stochlin.models.envelopes", check=lambda kind: expect_class(kind, Envelope, "at")
@@ -29,10 +30,14 @@ class Envelope(Model, base=True):
         return ()
 
     def doubt(self, duration: float) -> str:
-        """Text of a warning if a motion of this duration [s] ends while its envelope still rises."""
+        """Text of a warning if a motion of this duration [s] ends before its strong part."""
         now, later = self.at(duration * np.array([1.0, 1.01]))
-        rises = now < min(0.99, later)
-        return "the motion ends before its strong part; usual are longer ones" if rises else ""
+        if now < min(0.99, later):
+            return "the motion ends before its strong part; usual are longer ones"
+        strong = strong_seconds(duration, self)
+        what = f"its strong shaking has {strong:.2g} s of it; usual are 5 to 60 s"
+        brief = strong < min(SHORTEST, LEAST_SHARE * duration)
+        return f"{what}; are the parameters of the envelope in order?" if brief else ""
 
 
 def envelope_at(envelope: Envelope | None, time: Array) -> Array:

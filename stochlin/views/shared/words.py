@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import constants
 
+from stochlin.applications.cases.shaking import MOST_RECORDS
 from stochlin.applications.sites.elastic_spectra import taken_in_words
 from stochlin.messages import plain
 from stochlin.models.arguments import checked
@@ -124,12 +125,15 @@ def files_taken(case: Case) -> str:
         sentences.append(f"The spectrum of {plain(spectrum.attrs['source'])}: {taken}.")
     if isinstance(hazard, HazardCurve) and hazard.source:
         sentences.append(f"The hazard of {plain(hazard.source)}{_of_design(hazard)}.")
-    sentences += [
-        f"The record {name}: {plain(record.attrs['columns'])}."
-        for name, record in case.site.records.items()
-        if "columns" in record.attrs
-    ]
-    return " ".join(sentences)
+    records = case.site.records
+    known = {name: plain(record.attrs.get("columns", "")) for name, record in records.items()}
+    if len(records) <= MOST_RECORDS:
+        for name, record in records.items():
+            seconds = f"{record.size * record.attrs['dt']:.4g}{SPACE}s"
+            steps = f"{seconds} in steps of {record.attrs['dt']:.4g}{SPACE}s"
+            known[name] = f"{known[name]}; peak {in_g(float(abs(record).max()))}, {steps}"
+    shown = ((name, text.removeprefix("; ")) for name, text in known.items() if text)
+    return " ".join([*sentences, *(f"The record {plain(name)}: {text}." for name, text in shown)])
 
 
 def _of_design(hazard: HazardCurve) -> str:

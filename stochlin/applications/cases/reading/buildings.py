@@ -47,7 +47,7 @@ from stochlin.solver.linearization.strength import strength_for_ductility, stren
 CODE_FACTOR = Quantity("1", AT_LEAST_1, PLAUSIBLE["behaviour"])
 HEIGHT = Quantity("m", POSITIVE, PLAUSIBLE["height"])
 MOVE = Quantity("m", NOT_NEGATIVE, PLAUSIBLE["displacements"])
-DIVISOR = Quantity("1", OF_IMPORTANCE)
+DIVISOR = Quantity("1", OF_IMPORTANCE, PLAUSIBLE["importance"])
 DUCTILITY = Quantity("1", Range(1.0, reason="1 for a building that just does not yield"))
 TWO_MODES = ListOf(Integer(1, MOST_STOREYS), length=2)
 STRENGTH, OF_HEIGHTS = "strength", {"height of its storeys": ("storey_height", "heights")}

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import inspect
+import math
 import os
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import MISSING, dataclass, field, replace
 from functools import cached_property
-from itertools import product
+from itertools import pairwise, product
 from pathlib import Path
 from typing import Any
 
@@ -68,6 +69,7 @@ FEWEST_PATHS, MOST_PATHS = 100, 2048  # for a quantile with an interval, and whe
 GAP = Quantity("m", NOT_NEGATIVE, PLAUSIBLE["gap"])
 SHARE = Quantity("1", Range(upper=1.0, reason="a probability"), PLAUSIBLE["confidence"])
 RATE = Quantity("1", Range(upper=1.0, reason="a year"), PLAUSIBLE["risk"])
+LEAST_REACH = 1.2  # longest period of a spectrum over that of a building, which yields or cracks
 RISK = text_or(RATE, 'a text such as "2 % in 50 years", or a number per year')
 OWN_RULE = "a rule of your own, which is one file (docs/extending.md)"
 DEVICE = ("stiffness", "damping_constant", "damping_exponent", "hardening", "yield_displacement")
@@ -456,6 +458,25 @@ def read_case(path: str | os.PathLike[str]) -> Case:
     return case_of(read_table(input_path("path", path)))
 
 
+def check_together(buildings: Sequence[Building], site: Site) -> None:
+    """Warn of what tables of a case contradict in one another, or have in common by mistake."""
+    for n, (building, other) in enumerate(pairwise(buildings), start=2):
+        if building.sampled == other.sampled:
+            what = f"is the same as that before, {building.name}; usual are two that differ"
+            other.form.table.warn("", f"is doubtful: building {n} {what}")
+    longest = math.inf if site.spectrum is None else float(site.spectrum.period[-1])
+    for building in buildings:
+        if longest < LEAST_REACH * building.period:
+            ends = f"ends at {longest:g} s, and {building.name} has {building.period:.3g} s"
+            site.form.table.warn("spectrum", f"is doubtful: it {ends}; usual are spectra to 4 s")
+    pga = site.goal.get("pga") or site.pga or math.nan
+    for name, record in site.records.items():
+        ratio = float(abs(record).max()) / pga
+        if text := PLAUSIBLE["peak over that of the site"].doubt(ratio):
+            what = f"the peak of {name} is {ratio:.3g} times that of the site; {text}"
+            site.form.table.warn("records" if site.form.records else "suite", f"is doubtful: {what}")
+
+
 @unquestioned()
 def case_of(table: Table) -> Case:
     """The case of a file."""
@@ -463,6 +484,7 @@ def case_of(table: Table) -> Case:
     site = read_site(whole.site, whole.motion)
     buildings = tuple(read_building(each, n) for n, each in enumerate(whole.more.values(), start=1))
     whole.separation.check(buildings, site)
+    check_together(buildings, site)
     return Case(
         whole=whole,
         site=site,

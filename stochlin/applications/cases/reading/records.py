@@ -75,7 +75,12 @@ class Record(Reading):
         path = self.table.path("path")
         with self.table.naming("path", "cannot be read: "), self.table.asking("path"):
             record = read_record(path, **self.given(*READING))
-        return record if self.scale == 1 else scaled_record(record, self.scale)
+        if self.scale == 1:
+            return record
+        scaled = scaled_record(record, self.scale)
+        if text := PLAUSIBLE["peak of a record"].doubt(peak := float(abs(scaled).max())):
+            self.table.warn("scale", f"is doubtful: the peak is {peak:.3g} m/s^2 with it; {text}")
+        return scaled
 
 
 class Suite(Reading):

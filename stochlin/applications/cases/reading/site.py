@@ -32,7 +32,6 @@ from stochlin.applications.cases.reading.records import (
     PERIOD,
     RESPONSE,
     SITE,
-    TIME,
     YEARS,
     Record,
     Suite,
@@ -77,9 +76,9 @@ STRENGTHS = ("intensity", "pga", "sa", "return_period")
 AG, SDS = (Quantity("m/s^2", POSITIVE, PLAUSIBLE[name]) for name in ("ag", "sds"))
 FROM_ZERO = Quantity("s", Range(0.0, include_lower=True))
 DIVISOR = Quantity("1", Range(1.0, include_lower=True), PLAUSIBLE["divided_by"])
-SPREAD = Quantity("1", SCATTER.allowed)  # of a logarithm
+SPREAD = Quantity("1", SCATTER.allowed, PLAUSIBLE["scatter"])  # of a logarithm
 DAMPING = Quantity("1", Range(0.0, 1.0), PLAUSIBLE["damping"])
-DURATION = Quantity("s", POSITIVE, PLAUSIBLE["duration"])
+DURATION, LONG_PERIOD = (Quantity("s", POSITIVE, PLAUSIBLE[name]) for name in ("duration", "tl"))
 LIKE = 0.8, 1.25  # energy of motions over that of a record without a warning
 
 
@@ -222,7 +221,7 @@ class Asce7(Spectrum):
 
     sds: float = key(SDS, "SDS")
     sd1: float = key(RESPONSE, "SD1")
-    tl: float = key(TIME, "TL")
+    tl: float = key(LONG_PERIOD, "TL")
 
     def target(self) -> xr.DataArray:
         """The spectrum of the code."""

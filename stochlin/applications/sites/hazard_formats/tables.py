@@ -100,12 +100,20 @@ def _of_columns(sheets: Sequence[Sheet], of: Hazard, choice: AskedHazard) -> Ord
         for n in np.flatnonzero(~SHARE.contains(values))[:1]:
             what = f"the probability is {values[n]:g}; allowed: {SHARE}"
             raise table.sheet.error(table.rows.index[n], other.column.number - 1, what)
+        _check_years(table, other.column.title, choice.years)
         values = annual_frequencies(values, choice.years)
     intensities, unit = level.numbers(), level.column.said.unit
     if of.measure == "intensity":
         intensities, unit = (size_of(unit, S0) or 1.0) * intensities, S0
     about = noted(choices, [PROBABILITY, RETURN_PERIOD]).get("columns", "")
     return Ordinate(of.period or 0.0, intensities, values, table.places(), unit, about)
+
+
+def _check_years(table: Table, title: str, years: float) -> None:
+    """Raise a ValueError if the title of probabilities states another time in which they hold."""
+    for stated in _PER_YEARS.findall(title):
+        if not np.isclose(float(stated), years, rtol=1e-6):
+            raise table.error(f"has {brief(title)}, which investigation_time = {years:g} contradicts")
 
 
 def _check_per_year(table: Table, title: str) -> None:
