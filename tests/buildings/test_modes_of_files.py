@@ -123,6 +123,9 @@ BROKEN = {
     ": mode 1 hardly moves along the direction": PLAIN.replace("7,200,1", "7,200,-0.62").replace(
         "level", "participation,,1.4,0.2\nmodal mass [t],,300,60\nlevel", 1
     ),
+    ": mode 2 hardly moves along the direction, where it has mass": PLAIN.replace("-1.61", "-1").replace(
+        "level", "participation,,0.2,1.4\nmodal mass [t],,60,300\nlevel", 1
+    ),
     ": two floors are at 3.5 m": PLAIN.replace("\n7,", "\n3.5,"),
     " is no file of modes that is known; allowed: a file with a line 'mode,,1,2'": "height,mass\n3,4\n",
 }

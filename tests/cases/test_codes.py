@@ -84,6 +84,11 @@ def test_the_first_mode_of_storeys_by_plain_numpy(storeyed: CaseAnswer) -> None:
     by_hand = shape * 0.25 * G * 1.15 * 2.5 * (period / 2 / np.pi) ** 2 / 3  # on the plateau, to 0.6 s
     found = design_displacements(case, bare, CODE_RULES["is_1893"])
     np.testing.assert_allclose(found, by_hand, rtol=1e-9)
+    # ASCE 7 multiplies forces by the importance factor, by which it divides displacements later.
+    important = replace(bare, form=replace(bare.form, importance_factor=1.25))
+    for rule, factor in (("asce_7", 1.25), ("is_1893", 1.0)):
+        found = design_displacements(case, important, CODE_RULES[rule])
+        np.testing.assert_allclose(found, factor * by_hand, rtol=1e-9)
 
 
 @pytest.mark.oracle

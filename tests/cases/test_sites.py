@@ -234,6 +234,14 @@ def test_the_spectrum_of_a_file_is_taken_as_the_case_file_says(line, tmp_path):
     assert files_taken(case) == f"The spectrum of site.csv: PGA 0.3 g, plateau 0.75 g, {said}."
 
 
+@pytest.mark.parametrize("text", [SHORT, SHORT.replace('existing = "5 cm"', "")])
+def test_the_progress_of_an_answer_grows_to_its_end(text, tmp_path):
+    shares = []
+    answer_case(read_text(tmp_path, text), shares.append)
+    assert (np.diff(shares) >= 0).all()
+    assert shares[-1] == pytest.approx(1.0)
+
+
 def test_what_was_taken_of_other_files_is_said(tmp_path):
     """Columns by their numbers, and what the hazard has for a design."""
     (tmp_path / "hazard.csv").write_text("level,often\n0.1,1e-2\n0.3,1e-3\n0.5,1e-4\n", "utf-8")
@@ -249,7 +257,11 @@ def test_what_was_taken_of_other_files_is_said(tmp_path):
         "The hazard of hazard.csv; column 2 'often' is an annual frequency; with a return period of "
         f"475 years PGA {curve.intensity(475.0) / G:.3g}\u00a0g."
     )
-    assert files_taken(case) == f"{of_hazard} The record shaken.csv: column 3 'y' is an acceleration."
+    of_record = (
+        "The record shaken.csv: column 3 'y' is an acceleration; peak 0.102\u00a0g, "
+        "1.2\u00a0s in steps of 0.02\u00a0s."
+    )
+    assert files_taken(case) == f"{of_hazard} {of_record}"
 
 
 @pytest.mark.cli

@@ -301,7 +301,9 @@ def test_caution_outside_of_what_was_simulated():
     beyond = sl.linearize(building(damping=0.005), LAKEBED, "drift")  # of the map, but checked
     assert int(beyond.caution) == 0
     assert float(beyond.displacement_error) >= 0.03 > float(inside.displacement_error)
-    outside = [building(damping=0.004), building(reduction_factor=13), building(hardening=0.009)]
+    assert int(sl.linearize(building(damping=0.29), LAKEBED, "drift").caution) == 0
+    outside = [building(damping=0.004), building(damping=0.31), building(reduction_factor=13)]
+    outside.append(building(hardening=0.009))
     for structure in outside:
         table = sl.linearize(structure, LAKEBED, "drift")
         assert np.isnan(table.bias)

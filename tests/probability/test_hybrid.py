@@ -67,6 +67,9 @@ def check_record(record, first=ONE, second=TWO):
 def test_hybrid_of_a_made_record(quake):
     table = check_record(quake)
     assert table.attrs["record"] == "made"
+    one, two = (sl.respond(each, quake) for each in (ONE, TWO))
+    largest = float(abs(one.displacement - two.displacement).max())
+    assert float(abs(table.recorded_difference).max()) == pytest.approx(largest, rel=0.01)
     check_labels(table)
 
 
@@ -93,6 +96,7 @@ def test_hybrid_of_real_records(where):
     check_record(recorded(where))
 
 
+@pytest.mark.filterwarnings("ignore:.*are the same building")
 def test_hybrid_of_equal_structures_is_safe(quake):
     table = sl.pounding_probability(ONE, ONE, None, 1e-3, method="hybrid", record=quake)
     assert float(table.rho) == pytest.approx(1, abs=1e-9)

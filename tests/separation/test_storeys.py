@@ -29,8 +29,14 @@ def answer():
     return sl.separation(building(3), building(2, 3.5), FIRM, **FEW)
 
 
+def test_a_building_alone_is_kept_from_its_line_at_all_floors():
+    table = sl.separation(building(3), None, FIRM, **FEW)
+    floors = sl.simulate([building(3)], FIRM, **FEW).peak_positive
+    np.testing.assert_allclose(table.separation_samples, floors.max("floor"), rtol=1e-12)
+
+
 def test_buildings_of_one_storey_get_the_answer_of_oscillators():
-    one, two = building(1, period=0.5), building(1, period=0.8)
+    one, two = building(1, period=0.5), building(1, period=0.7)
     storeys = sl.separation(one, two, FIRM, **FEW)
     heights = {"height_1": 3.2, "height_2": 3.2, "storeys_1": 1, "storeys_2": 1}
     plain = sl.separation(one.oscillator(), two.oscillator(), FIRM, codes=heights, **FEW)
