@@ -176,6 +176,7 @@ def test_other_workbooks_are_refused_in_a_sentence(tmp_path: Path, message: str)
         sl.read_pushover(written(tmp_path, **REFUSED[message]))
 
 
+@pytest.mark.slow
 def test_no_workbook_takes_more_than_300_megabytes(tmp_path: Path) -> None:
     """Neither of this process, nor of the one that reads it, which the system ends after two seconds."""
     resource = pytest.importorskip("resource", reason="Windows has no limits of a process")

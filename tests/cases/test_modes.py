@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from cases import FIRM_SITE, SMALL_GAP, read_text
+from cases import FIRM_SITE, SMALL_GAP, read_text, with_slow
 
 import stochlin as sl
 from stochlin.applications.cases.pounding import pound_case
@@ -123,7 +123,7 @@ def test_a_base_shear_coefficient_means_the_same_by_storeys_and_by_modes(tmp_pat
     assert tower.oscillator().yield_displacement == pytest.approx(chain.oscillator().yield_displacement)
 
 
-@pytest.mark.parametrize("law", ["bilinear", "bouc_wen"])
+@pytest.mark.parametrize("law", with_slow(["bilinear", "bouc_wen"], {"bilinear"}))
 def test_modes_of_a_case_take_a_strength_of_the_whole_building(tmp_path: Path, law: str) -> None:
     """The base shear of mode 1 at yield is that share of the weight; R is that of its oscillator."""
     of_law = f'law = "{law}"\n' + "beta = 0.5\ngamma = 0.5\n" * (law == "bouc_wen")

@@ -125,6 +125,7 @@ def over_alone(tables, name, reference=None):
     return np.array([(t[name] / r[f"{name}_alone"]) for t, r in zip(tables, reference, strict=True)])
 
 
+@pytest.mark.slow
 def test_stiff_links_change_how_forces_are_distributed_over_the_height():
     """Largest storey shears, linked at the fifth floors over standing alone; far apart, no contact."""
     low, high = over_alone(pounded(gap=1.0, link=STIFF), "peak_storey_shear").transpose(1, 0, 2)

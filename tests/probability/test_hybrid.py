@@ -73,6 +73,7 @@ def test_hybrid_of_a_made_record(quake):
     check_labels(table)
 
 
+@pytest.mark.slow
 @pytest.mark.extreme
 def test_hybrid_of_laws_beside_the_bilinear_one(quake):
     strength = {"hardening": 0.05, "yield_displacement": 0.01}

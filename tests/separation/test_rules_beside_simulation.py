@@ -115,6 +115,7 @@ def test_records_stand_beside_the_rules(table):
     np.testing.assert_allclose(with_records.record_separation, alone.separation, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_rules_that_need_linearization_are_not_available_far_beyond_yield():
     """The simulation answers, and so do the rules that are fed with it; the others say why not."""
     weak, elastic = building(0.6, reduction_factor=1e300), sl.Bilinear(1.0, 0.05)

@@ -55,7 +55,7 @@ def _finite(structures: Sequence[Any], ground: Any, link: Link | None = None) ->
 def pounding() -> None:
     """Buildings in a row through a record, without a link and with one."""
     for link in (None, Link(1e7)):
-        pound(_pair(), 0.01, LinearSpring(1e8), _record(), link=link)
+        pound(_pair(), 0.01, LinearSpring(1e9), _record(), link=link)
 
 
 def tables() -> None:
