@@ -360,6 +360,11 @@ def test_three_components_without_titles_are_no_rows_of_a_series(tmp_path):
             PLAIN,
             "'acc UD' is vertical, and gaps follow from horiz",
         ),
+        (
+            "roof acc\n" + lines(10 * WAVE, separator=","),
+            PLAIN,
+            "'roof acc' may be the motion of a building",
+        ),
     ],
 )
 def test_what_is_hardly_meant_is_asked_about(tmp_path, text, options, message):

@@ -358,6 +358,15 @@ def test_a_table_that_is_wrong_names_the_line(folder, rows, message):
 
 
 @pytest.mark.invariant
+def test_factors_in_a_table_are_said_not_to_be_applied(folder):
+    columns(folder / "plain.txt", MOTIONS[2], with_time=False)
+    (folder / "suite.csv").write_text("file,dt,units,scale\nplain.txt,0.01,g,2\n", encoding="utf-8")
+    with pytest.warns(sl.DoubtfulInput, match="its column 'scale' is not applied; scale_records"):
+        [record] = sl.read_records(folder / "suite.csv").values()
+    np.testing.assert_allclose(record, sl.read_record(folder / "plain.txt", dt=0.01, units="g"))
+
+
+@pytest.mark.invariant
 def test_a_file_that_cannot_be_read_is_named(folder):
     (folder / "bad.txt").write_text("1\ntwo\n", encoding="utf-8")
     with pytest.raises(ValueError, match=r"bad\.txt, line 2"):

@@ -63,6 +63,10 @@ QUESTIONS = {
     "recorded_gap: a and b are the same motion": lambda: sl.recorded_gap(
         *SOLID, {"a": SHAKEN, "b": SHAKEN}
     ),
+    "recorded_gap: a and b are the same motion; ": lambda: sl.recorded_gap(
+        *SOLID, {"a": SHAKEN, "b": 1.3 * SHAKEN}
+    ),
+    "recorded_gap: UD is vertical by its name": lambda: sl.recorded_gap(*SOLID, {"UD": SHAKEN}),
     "recorded_gap: record: its peak is 2.683 g": lambda: sl.recorded_gap(*SOLID, 9.81 * SHAKEN),
     "recorded_gap: record: its velocity reaches": lambda: sl.recorded_gap(*SOLID, SHAKEN + 0.8),
     "simulate: duration = 8: its strong shaking has 0.55 s": lambda: sl.simulate(

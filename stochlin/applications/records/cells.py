@@ -8,7 +8,8 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from stochlin.applications.records.records import checked_record, doubts_of_motion
+from stochlin.applications.records.components import word_of
+from stochlin.applications.records.records import checked_record, doubts_of_motion, shape_of
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import cores
 from stochlin.kernels.records.oscillator import DISPLACEMENT
@@ -38,9 +39,12 @@ class AskedRecords:
         copies: dict[bytes, str] = {}
         for label, (values, step) in motions.items():
             yield from (f"{plain(label)}: {text}" for text in doubts_of_motion(values, step))
-            first = copies.setdefault(values.tobytes(), label)
+            first = copies.setdefault(shape_of(values), label)
             if first != label:
                 yield f"{plain(first)} and {plain(label)} are the same motion; is it to count twice?"
+            component = word_of(label) if isinstance(records, Mapping) else None
+            if component and component.vertical:
+                yield f"{plain(label)} is vertical by its name; is it the right component?"
 
 
 def _by_name(records: object) -> dict[str, Any]:

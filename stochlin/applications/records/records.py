@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import warnings
 from collections.abc import Iterator
 from typing import Annotated
@@ -30,6 +31,9 @@ MINIMUM_SAMPLES = 16
 # Relative difference of two time steps that may come from rounding: 1/128 s is printed 0.0078.
 _STEP_TOLERANCE = 2e-3
 _CURE = "correct it, or leave it out"
+_IN_BUILDING = re.compile(
+    r"\b(?:roof|floor|stor(?:e?y|ies)|azotea|techo|piso|dach|toit|tetto)\b", re.IGNORECASE
+)
 SHORTEST_STEP = 1e-6  # s, of a file
 # Of any record, with room for all numbers of a response: of structures with periods from 1e-9 to 1e9 s
 # displacements are below 1e60 m, and the squares of their squares below the largest number, 1e308.
@@ -110,9 +114,9 @@ def read_record(
     Warns
     -----
     UserWarning
-        If the record is implausible: a peak below 0.04 g or above 1.5 g, a time step of more than 0.5 s,
-        a duration of more than 600 s, one of several columns without names that may be rows of one
-        series, or a vertical component.
+        If the record is implausible: a peak below 0.02 g or above 1.5 g, a time step of more than
+        0.05 s, a duration of more than 600 s, a velocity that no acceleration without an offset gives,
+        one of several columns without names that may be rows of one series, or a vertical component.
 
     Examples
     --------
@@ -163,6 +167,12 @@ def doubts_of_motion(acceleration: Array, step: float) -> Iterator[str]:
             return
 
 
+def shape_of(acceleration: Array) -> bytes:
+    """What two motions share that differ by a factor alone."""
+    largest = acceleration[np.argmax(np.abs(acceleration))]
+    return np.round(acceleration / largest + 0.0, 6).tobytes()  # without a sign of zeros
+
+
 def _doubts(record: xr.DataArray, series: Series) -> Iterator[str]:
     """Texts of warnings on an implausible record, each as a question."""
     yield from doubts_of_motion(record.to_numpy(), record.attrs["dt"])
@@ -171,11 +181,13 @@ def _doubts(record: xr.DataArray, series: Series) -> Iterator[str]:
 
 
 def _doubt_of_direction(series: Series, name: str) -> Iterator[str]:
-    """Text on a vertical record."""
+    """Texts on a record that is vertical, or not of the ground."""
     component, in_name = series.about.get("component", ""), FileNames([name]).component(name)
     if is_vertical(component, series.title, in_name if in_name and in_name.weight > WEAK else None):
         which = brief(component or series.title or name)
         yield f"{which} is vertical, and gaps follow from horizontal components; is it the right one?"
+    if _IN_BUILDING.search(series.title):
+        yield f"{brief(series.title)} may be the motion of a building; is it that of the ground?"
 
 
 def strong_samples(motions: Array, start: float = 0.05, end: float = 0.95) -> tuple[Array, Array]:

@@ -90,7 +90,7 @@ def eurocode_8(
     Warns
     -----
     UserWarning
-        If ``ag`` is below 0.05 g, for which the code need not be applied, or above 3 g, so that it is
+        If ``ag`` is below 0.05 g, for which the code need not be applied, or above 1.5 g, so that it is
         probably not in m/s^2.
 
     References

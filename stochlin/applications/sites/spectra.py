@@ -177,8 +177,9 @@ def read_spectrum(
     Warns
     -----
     UserWarning
-        If the largest ordinate is below 0.0025 g or above 7.5 g, or a spectral displacement is above
-        5 m, so that units are probably wrong, or periods are frequencies; or a period is more than twice
+        If the largest ordinate is below 0.167 g or above 3.75 g, an ordinate jumps from a period to the
+        next, or a spectral displacement is above 5 m, so that units are probably wrong, or periods are
+        frequencies; or a period is more than twice
         the last, and ``between`` is not given. If neither ``elastic`` nor ``divided_by`` is given, and
         the spectrum is taken as elastic; or if its shape speaks against that: it rises to less than 0.7
         of the median of elastic spectra (Newmark and Hall 1982; to less than 1.48 times the ordinate at

@@ -23,7 +23,7 @@ from stochlin.applications.records.components import (
     is_vertical,
 )
 from stochlin.applications.records.files import UnknownFormatError, chosen, is_record, read_channels
-from stochlin.applications.records.records import checked_record, recorded
+from stochlin.applications.records.records import checked_record, recorded, shape_of
 from stochlin.applications.records.response import response_spectrum
 from stochlin.applications.sheets.columns import ColumnName
 from stochlin.applications.sheets.sheets import number_in, text_sheet
@@ -53,6 +53,7 @@ FILE = "file"  # name of the table column with the paths of the records
 WHO_BELONGS = f"the columns {FILE}, event and station of a table say which belong together"
 # The table in a download of PEER, below a title, with a column for each component.
 PEER_TABLE = "_SearchResults.csv"
+_OF_SCALE = re.compile(r"(?!Scale Factor$).*(?:scal|factor|fakt)", re.IGNORECASE)  # but that of PEER
 PEER_FILES, PEER_FACTOR = r"Horizontal-[12] Acc\. Filename", "Scale Factor"
 PEER_ABOUT = {"event": ("Earthquake Name", "Year"), "station": ("Station Name",)}
 ABOUT = ("event", "station", "component")  # columns that become attributes
@@ -237,7 +238,7 @@ def _alike(suite: Suite) -> Iterator[str]:
     lengths: dict[object, list[str]] = {}
     for event, (label, record) in zip(events_of(suite, [*suite.values()]), suite.items(), strict=True):
         of_events.setdefault(event, []).append(label)
-        copies.setdefault(record.to_numpy().tobytes(), {}).setdefault(event, label)
+        copies.setdefault(shape_of(record.to_numpy()), {}).setdefault(event, label)
     for labels in of_events.values():
         if len(labels) == 1 and not any(suite[labels[0]].attrs.get(key) for key in PLACE):
             time = suite[labels[0]].time.to_numpy()
@@ -264,8 +265,13 @@ def _of_folder(path: Path) -> Iterator[_Listed]:
 
 
 def _of_table(path: Path) -> Iterator[_Listed]:
-    """Each file in a table."""
-    for line, name, row in table_rows(read_text(path), path.name):
+    """Each file in a table, with a warning on factors that are not applied."""
+    rows = [*table_rows(read_text(path), path.name)]
+    factors = [key for key in rows[0][2] if _OF_SCALE.match(key)] if rows else []
+    if factors:
+        what = f"{plain(path.name)}: its column {brief(factors[0])} is not applied"
+        warnings.warn(f"{what}; scale_records scales records", DoubtfulInput, stacklevel=4)
+    for line, name, row in rows:
         where = f"{plain(path.name)}, line {line}, {plain(name)}"
         about: dict[str, Any] = {key: row[key] for key in ABOUT if row.get(key)}
         if factor := number_in(row.get(PEER_FACTOR, "")):
