@@ -31,8 +31,8 @@ import stochlin as sl
 LONG = {
     *("charts_from_python", "charts_of_every_figure", "gap_at_a_recorded_site"),
     *("first_passage_of_a_frame", "frame_of_six_storeys", "frame_of_ten_storeys"),
-    *("gap_of_bouc_wen_buildings", "gap_of_storeys", "what_matters_for_a_gap", "measures_from_python"),
-    *("records_read_and_fitted", "risk_of_a_gap", "site_by_spectrum"),
+    *("fragility_of_a_gap", "gap_of_bouc_wen_buildings", "gap_of_storeys", "what_matters_for_a_gap"),
+    *("measures_from_python", "records_read_and_fitted", "risk_of_a_gap", "site_by_spectrum"),
 }
 # Time steps of other programs; what they once said is compared with ours above all the same.
 LONG_INDEPENDENT = {

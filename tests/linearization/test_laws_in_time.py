@@ -79,7 +79,11 @@ def test_moments_of_decay_follow_their_differential_equations():
 
 @pytest.mark.parametrize(
     "structure",
-    [sl.Bilinear(**GIVEN), worn(pinching=0.9), sl.Bilinear(0.6, 0.05)],
+    [
+        sl.Bilinear(**GIVEN),
+        pytest.param(worn(pinching=0.9), marks=pytest.mark.slow),
+        sl.Bilinear(0.6, 0.05),
+    ],
     ids=["bilinear", "pinched", "elastic"],
 )
 def test_the_work_of_white_noise_goes_into_all_energies(structure):

@@ -75,6 +75,7 @@ def test_other_laws_follow_an_ode_solver(law):
     np.testing.assert_allclose(table.z, exact[2], rtol=0, atol=1e-3)
 
 
+@pytest.mark.slow
 def test_buildings_move_as_the_method_of_eighth_order_says():
     """`pound` of the same buildings, so far apart that they never meet."""
     pair, record = [tower(3), tower(4, 2.7, p_delta=True)], motion(700)
