@@ -241,8 +241,8 @@ def _doubts(values: dict[str, Any], in_metres: InMetres) -> Iterator[str]:
     yield from implausible(values | {"intensity": of_ground if of_motion else 0})
     for each in (each for each in values.values() if isinstance(each, Mapping)):  # facts for codes
         yield from implausible(each)
-    first, second = (median_of(values.get(role)) for role in ("first", "second"))
-    if of_motion and isinstance(first, Model) and first == second:
+    first, second = values.get("first"), values.get("second")
+    if of_motion and isinstance(first, Model) and first == second:  # which may differ where uncertain
         yield "first and second are the same building, which need no gap; usual are two that differ"
     several = values.get("structures")
     for each in (*values.values(), *(several if isinstance(several, (list, tuple)) else ())):

@@ -125,6 +125,7 @@ def test_eq_3_with_radii_is_right_in_the_median_and_too_small_in_a_fifth(
 
 @pytest.mark.slow
 @needs_records
+@pytest.mark.filterwarnings("ignore:.*is it a weak motion")
 @pytest.mark.parametrize(
     ("name", "median", "short", "least"),
     [("far_field", [1.14, 1.0], [0.17, 0.48], 0.83), ("mexico_city", [1.06, 1.04], [0.1, 0.17], 0.86)],

@@ -51,8 +51,9 @@ def read_hazard(
     Parameters
     ----------
     path : str, path, or list of them
-        Path of the file. Columns of intensities and annual frequencies of exceedance [1/yr] are known by
-        their names, as ``iml`` and ``annual rate``. Several files may be given, for several periods.
+        Path of the file. Columns of intensities and annual frequencies of exceedance [1/yr], or return
+        periods [yr], are known by their names, as ``iml`` and ``annual rate``. Several files may be
+        given, for several periods.
     measure : {"pga", "sa", "intensity"}
         As in `HazardCurve`.
     units : str, optional
@@ -76,7 +77,8 @@ def read_hazard(
     Returns
     -------
     HazardCurve
-        The hazard curve in SI units, without zeros at its end, without probabilities of 1, and of equal
+        The hazard curve in SI units, whose ``source`` is the file, with the columns that were asked for
+        by number or converted; without zeros at its end, without probabilities of 1, and of equal
         frequencies with the largest intensity only.
 
     Raises

@@ -46,7 +46,7 @@ from stochlin.models.arguments import checked
 from stochlin.models.contacts.elements import CONTACTS, DAMPING, RESTITUTION, Contact
 from stochlin.models.links import Link
 from stochlin.models.measures import Measure
-from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Range
+from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Model, Range
 from stochlin.models.plausible import PLAUSIBLE, unquestioned
 from stochlin.models.rules.codes import (
     BEHAVIOUR,
@@ -461,7 +461,7 @@ def read_case(path: str | os.PathLike[str]) -> Case:
 def check_together(buildings: Sequence[Building], site: Site) -> None:
     """Warn of what tables of a case contradict in one another, or have in common by mistake."""
     for n, (building, other) in enumerate(pairwise(buildings), start=2):
-        if building.sampled == other.sampled:
+        if isinstance(building.sampled, Model) and building.sampled == other.sampled:
             what = f"is the same as that before, {building.name}; usual are two that differ"
             other.form.table.warn("", f"is doubtful: building {n} {what}")
     longest = math.inf if site.spectrum is None else float(site.spectrum.period[-1])
