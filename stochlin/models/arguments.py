@@ -19,10 +19,11 @@ from typing import Annotated, Any, Literal, TypeGuard, TypeVar, overload
 
 import numpy as np
 import numpy.typing as npt
+import xarray as xr
 
 from stochlin.messages import brief, check_names, hint
 from stochlin.models.parameters import POSITIVE, Model, Range, expect
-from stochlin.models.plausible import implausible, unquestioned, warn_caller
+from stochlin.models.plausible import PLAUSIBLE, implausible, unquestioned, warn_caller
 from stochlin.models.uncertain import UncertainModel, as_array, median_of
 
 LONGEST_LABEL = 200
@@ -166,6 +167,7 @@ def check_quantiles(name: str, value: object) -> None:
         raise ValueError(f"{name} = {brief(value)}; allowed: {allowed}")
 
 
+OF_RESULT = PLAUSIBLE["gap of a result"]
 SCATTER = Number(
     Range(0, MOST_SCATTER, include_lower=True, include_upper=True),
     f"a number from 0 to {MOST_SCATTER:g}, the standard deviation of ln(strength of a motion)",
@@ -229,6 +231,8 @@ def checked(function: Any = None, *, uncertain: bool = False, in_metres: InMetre
             made = function(*args, **kwargs)
         if isinstance(made, Model):  # of a file, or computed
             warn_caller(function.__name__, made.doubts)
+        if isinstance(made, xr.Dataset) and "gap" in made.data_vars and not {"gap", "gaps"} & {*values}:
+            warn_caller(function.__name__, lambda: implausible({"gap": made.gap}, {"gap": OF_RESULT}))
         return made
 
     return call

@@ -79,7 +79,8 @@ def implausible(
     """
     for name, number in values.items():
         known = limits_of(name) if limits is None else limits.get(name, ANY)
-        value = getattr(number, "median", number)  # of an uncertain parameter
+        median = getattr(number, "median", number)  # of an uncertain parameter
+        value = number if callable(median) else median  # which arrays have as a method
         judged = of_one or name == OF_A_ROW
         each = np.array(value, object).ravel() if judged else [_nearest(value, known)]
         if odd := [n for n in each if _is_number(n) and not known.holds(n) and n < FAR]:

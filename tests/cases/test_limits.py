@@ -171,6 +171,7 @@ PYTHON: dict[str, Callable[[float, Path], object]] = {
     "peak of a record": lambda x, folder: sl.read_record(record(folder, peak=x)),
     "velocity of a record": lambda x, _: sl.recorded_gap(*PAIR, shaken(x, acceleration=4.0)),
     "velocity over acceleration of a record": lambda x, _: sl.recorded_gap(*PAIR, jerk(x)),
+    "gap of a result": lambda x, _: sl.critical_gap(x / 2, x / 2, -1.0),
     "peak_factor": lambda x, _: sl.Bilinear(1.0, 0.05, peak_factor=x),
     "scatter": lambda x, _: sl.separation(*PAIR, FIRM, scatter=x, **FEW),
     "importance": lambda x, _: sl.code_gaps(
@@ -336,7 +337,10 @@ FILES: dict[str, Callable[[float, Path], dict[str, str]]] = {
 }
 # In a case file a gap is `existing`, displacements are those of a design, and years are 50; forces in
 # contacts are those of `stochlin pound`.
-OF_PYTHON = {"gaps", "peak", "penetration", "years", "peak_factor", "damping_constant", "importance"}
+OF_PYTHON = {
+    *("gap of a result", "gaps", "peak", "peak_factor", "penetration", "years"),
+    *("damping_constant", "importance"),
+}
 OF_FILES = {"peak over that of the site", "importance_factor"}
 FITTED = {
     "pga",

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 import stochlin as sl
 from stochlin.solver.tables import labels
 
-pytestmark = pytest.mark.invariant
+pytestmark = [pytest.mark.invariant, pytest.mark.filterwarnings("ignore:.*usual are")]
 
 CELLS = 20
 POWER = st.floats(-300, 300)

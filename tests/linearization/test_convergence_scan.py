@@ -107,6 +107,7 @@ def test_shaking_beyond_reach_says_so():
         sl.linearize(sl.Bilinear(1.0, 0.05, 0.05, yield_displacement=1e-30), sl.WhiteNoise(0.01))
 
 
+@pytest.mark.filterwarnings("ignore:.*reduction_factor = 2900")
 @pytest.mark.parametrize("solve", [sl.linearize, sl.linearize_system])
 def test_strong_shaking_is_a_thousand_times_the_yield_displacement(solve):
     """Of the standard deviation of the elastic structure, which is R/p with a peak factor of 3."""

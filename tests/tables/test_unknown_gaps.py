@@ -183,6 +183,7 @@ def test_shares_quantiles_and_verdicts_of_unknown_samples_are_unknown():
     assert np.isnan(lognormal_fragility(motions, 0.15)[:4]).all()
 
 
+@pytest.mark.filterwarnings("ignore:.*are the same motion")
 @pytest.mark.parametrize("records", [[RECORD, 2 * RECORD]])
 def test_quantiles_over_records_of_a_failed_cell_are_unknown(records):
     structure = sl.Bilinear(axis([0.5, NAN]), 0.05)

@@ -33,6 +33,7 @@ from stochlin.models.arguments import (
 )
 from stochlin.models.envelopes import Envelope, strong_seconds
 from stochlin.models.grounds import OTHER_COMPONENT, Ground, UsualScatter, rms_acceleration
+from stochlin.models.plausible import PLAUSIBLE
 from stochlin.models.values import ByValue
 
 FILTERS, PATHS = 2, 512
@@ -105,6 +106,10 @@ def checked_components(record: Records) -> Components:
             which = " and ".join(map(plain, values))
             raise ValueError(f"record: {both} have the {what} {which}; allowed: equal ones")
     accelerations = np.array([ground.acceleration for ground in motions.grounds])
+    peaks = np.abs(accelerations).max(axis=1)
+    if text := PLAUSIBLE["peak over that of the site"].doubt(ratio := float(peaks[-1] / peaks[0])):
+        what = f"record: the peaks of {both} have the ratio {ratio:.3g}"
+        warnings.warn(f"{what}; {text}", DoubtfulInput, stacklevel=4)
     return Components(records, accelerations, motions.grounds[0].dt)
 
 
