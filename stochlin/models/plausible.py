@@ -81,7 +81,7 @@ def implausible(
         known = limits_of(name) if limits is None else limits.get(name, ANY)
         median = getattr(number, "median", number)  # of an uncertain parameter
         value = number if callable(median) else median  # which arrays have as a method
-        judged = of_one or name == OF_A_ROW
+        judged = (of_one or name == OF_A_ROW) and not isinstance(value, Mapping)
         each = np.array(value, object).ravel() if judged else [_nearest(value, known)]
         if odd := [n for n in each if _is_number(n) and not known.holds(n) and n < FAR]:
             yield f"{name} = {odd[0]:g}: {known.doubt(odd[0])}"

@@ -59,6 +59,7 @@ def read_both(folder: Path, second: str, lines: str = "components = 2\n") -> Cas
     return sl.read_case(folder / "case.toml")
 
 
+@pytest.mark.filterwarnings("ignore:.*are the same motion")
 @pytest.mark.slow
 def test_ground_and_scatter_come_from_both_components(tmp_path: Path) -> None:
     case = read_both(tmp_path, "loud")

@@ -64,6 +64,7 @@ def test_energy_of_a_fitted_motion_is_that_by_hand(record, motion):
     assert float(energy) == pytest.approx(float((record**2).integrate("time")), rel=5e-3)
 
 
+@pytest.mark.filterwarnings("ignore:.*are the same motion")
 @pytest.mark.slow
 @pytest.mark.oracle
 def test_both_components_are_fitted_by_their_geometric_means(record, motion):
