@@ -207,16 +207,6 @@ def checked(function: Any = None, *, uncertain: bool = False, in_metres: InMetre
     if function is None:
         return partial(checked, uncertain=uncertain, in_metres=in_metres)
     parameters = inspect.signature(function).parameters
-    annotations = functools.cache(lambda: with_doubts(function))
-
-    def _of_types(values: dict[str, Any]) -> Iterator[str]:
-        return (
-            text
-            for name, of in annotations()
-            if name in values
-            for text in of.doubts(name, values[name])
-        )
-
     by_place = [n for n, each in parameters.items() if each.kind == each.POSITIONAL_OR_KEYWORD]
 
     @functools.wraps(function)
@@ -226,7 +216,9 @@ def checked(function: Any = None, *, uncertain: bool = False, in_metres: InMetre
         for name, check in checks_of(function, uncertain):
             if name in values:
                 check(name, values[name])
-        warn_caller(function.__name__, lambda: [*_doubts(values, in_metres), *_of_types(values)])
+        warn_caller(
+            function.__name__, lambda: [*_doubts(values, in_metres), *_of_types(function, values)]
+        )
         with unquestioned():
             made = function(*args, **kwargs)
         if isinstance(made, Model):  # of a file, or computed
@@ -260,6 +252,13 @@ def _doubts(values: dict[str, Any], in_metres: InMetres) -> Iterator[str]:
         yield f"duration = {end:g}: {warning}"
 
 
+def _of_types(function: Callable[..., Any], values: dict[str, Any]) -> Iterator[str]:
+    """Texts on arguments whose type says what is asked about them."""
+    for name, of in with_doubts(function):
+        if name in values:
+            yield from of.doubts(name, values[name])
+
+
 def check_fields(described: Any, prefix: str = "") -> None:
     """Check the fields of a dataclass as `checked` checks arguments; messages begin with ``prefix``."""
     for name, check in checks_of(described.__class__):
@@ -277,6 +276,7 @@ def checks_of(called: Callable[..., Any], uncertain: bool = False) -> tuple[tupl
     return tuple((name, check) for name in names for check in _checks(declared.get(name), uncertain))
 
 
+@functools.cache
 def with_doubts(called: Callable[..., Any]) -> list[tuple[str, Any]]:
     """Name and annotation of the arguments of a function whose type has a method ``doubts``."""
     declared = typing.get_type_hints(called, include_extras=True)

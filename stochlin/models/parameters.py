@@ -63,9 +63,9 @@ class Range:
         return above & below & np.isfinite(value)
 
 
+NO_UNIT = ("", "1", "-", "dimensionless")
 POSITIVE, NOT_NEGATIVE = Range(), Range(include_lower=True)
 # Of structures and grounds in seconds, where their frequencies and those of others are of use together.
-NO_UNIT = ("", "1", "-", "dimensionless")
 PERIODS = Range(1e-9, 1e9, include_lower=True, include_upper=True)
 
 

@@ -39,7 +39,7 @@ class AskedRecords:
         copies: dict[bytes, str] = {}
         for label, (values, step) in motions.items():
             yield from (f"{plain(label)}: {text}" for text in doubts_of_motion(values, step))
-            first = copies.setdefault(shape_of(values), label)
+            first = copies.setdefault(shape_of(values), label) if len(motions) > 1 else label
             if first != label:
                 yield f"{plain(first)} and {plain(label)} are the same motion; is it to count twice?"
             component = word_of(label) if isinstance(records, Mapping) else None

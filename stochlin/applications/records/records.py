@@ -148,7 +148,8 @@ def recorded(
 
 def doubts_of_motion(acceleration: Array, step: float) -> Iterator[str]:
     """Texts on a record that is implausible, of these samples [m/s^2] and time step [s]."""
-    peak, duration = float(np.abs(acceleration).max()), step * acceleration.size
+    peak = float(np.abs(acceleration).max())
+    duration = step * acceleration.size
     velocity = float(np.abs(step * np.cumsum(acceleration)).max())
     # Of what follows from one mistake the first is said.
     for of, value, shown in (
@@ -182,7 +183,8 @@ def _doubts(record: xr.DataArray, series: Series) -> Iterator[str]:
 
 def _doubt_of_direction(series: Series, name: str) -> Iterator[str]:
     """Texts on a record that is vertical, or not of the ground."""
-    component, in_name = series.about.get("component", ""), FileNames([name]).component(name)
+    component = series.about.get("component", "")
+    in_name = FileNames([name]).component(name)
     if is_vertical(component, series.title, in_name if in_name and in_name.weight > WEAK else None):
         which = brief(component or series.title or name)
         yield f"{which} is vertical, and gaps follow from horizontal components; is it the right one?"

@@ -181,7 +181,8 @@ def _doubt_of_rows(period: Array, values: Array) -> Iterator[str]:
     where velocity and displacement are constant.
     """
     above = np.flatnonzero(period[:-1] > 0)
-    ratio, growth = period[above + 1] / period[above], values[above + 1] / values[above]
+    ratio = period[above + 1] / period[above]
+    growth = values[above + 1] / values[above]
     jump = np.maximum(growth / ratio, 1 / (growth * ratio**2))
     for n in above[jump > PLAUSIBLE["next ordinate"].high][:1]:
         ends = f"from {values[n]:.3g} to {values[n + 1]:.3g} m/s^2"

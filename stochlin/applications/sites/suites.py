@@ -53,7 +53,7 @@ FILE = "file"  # name of the table column with the paths of the records
 WHO_BELONGS = f"the columns {FILE}, event and station of a table say which belong together"
 # The table in a download of PEER, below a title, with a column for each component.
 PEER_TABLE = "_SearchResults.csv"
-_OF_SCALE = re.compile(r"(?!Scale Factor$).*(?:scal|factor|fakt)", re.IGNORECASE)  # but that of PEER
+_OF_SCALE = re.compile(r"scal|factor|fakt", re.IGNORECASE)
 PEER_FILES, PEER_FACTOR = r"Horizontal-[12] Acc\. Filename", "Scale Factor"
 PEER_ABOUT = {"event": ("Earthquake Name", "Year"), "station": ("Station Name",)}
 ABOUT = ("event", "station", "component")  # columns that become attributes
@@ -267,7 +267,7 @@ def _of_folder(path: Path) -> Iterator[_Listed]:
 def _of_table(path: Path) -> Iterator[_Listed]:
     """Each file in a table, with a warning on factors that are not applied."""
     rows = [*table_rows(read_text(path), path.name)]
-    factors = [key for key in rows[0][2] if _OF_SCALE.match(key)] if rows else []
+    factors = [key for key in rows[0][2] if _OF_SCALE.search(key) and key != PEER_FACTOR] if rows else []
     if factors:
         what = f"{plain(path.name)}: its column {brief(factors[0])} is not applied"
         warnings.warn(f"{what}; scale_records scales records", DoubtfulInput, stacklevel=4)

@@ -10,7 +10,8 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.models.parameters import POSITIVE, Model, parameter
 from stochlin.registry import Registry, expect_class
 
-SHORTEST, LEAST_SHARE = 2.0, 0.2  # of strong shaking: [s], and share of a motion
+SHORTEST = 2.0  # s, strong shaking
+LEAST_SHARE = 0.2  # of strong shaking in a motion
 _STEPS = 2000  # steps of the midpoint rule for the integral of the squared envelope
 ENVELOPES: Registry[type[Envelope]] = Registry(
     "envelope", "stochlin.models.envelopes", check=lambda kind: expect_class(kind, Envelope, "at")

@@ -8,7 +8,7 @@ import numpy as np
 
 from stochlin.applications.risk.rates import range_of_rate
 from stochlin.models.hazards import HazardCurve
-from stochlin.views.separation.words import measure_of, subject_of
+from stochlin.views.separation.words import subject_of
 from stochlin.views.shared.blocks import Block, Table, Text, texts
 from stochlin.views.shared.words import (
     MISSING,
@@ -16,6 +16,7 @@ from stochlin.views.shared.words import (
     along,
     centimetres,
     length,
+    measure_of,
     per_cent,
     with_interval,
 )
@@ -78,7 +79,8 @@ def risk_sentences(answer: CaseAnswer) -> list[str]:
     """The shaking that matters for the first of the gaps, and what the hazard leaves out."""
     assert answer.risk is not None
     risk, meet = answer.risk.isel(risk_gap=0), subject_of(answer.case).meet
-    name, units, unit = measure_of(answer)
+    assert answer.case.site.hazard is not None
+    name, units, unit = measure_of(answer.case.site.hazard)
     gap = f"With the gap of {length(float(risk.risk_gap))}"
     rate, beyond = float(risk.risk_annual_rate), float(risk.risk_annual_rate_unseen)
     sentences = [f"{gap}, {meet} in none of the motions, at any intensity of the hazard."]

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from scipy import constants
 
 from stochlin.applications.cases.codes import APPLIED, APPLY, KIND, stated
 from stochlin.applications.separation.separation import COMBINED
@@ -108,16 +107,6 @@ def gap_of(dataset: xr.Dataset) -> str:
     return PAIR.gap if "peak_2" in dataset else ALONE.gap
 
 
-def measure_of(answer: CaseAnswer) -> tuple[str, str, float]:
-    """The name of the intensity of the hazard, its unit, and that in SI."""
-    hazard = answer.case.site.hazard
-    assert hazard is not None
-    if hazard.measure == "intensity":
-        return "S0", "m²/s³", 1.0
-    name = "PGA" if hazard.period is None else f"Sa({hazard.period:.3g} s)"
-    return name, "g", constants.g
-
-
 def first_lines(answer: CaseAnswer) -> list[str]:
     """Required gap, existing gap, verdict and reason; two of them where no gap exists."""
     case, table, about = answer.case, answer.separation, subject_of(answer.case)
@@ -211,7 +200,7 @@ def cautions(answer: CaseAnswer) -> list[str]:
 
 
 def taken(case: Case) -> list[str]:
-    """What was taken for the motions: the spectrum of a file, and the scatter in strength."""
+    """What was taken for the motions: what files say, and the scatter in strength."""
     return [files_taken(case), scatter(case)]
 
 

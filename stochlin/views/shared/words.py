@@ -12,7 +12,7 @@ from stochlin.applications.sites.elastic_spectra import taken_in_words
 from stochlin.messages import plain
 from stochlin.models.arguments import checked
 from stochlin.models.grounds import ground_names
-from stochlin.models.hazards import OF_DESIGN, HazardCurve
+from stochlin.models.hazards import OF_DESIGN, Hazard, HazardCurve
 from stochlin.models.rules.codes import CODE_RULES
 from stochlin.models.rules.effective_properties import EFFECTIVE_RULES
 from stochlin.solver.tables.labels import VALUE_AND_ENDS
@@ -118,34 +118,51 @@ def scatter(case: Case) -> str:
 
 def files_taken(case: Case) -> str:
     """How spectrum, hazard and records of files were taken; empty without such files."""
-    spectrum, hazard, sentences = case.site.spectrum, case.site.hazard, list[str]()
+    spectrum, hazard, records = case.site.spectrum, case.site.hazard, case.site.records
+    sentences = []
     if spectrum is not None and "code" not in spectrum.attrs:
-        columns = f"; {plain(spectrum.attrs['columns'])}" if "columns" in spectrum.attrs else ""
-        taken = f"{taken_in_words(spectrum)}{columns}"
+        taken = _together(taken_in_words(spectrum), plain(spectrum.attrs.get("columns", "")))
         sentences.append(f"The spectrum of {plain(spectrum.attrs['source'])}: {taken}.")
     if isinstance(hazard, HazardCurve) and hazard.source:
-        sentences.append(f"The hazard of {plain(hazard.source)}{_of_design(hazard)}.")
-    records = case.site.records
-    known = {name: plain(record.attrs.get("columns", "")) for name, record in records.items()}
-    if len(records) <= MOST_RECORDS:
-        for name, record in records.items():
-            seconds = f"{record.size * record.attrs['dt']:.4g}{SPACE}s"
-            steps = f"{seconds} in steps of {record.attrs['dt']:.4g}{SPACE}s"
-            known[name] = f"{known[name]}; peak {in_g(float(abs(record).max()))}, {steps}"
-    shown = ((name, text.removeprefix("; ")) for name, text in known.items() if text)
-    return " ".join([*sentences, *(f"The record {plain(name)}: {text}." for name, text in shown)])
+        sentences.append(f"The hazard of {_together(plain(hazard.source), _of_design(hazard))}.")
+    for name, record in records.items():
+        size = _size_of(record) if len(records) <= MOST_RECORDS else ""
+        if taken := _together(plain(record.attrs.get("columns", "")), size):
+            sentences.append(f"The record {plain(name)}: {taken}.")
+    return " ".join(sentences)
+
+
+def _together(*parts: str) -> str:
+    """The parts of a sentence that are not empty."""
+    return "; ".join(filter(None, parts))
+
+
+def _size_of(record: xr.DataArray) -> str:
+    """Peak, length and time step of a record."""
+    step = record.attrs["dt"]
+    seconds = f"{record.size * step:.4g}{SPACE}s in steps of {step:.4g}{SPACE}s"
+    return f"peak {in_g(float(abs(record).max()))}, {seconds}"
 
 
 def _of_design(hazard: HazardCurve) -> str:
     """What is exceeded once in 475 years, if the curve has that."""
     design = hazard.of_design()
-    what = "PGA" if hazard.period is None else f"Sa({hazard.period:.3g} s)"
-    shown = f"{design:.3g} m^2/s^3 of S0" if hazard.measure == "intensity" else f"{what} {in_g(design)}"
-    return f"; with a return period of {OF_DESIGN:g} years {shown}" if np.isfinite(design) else ""
+    if not np.isfinite(design):
+        return ""
+    name, units, unit = measure_of(hazard)
+    return f"with a return period of {OF_DESIGN:g} years {name} {design / unit:.3g}{SPACE}{units}"
+
+
+def measure_of(hazard: Hazard) -> tuple[str, str, float]:
+    """The name of the intensity of a hazard, its unit, and that in SI."""
+    if hazard.measure == "intensity":
+        return "S0", "m²/s³", 1.0
+    name = "PGA" if hazard.period is None else f"Sa({hazard.period:.3g} s)"
+    return name, "g", constants.g
 
 
 def strength(table: xr.Dataset, case: Case) -> list[str]:
-    """How strong the motions are, by which spectrum, and how they differ."""
+    """How strong the motions are, by which files, and how they differ."""
     return [shaking(table, case), files_taken(case), scatter(case)]
 
 
