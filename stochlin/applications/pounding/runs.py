@@ -15,6 +15,7 @@ from stochlin.kernels.records.runs import SampledMotion
 from stochlin.kernels.simulation.moving import FAILED, Q
 from stochlin.models.contacts.elements import Contact, Element
 from stochlin.solver.simulation.connected_structures import shortest_mode
+from stochlin.solver.simulation.finite_motions import names_of_laws
 from stochlin.solver.tables.checks import check_work
 
 STEPS_PER_CONTACT = 16  # default number of steps in half a period of a contact
@@ -160,7 +161,8 @@ def failure(standing: Standing, response: RowResponse) -> str:
             "negative; give it more hardening or strength, or a weaker motion"
         )
     return (
-        f"pound: the response is no longer finite {failed:.4g} s after the beginning; the rates of a "
-        "law grow without end, or a structure, link or contact is too stiff for the time steps: give a "
-        "law in which all states stay bounded, make it softer, or take more steps_per_contact"
+        f"pound: the response is no longer finite {failed:.4g} s after the beginning; the rates of the "
+        f"law {names_of_laws(system.stacks)} grow without end, or a structure, link or contact is too "
+        "stiff for the time steps: give a law in which all states stay bounded, make it "
+        "softer, or take more steps_per_contact"
     )

@@ -20,7 +20,7 @@ from stochlin.messages import DoubtfulInput
 from stochlin.models.structures import Structure
 from stochlin.models.systems import AnyStructure, Arrangement, arrangement_of, first_period
 from stochlin.solver.simulation.connected_structures import SteppedGroup, connected_groups, row_of
-from stochlin.solver.simulation.finite_motions import RUNS_AWAY
+from stochlin.solver.simulation.finite_motions import runs_away
 from stochlin.solver.simulation.structures_in_motion import apart, at_height, pairs_of
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_work
@@ -54,12 +54,11 @@ class SteppedResponse(NamedTuple):
 
 
 def stepped_response(
-    connected: Sequence[SteppedGroup], limits: Array, ground: SampledMotion, functions: Array
+    system: Arrangement, connected: Sequence[SteppedGroup], ground: SampledMotion, functions: Array
 ) -> SteppedResponse:
     """Functions (m, w) of all that is watched, from rest, in steps that `halved` finds.
 
-    The values (steps + 1, m) [m] are those after every step. ``limits`` (w,) [m] are the drifts at which
-    structures fall.
+    The values (steps + 1, m) [m] are those after every step.
     """
     cuts = _first_cuts(connected, ground)
     steps = float(cuts) * ground.acceleration.size
@@ -68,14 +67,16 @@ def stepped_response(
 
     def followed(cuts: int) -> SteppedResponse:
         """The functions in such steps; those of a structure that falls end far beyond its limit."""
-        values = _within(limits, _values(connected, functions, ground, cuts))
+        values = _within(system.limits, _values(connected, functions, ground, cuts))
         return SteppedResponse(values, peaks_of(values), NO_Z, cuts)
 
-    return halved(followed, cuts, HALVINGS)
+    return halved(system, followed, cuts, HALVINGS)
 
 
-def halved(followed: Callable[[int], SteppedResponse], cuts: int, most: int) -> SteppedResponse:
-    """The response with steps halved until it converges, or ``most`` times; ``cuts`` is the first.
+def halved(
+    system: Arrangement, followed: Callable[[int], SteppedResponse], cuts: int, most: int
+) -> SteppedResponse:
+    """The response of a system with steps halved from ``cuts`` until it converges, or ``most`` times.
 
     The steps are of second order, so that the remaining error is about a third of the last change. Warns
     of a response that has not converged, and raises an ArithmeticError if it is not finite.
@@ -88,7 +89,7 @@ def halved(followed: Callable[[int], SteppedResponse], cuts: int, most: int) -> 
             return response
         coarse = response
     if not np.isfinite(coarse.error):
-        raise ArithmeticError(f"the response is no longer finite; {RUNS_AWAY}")
+        raise ArithmeticError(f"the response is no longer finite; {runs_away(system.stacks)}")
     what = f"the response changes by {coarse.error:.2g} when the time step is halved for the last time"
     warnings.warn(f"{what}, more than {CLOSE:g}: see step_error", DoubtfulInput, stacklevel=4)
     return coarse
@@ -139,7 +140,7 @@ def stepped_history(structure: AnyStructure, ground: SampledMotion, refine: int)
             moved = np.full_like(moved, np.nan)  # so that the response is not taken as finite
         return SteppedResponse(moving, peaks_of(moved), z, cuts)
 
-    converged = halved(followed, cuts, HALVINGS_OF_HISTORY)
+    converged = halved(system, followed, cuts, HALVINGS_OF_HISTORY)
     moving = converged.values
     q, rate = (moving.coordinates[:, column].T for column in (Q, V))
     z = moving.elements[:, Z].T
@@ -186,11 +187,11 @@ def stepped_gap(
         highest = np.array([at_height(system, number, height) for number in (0, 1)]) @ floors
         moved = np.array([apart(system, pair) for pair in pairs]) @ floors
     functions = np.concatenate([highest, system.drifts, moved])
-    connected, limits = connected_groups(system), system.limits
+    connected = connected_groups(system)
     periods = [float(s.arrays()["period"]) for s in structures if isinstance(s, Structure)]
     tables = []
     for ground in motions.grounds:
-        motion = stepped_response(connected, limits, ground, functions)
+        motion = stepped_response(system, connected, ground, functions)
         table = _in_one(system, motion)
         if len(periods) == len(structures):
             table = table.assign(_radii(motion, periods, ground.dt / motion.cuts))

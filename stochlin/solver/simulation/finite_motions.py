@@ -17,7 +17,7 @@ from stochlin.messages import brief
 from stochlin.models.arguments import checked, is_number
 from stochlin.models.envelopes import Envelope, envelope_at
 from stochlin.models.parameters import check_alignment, check_units
-from stochlin.models.systems import AnyStructure, Arrangement
+from stochlin.models.systems import AnyStructure, Arrangement, Stack
 from stochlin.solver.simulation.ensembles import SimulationRun, seconds_of
 from stochlin.solver.simulation.results import RESULTS, Column, EndedMotions, columns_of
 from stochlin.solver.simulation.structures_in_motion import (
@@ -36,10 +36,6 @@ FAR = 1e200  # [m], in place of infinity, between which and a number no quantile
 PRECISION, MARGIN = 0.1, 1.2  # half of an interval over a gap, and motions over those that it needs
 BLOCK = 256  # time steps that are computed at once
 ABOVE_GROUND = "height above the ground"
-RUNS_AWAY = (
-    "the rates of its law grow without end: give a law in which z and all other states stay bounded, "
-    "such as v - abs(v)*z, or weaker motions"
-)
 Columns = dict[str, Column]
 OF_STEPS, OF_PEAKS = 6, 6  # numbers that are in memory at once for each step, and for each peak
 
@@ -75,13 +71,27 @@ def check_finite(run: SimulationRun, duration: float, functions: int, times: int
     )
 
 
+def names_of_laws(stacks: Sequence[Stack]) -> str:
+    """The hysteresis laws of structures, each with the module that defines it."""
+    laws = {type(stack.law) for stack in stacks}
+    return " or ".join(sorted(f"{law.__qualname__} ({law.__module__})" for law in laws))
+
+
+def runs_away(stacks: Sequence[Stack]) -> str:
+    """What is wrong with the laws of structures whose response is no longer finite, and the cure."""
+    return (
+        f"the rates of the law {names_of_laws(stacks)} grow without end: give a law in which z "
+        "and all other states stay bounded, such as v - abs(v)*z, or weaker motions"
+    )
+
+
 def check_response(system: Arrangement, finite: Array) -> None:
     """Raise an ArithmeticError if a floor (motions, floors) has a response that is not ``finite``."""
     lost = ~np.logical_and.reduceat(finite, system.first[:-1], axis=1)
     if lost.any():
         worst = int(np.argmax(lost.sum(axis=0)))
         what = f"structures, number {worst + 1}: its response is no longer finite"
-        raise ArithmeticError(f"{what}; {RUNS_AWAY}")
+        raise ArithmeticError(f"{what}; {runs_away([system.stacks[worst]])}")
 
 
 def simulate_finite(
