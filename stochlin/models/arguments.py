@@ -238,7 +238,7 @@ def _doubts(values: dict[str, Any], in_metres: InMetres) -> Iterator[str]:
     for each in (each for each in values.values() if isinstance(each, Mapping)):  # facts for codes
         yield from implausible(each)
     first, second = values.get("first"), values.get("second")
-    if of_motion and isinstance(first, Model) and first == second:  # which may differ where uncertain
+    if of_motion and isinstance(first, Model) and first.moves_as(second):
         yield "first and second are the same building, which need no gap; usual are two that differ"
     several = values.get("structures")
     for each in (*values.values(), *(several if isinstance(several, (list, tuple)) else ())):

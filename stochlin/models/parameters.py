@@ -122,6 +122,10 @@ class Model(ByValue, metaclass=_Kind):
         super().__init_subclass__(**options)
         cls.is_base = base
 
+    def moves_as(self, other: object) -> bool:
+        """Whether the displacements of another model are always those of this one."""
+        return self == other
+
     @classmethod
     def check_uncertain(cls, names: Collection[str]) -> None:
         """Raise a ValueError if a parameter with one of these names cannot be uncertain."""

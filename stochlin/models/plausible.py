@@ -89,6 +89,9 @@ def implausible(
         height, storeys = (values.get(f"{of}{end}") for of in ("height", "storeys"))
         if _is_number(height) and _is_number(storeys) and (text := doubt_of_storeys(height, storeys)):
             yield f"height{end} = {height:g}: {text}"
+        behaviour, deflection = (values.get(f"{of}{end}") for of in ("behaviour", "deflection"))
+        if _is_number(behaviour) and _is_number(deflection):
+            yield from doubts_of_factors(behaviour, deflection)
 
 
 def _nearest(value: object, known: Plausible) -> object:
@@ -105,6 +108,14 @@ def doubt_of_storeys(height: float, storeys: float) -> str:
     mean = height / storeys if storeys > 0 else 0.0
     text = PLAUSIBLE["mean storey height"].doubt(mean)
     return text and f"its height over the number of storeys, {storeys:g}, is {mean:.3g} m; {text}"
+
+
+def doubts_of_factors(behaviour: float, deflection: float) -> Iterator[str]:
+    """Texts on the factors of a code by which forces are divided, and displacements multiplied."""
+    ratio = deflection / behaviour if behaviour > 0 else 0.0
+    if text := PLAUSIBLE["deflection over behaviour"].doubt(ratio):
+        factors = f"the deflection factor {deflection:g} is {ratio:.3g} times the behaviour factor"
+        yield f"{factors} {behaviour:g}; {text}"
 
 
 def doubts_of_size(period: float, height: float | None, storeys: float | None) -> Iterator[str]:

@@ -7,7 +7,7 @@ package.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import KW_ONLY, dataclass, replace
 from functools import cache, cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -101,6 +101,10 @@ class Structure(Model, base=True):
             if text := PLAUSIBLE["acceleration at yield"].doubt(acceleration):
                 both = f"{displacement:.3g} m with a period of {period:.3g} s"
                 yield f"yield_displacement = {both} is {acceleration / g:.3g} g; {text}"
+
+    def moves_as(self, other: object) -> bool:
+        """Whether it is the same oscillator, also with another mass."""
+        return isinstance(other, type(self)) and self == replace(other, mass=self.mass)
 
     @property
     def yields(self) -> bool:

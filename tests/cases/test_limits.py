@@ -79,6 +79,25 @@ def spectrum(folder: Path, largest: float) -> Path:
     return folder / "site.csv"
 
 
+def storeys(drifts: list[float]) -> sl.ShearBuilding:
+    return sl.ShearBuilding([1e5] * 2, [1e8] * 2, [3.0] * 2, 0.05, 0.05, yield_drifts=drifts)
+
+
+def lone_peak(folder: Path, ratio: float) -> Path:
+    """A file of a record, by its peak over all other samples."""
+    samples = np.tile([2.0, 0.0, -2.0, 0.0], 50)
+    samples[100] *= ratio
+    return written(motion(samples), folder)
+
+
+def plateau(folder: Path, end: float) -> Path:
+    """A file of a spectrum, by the period at which its plateau ends."""
+    rows = [(0.0, 2.0), (0.1, 5.0), (end, 5.0), (2 * end, 2.5), (4 * end, 1.25)]
+    text = "\n".join(f"{period!r},{ordinate!r}" for period, ordinate in rows)
+    (folder / "site.csv").write_text(f"period,Sa [m/s^2]\n{text}\n", encoding="utf-8")
+    return folder / "site.csv"
+
+
 def jumping_spectrum(folder: Path, jump: float) -> Path:
     """A file of a spectrum, by how much an ordinate is less than that before and the periods allow."""
     rows = [(0.0, 2.0), (0.2, 5.0), (0.4, 5.0), (0.5, 5.0 / jump / 1.25**2), (0.6, 1.0)]
@@ -123,6 +142,13 @@ def modes(folder: Path, lowest: float) -> Path:
 PYTHON: dict[str, Callable[[float, Path], object]] = {
     "period": lambda x, _: sl.Bilinear(x, 0.05),
     "damping": lambda x, _: sl.Bilinear(1.0, x),
+    "hardening": lambda x, _: sl.Bilinear(1.0, 0.05, x, 0.05),
+    "deflection over behaviour": lambda x, _: sl.code_gaps(
+        0.1, 0.1, behaviour_1=2.0, deflection_1=2 * x
+    ),
+    "yield drift upwards": lambda x, _: storeys([0.005, 0.005 * x]),
+    "peak over other samples": lambda x, folder: sl.read_record(lone_peak(folder, x)),
+    "end of the plateau": lambda x, folder: sl.read_spectrum(plateau(folder, x), elastic=True),
     "ground_damping": lambda x, _: sl.KanaiTajimi(0.6, x),
     "ground_period": lambda x, _: sl.KanaiTajimi(x, 0.6),
     "years": lambda x, _: sl.pounding_risk(*PAIR, FIRM, 0.1, WIDE, years=x, **FEW),
@@ -199,6 +225,12 @@ BY_STOREYS = 'damping = 0.05\nstorey_height = "3 m"\n'
 YIELDS = "hardening = 0.05\n"
 OF_CODES = 'displacements = "0.1 m"\nbehaviour_factor = 3\n'
 KANAI_TAJIMI = 'ground = "kanai_tajimi"\nperiod = "0.6 s"\nintensity = "0.01 m^2/s^3"\n'
+OF_TWO = """\
+damping = 0.05
+masses = ["1e5 kg", "1e5 kg"]
+heights = ["3 m", "3 m"]
+stiffnesses = ["1e8 N/m", "1e8 N/m"]
+"""
 REGULAR = 'period = "0.4 s"\nstoreys = 1\nfloor_mass = "1e5 kg"\ndamping = 0.05\n'
 
 
@@ -214,6 +246,20 @@ def stiffness_of(mass: float = 1e5, height: float = 3.0, ratio: float = 2.0) -> 
 FILES: dict[str, Callable[[float, Path], dict[str, str]]] = {
     "period": lambda x, _: oscillator(f'period = "{x!r} s"\ndamping = 0.05'),
     "damping": lambda x, _: oscillator(f'period = "1 s"\ndamping = {x!r}'),
+    "hardening": lambda x, _: {
+        "building_1": f'{OSCILLATOR}hardening = {x!r}\nyield_displacement = "5 cm"'
+    },
+    "deflection over behaviour": lambda x, _: {
+        **oscillator(f"{OSCILLATOR}{OF_CODES}displacement_factor = {3 * x!r}"),
+        "separation": 'confidence = 0.9\ncodes = ["asce_7"]',
+    },
+    "yield drift upwards": lambda x, _: {
+        "building_1": f'{OF_TWO}{YIELDS}yield_drifts = ["5 mm", "{5 * x!r} mm"]'
+    },
+    "peak over other samples": lambda x, folder: with_record(lone_peak(folder, x)),
+    "end of the plateau": lambda x, folder: {
+        "site": f'spectrum = "{plateau(folder, x).name}"\nelastic = true'
+    },
     "ground_damping": lambda x, _: {"site": f"{KANAI_TAJIMI}damping = {x!r}"},
     "ground_period": lambda x, _: {"site": f"{KANAI_TAJIMI.replace('0.6 s', f'{x!r} s')}damping = 0.6"},
     "acceleration at yield": lambda x, _: {
@@ -352,6 +398,7 @@ FITTED = {
     "peak over that of the site",
     "largest ordinate",
     "next ordinate",
+    "end of the plateau",
     "sd1 over sds",
     "spectral displacement",
     "divided_by",
@@ -486,3 +533,29 @@ def test_keys_have_the_limits_of_their_names():
 )
 def test_of_an_uncertain_value_the_median_counts(lines, asked, tmp_path):
     assert bool(asked_of(oscillator(lines), tmp_path)) == asked
+
+
+@pytest.mark.parametrize(
+    ("other", "asked"),
+    [(PAIR[0], True), (sl.Bilinear(0.6, 0.05, mass=3e6), True), (PAIR[1], False)],
+)
+def test_buildings_that_move_as_one_are_asked_about(other, asked, tmp_path):
+    """The mass alone moves no oscillator otherwise; the same building twice is a copy."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", sl.DoubtfulInput)
+        sl.separation(PAIR[0], other, FIRM, **FEW)
+    assert any("are the same building" in str(each.message) for each in caught) == asked
+    lines = {
+        f"building_{n}": f'{OSCILLATOR.replace("1 s", f"{each.period} s")}mass = "{each.mass} kg"'
+        for n, each in enumerate((PAIR[0], other), start=1)
+    }
+    texts = asked_of({name: f"{text}\nelastic = true" for name, text in lines.items()}, tmp_path)
+    assert any("is the same as that before" in text for text in texts) == asked
+
+
+def test_a_motion_that_ends_in_its_strong_part_is_asked_about():
+    """Until its strong part is over, and before it begins."""
+    for duration, asked in ((3.0, "before its"), (14.0, "in its"), (15.5, "")):
+        text = sl.AminAng(4.0, 15.0, 0.35).doubt(duration)
+        assert bool(text) == bool(asked)
+        assert asked in text

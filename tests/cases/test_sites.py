@@ -23,7 +23,8 @@ pytestmark = pytest.mark.invariant
 
 G = 9.80665
 EXAMPLE = example_case().replace("paths = 2048", "paths = 256")
-SHORT = EXAMPLE.replace('duration = "20 s"', 'duration = "5 s"')  # fits take as long
+# Fits take as long as the motion.
+SHORT = EXAMPLE.replace('duration = "20 s"', 'duration = "5 s"').replace('"15 s"', '"4.5 s"')
 ALONE = EXAMPLE.replace('existing = "5 cm"', "")
 SHAPE = sl.AminAng(4.0, 15.0, 0.35)
 QUAKE = {"duration": 20.0, "envelope": SHAPE}

@@ -83,6 +83,7 @@ def test_a_result_without_unit_or_long_name_is_refused(stated):
         register_result("end_drift", ["element"], **stated)
 
 
+@pytest.mark.extreme
 @pytest.mark.invariant
 def test_every_result_has_a_unit_and_a_long_name():
     pair = [FRAME, sl.Bilinear(0.5, **YIELDING, mass=1e5)]

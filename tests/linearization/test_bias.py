@@ -16,6 +16,7 @@ def building(period=1.0, hardening=0.05, reduction_factor=4.0, damping=0.05, law
     return law(period, damping, hardening, reduction_factor=reduction_factor, **options)
 
 
+@pytest.mark.extreme
 def test_linear_structures_have_no_bias():
     elastic = sl.correlate(sl.Bilinear(1.0, 0.05), sl.Bilinear(1.5, 0.05), LAKEBED)
     stiff = sl.correlate(building(1.0, hardening=1.0), building(1.5, hardening=1.0), LAKEBED)

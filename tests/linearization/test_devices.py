@@ -125,6 +125,7 @@ def test_simulation_of_dampers_in_every_storey(exponent):
     assert (linear.drift_std < 0.9 * bare.drift_std).all()
 
 
+@pytest.mark.extreme
 def test_hysteretic_device_in_an_elastic_oscillator_makes_it_bilinear():
     k, share, hardening = ONE.mass * (2 * np.pi / ONE.period) ** 2, 0.4, 0.1
     device = sl.Link(

@@ -26,6 +26,7 @@ def response(structure, ground=FIRM, duration=DURATION, points=21):
     return sl.transient_response(structure, ground, duration, envelope=QUAKE, points=points)
 
 
+@pytest.mark.extreme
 def test_without_decay_it_is_bouc_wen():
     """Whose coefficients are in closed form; the energy is then only watched."""
     none = dict.fromkeys(DECAY, 0.0)
@@ -101,6 +102,7 @@ def test_the_work_of_white_noise_goes_into_all_energies(structure):
     assert taken > 0.4 if structure.yields else taken == 0
 
 
+@pytest.mark.extreme
 def test_a_users_law_is_linearized_in_the_same_way():
     slip = (1 + 0.05 * E) * (abs(V) * Z + V * abs(Z)) / 2
     law = {"z": (V - slip) / (1 + E / 10), "e": Z * V}

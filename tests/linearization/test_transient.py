@@ -67,6 +67,7 @@ def test_meets_the_stationary_solution_when_the_envelope_stays_at_one(structure,
         assert float(late.z_std) == pytest.approx(float(stationary.z_std), rel=1e-4)
 
 
+@pytest.mark.extreme
 def test_starts_from_rest_and_scales_with_the_motion():
     one = sl.Bilinear(0.7, 0.05, 0.05, yield_displacement=0.02)
     two = sl.Bilinear(0.7, 0.05, 0.05, yield_displacement=0.04)

@@ -152,6 +152,7 @@ def test_the_formula_knows_what_the_weight_takes():
     assert float(leaning.displacement_std_1[-1]) > float(upright.displacement_std_1[-1])
 
 
+@pytest.mark.extreme
 def test_gap_and_structure_may_share_a_dimension():
     periods, gaps = (xr.DataArray(values, dims="case") for values in ([0.4, 0.6], [0.05, 0.08]))
     options = {"points": 3, "duration": 2.5, "paths": 64}

@@ -39,6 +39,7 @@ def decaying(rate, states):
     return [(rate - slip) / (1 + 0.01 * energy), z * rate]
 
 
+@pytest.mark.extreme
 @pytest.mark.parametrize("hardening", [0.02, 1.0])
 @pytest.mark.parametrize("share", [1 / 300, 1 / 30, 3.0])
 def test_z_of_bouc_wen_follows_its_rate(hardening, share):
@@ -51,6 +52,7 @@ def test_z_of_bouc_wen_follows_its_rate(hardening, share):
     assert float(table.step_error) <= 1e-4
 
 
+@pytest.mark.extreme
 @pytest.mark.parametrize("hardening", [0.02, 1.0])
 @pytest.mark.parametrize("share", [1 / 30, 0.3])
 def test_z_of_a_law_that_degrades_follows_its_rate(hardening, share):
@@ -62,6 +64,7 @@ def test_z_of_a_law_that_degrades_follows_its_rate(hardening, share):
     np.testing.assert_allclose(table.z, exact[2], rtol=0, atol=2e-4)
 
 
+@pytest.mark.extreme
 @pytest.mark.parametrize("beta", [0.3, 1.0])
 @pytest.mark.parametrize("share", [1 / 300, 1 / 30, 1 / 3, 3.0])
 def test_z_of_a_flag_follows_the_exact_displacement_where_it_gives_no_force(share, beta):
@@ -85,6 +88,7 @@ def test_z_is_at_most_1_where_the_law_gives_no_force(law):
     assert 0.99 < float(abs(table.z).max()) <= 1 + 1e-6
 
 
+@pytest.mark.extreme
 @pytest.mark.parametrize("hardening", [0.05, 1.0])
 def test_z_in_the_storeys_of_a_building_follows_its_rate(hardening):
     building = sl.ShearBuilding(
@@ -113,6 +117,7 @@ def test_z_in_the_storeys_of_a_building_follows_its_rate(hardening):
     np.testing.assert_allclose(table.z, exact[:, 4:], rtol=0, atol=2e-4)
 
 
+@pytest.mark.extreme
 def test_what_has_not_converged_is_said(monkeypatch):
     monkeypatch.setattr("stochlin.applications.records.stepped.HALVINGS_OF_HISTORY", 1)
     with pytest.warns(UserWarning, match=r"changes by .* more than 0\.0001: see step_error"):

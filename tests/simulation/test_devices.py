@@ -73,6 +73,7 @@ def test_a_linear_dashpot_to_the_ground_is_damping():
     np.testing.assert_allclose(tied.peak, damped.peak, rtol=1e-9)
 
 
+@pytest.mark.extreme
 def test_a_hysteretic_device_in_an_elastic_oscillator_makes_it_bilinear():
     k, share, hardening = ONE.mass * (2 * np.pi / ONE.period) ** 2, 0.4, 0.1
     device = sl.Link(

@@ -221,6 +221,7 @@ def test_a_drift_that_takes_too_long_is_not_resolved_and_keeps_its_simulated_val
     assert float(alone.displacement_std[0]) == pytest.approx(float(table.displacement_std[1]), rel=0.02)
 
 
+@pytest.mark.extreme
 def test_floors_and_linked_structures_are_not_resolved_where_one_storey_is_not(monkeypatch):
     monkeypatch.setattr(stationary_motions, "MOST_STEPS", 1e3)
     tower = sl.ShearBuilding([2e5] * 2, [8e7] * 2, [3.0] * 2, 0.05, 0.05, [0.001, 0.01])

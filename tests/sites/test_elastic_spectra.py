@@ -1,5 +1,6 @@
 """What a spectrum is, elastic or divided: spectra of codes by their formulas, and gaps by hand."""
 
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -255,3 +256,29 @@ def test_no_spectrum_takes_no_statement() -> None:
     ):
         with pytest.raises(ValueError, match=r"(elastic|divided_by) = .* does not apply"):
             call()
+
+
+@pytest.mark.invariant
+@pytest.mark.parametrize(
+    ("remark", "said", "asked"),
+    [
+        ("# damping 2 %", {}, "line 1: '# damping 2 %'; is damping=0.02, and not 0.05"),
+        ("# damping 2 %", {"damping": 0.02}, ""),
+        ("# xi = 0.05, damped", {}, ""),
+        ("% design spectrum, q = 3,9", {}, "are its ordinates divided by it, divided_by=3.9"),
+        ("Zone Z2 soil S1 R: 8", {}, "are its ordinates divided by it, divided_by=8"),
+        ("# q = 3", {"divided_by": 3.0}, ""),
+        ("# 10 % in 50 years, R = 475 years", {}, ""),
+        ("# probability 10 %", {}, ""),
+    ],
+)
+def test_what_a_remark_says_of_damping_and_factor_is_asked_about(tmp_path, remark, said, asked):
+    path = written(tmp_path, EVEN, in_g(EVEN))
+    path.write_text(f"{remark}\n{path.read_text(encoding='utf-8')}", encoding="utf-8")
+    said = said if "divided_by" in said else said | {"elastic": True}
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", sl.DoubtfulInput)
+        sl.read_spectrum(path, **said)
+    texts = [str(each.message) for each in caught]
+    assert len(texts) == bool(asked)
+    assert asked in "".join(texts)

@@ -61,6 +61,7 @@ def test_a_ground_has_as_many_filters_as_asked():
         assert len(getattr(ground, "grounds", [ground])) == filters
 
 
+@pytest.mark.extreme
 @pytest.mark.oracle
 def test_a_simulated_spectrum_is_that_of_its_motions():
     """The same motions, followed by the exact solution for records."""

@@ -151,8 +151,10 @@ def doubts_of_motion(acceleration: Array, step: float) -> Iterator[str]:
     peak = float(np.abs(acceleration).max())
     duration = step * acceleration.size
     velocity = float(np.abs(step * np.cumsum(acceleration)).max())
+    alone = _peak_over_others(np.abs(acceleration))
     # Of what follows from one mistake the first is said.
     for of, value, shown in (
+        ("peak over other samples", alone, f"its peak, {peak:.4g} m/s^2, is {alone:.3g} times the next"),
         ("peak of a record", peak, f"its peak is {peak / constants.g:.4g} g"),
         ("time step of a record", step, f"its time step is {step:.6g} s"),
         ("duration", duration, f"its duration is {duration:.6g} s"),
@@ -166,6 +168,15 @@ def doubts_of_motion(acceleration: Array, step: float) -> Iterator[str]:
         if text := PLAUSIBLE[of].doubt(value):
             yield f"{shown}; {text}"
             return
+
+
+def _peak_over_others(magnitude: Array) -> float:
+    """The largest sample over all that are neither equal nor next to it; 1 unless it stands alone."""
+    largest = magnitude == magnitude.max()
+    near = np.convolve(largest, [1, 1, 1], "same") > 0
+    others = magnitude[~near].max(initial=0.0)
+    side_by_side = bool((largest[1:] & largest[:-1]).any())
+    return 1.0 if side_by_side or others == 0 else float(magnitude.max() / others)
 
 
 def shape_of(acceleration: Array) -> bytes:

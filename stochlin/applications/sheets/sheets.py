@@ -121,6 +121,13 @@ class Table(NamedTuple):
         """Number of columns."""
         return max(len(self.sheet.row(self.rows.index[0])), len(self.title_cells))
 
+    def remarks(self) -> Iterator[tuple[str, str]]:
+        """Place and text of each line that is neither of titles or units, nor of numbers."""
+        for line in self.sheet.cells.index.difference(self.rows.index):
+            if line not in (self.titles, self.units):
+                between = self.sheet.separator or " "
+                yield self.sheet.where(line), between.join(self.sheet.row(line))
+
     def places(self) -> list[str]:
         """Name of file and line of each row, for messages."""
         return [self.sheet.where(line) for line in self.rows.index]

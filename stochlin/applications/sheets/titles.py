@@ -48,8 +48,9 @@ _OF_PERIOD = re.compile(
     r"|\bSA[\s_]*(\d*\.\d+)(?![\d.]|\s*%)|\bSA[\s_]+(\d+)\s*s(?:ec)?\b",
     re.IGNORECASE,
 )
+_DAMPED = r"damp|crit|amort|smorz|d[aä]mpf|s[oö]n"
 _OF_DAMPING = re.compile(
-    r"(\d+(?:[.,]\d+)?)\s*%\s*(?=$|[()\[\],;_]|damp|crit|amort|smorz|d[aä]mpf|s[oö]n)"
+    rf"(\d+(?:[.,]\d+)?)\s*%\s*(?=$|[()\[\],;_]|{_DAMPED})"
     r"|\b(?:damping|xi|zeta|h|ξ|ζ)\s*=\s*(0?\.\d+)",
     re.IGNORECASE,
 )
@@ -61,6 +62,8 @@ _ASIDE = re.compile(
     r"|\bno[nt]?[\s_-].*ex[cz]e|(?<!damping )\bratio|normali[sz]|amplification|residual|\berror",
     re.IGNORECASE,
 )
+
+_OF_DIVISOR = re.compile(r"\b(?:R|[qQ]0?)\s*[=:]\s*(\d+(?:[.,]\d+)?)")
 
 
 class Said(NamedTuple):
@@ -104,6 +107,17 @@ def said_by(title: str, below: str = "") -> Said:
         percent, share = of_damping.groups()
         damping = float(percent.replace(",", ".")) / 100 if percent else float(share)
     return Said(quantities, unit, None, period, damping, bool(_ASIDE.search(title)))
+
+
+def divided_by_remark(text: str) -> float:
+    """The factor R or q that a remark states, as ``q = 3``; 1 if it states none."""
+    stated = _OF_DIVISOR.search(text)
+    return float(stated[1].replace(",", ".")) if stated else 1.0
+
+
+def damping_in_remark(text: str) -> float | None:
+    """The damping ratio that a remark states, as ``damping 2 %``; None if it states none."""
+    return said_by(text).damping if re.search(_DAMPED, text, re.IGNORECASE) else None
 
 
 def _opened(text: str) -> str:

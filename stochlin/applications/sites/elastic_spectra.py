@@ -151,6 +151,10 @@ def _doubts(spectrum: xr.DataArray) -> Iterator[str]:
     if text := PLAUSIBLE["spectral displacement"].doubt(displacement):
         yield f"its displacement at {period[farthest]:g} s is {displacement:.3g} m; {text}"
     yield from _doubt_of_rows(period, values)
+    top = period[values >= (1 - SAME) * values.max()]
+    end = PLAUSIBLE["end of the plateau"].doubt(top[-1]) if top.size > 1 else ""
+    if end:
+        yield f"its plateau of {_in_g(values.max())} ends at {top[-1]:g} s; {end}"
     units = [unit for unit in (1.0, constants.g) if abs(values[0] / unit - 1) < SAME]
     if period[0] == 0 and units and values.max() < LARGEST_RISE * values[0]:
         what = f"its ordinate at 0 s is exactly {_in_g(values[0])}"

@@ -200,9 +200,12 @@ def read_spectrum(
     """
     path = input_path("path", path)
     name = plain(path.name)
-    request = AskedSpectrum(units, damping, period_column, column, site)
-    period, values, places, about = points_in(path, request)
+    divided = divided_by is not None
+    request = AskedSpectrum(units, damping, period_column, column, site, divided)
+    period, values, places, about, doubts = points_in(path, request)
     check_ordinates(period, values, places)
+    for text in doubts:
+        warnings.warn(text, DoubtfulInput, stacklevel=3)
     if between is None and (period[1:] > WIDEST * period[:-1])[period[:-1] > 0].any():
         what = f"{name}: its points are far apart"
         cure = "is it linear in logarithms between them, or between='linear'?"

@@ -7,7 +7,7 @@ a row for each site with accelerations in g.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -36,6 +36,7 @@ from stochlin.applications.sheets.quantities import (
     SPECTRAL_DISPLACEMENT,
 )
 from stochlin.applications.sheets.sheets import Table, sheets_of, table_in
+from stochlin.applications.sheets.titles import damping_in_remark, divided_by_remark
 from stochlin.applications.sites import usgs_spectra
 from stochlin.applications.sites.hazard_formats import Site, period_of
 from stochlin.applications.sites.hazard_formats.tables import line_of_site, table_of_sites
@@ -49,6 +50,7 @@ ABSCISSAE = (PERIOD, FREQUENCY, ANGULAR)
 ORDINATES = (SPECTRAL, ACCELERATION, PSEUDO_VELOCITY, SPECTRAL_DISPLACEMENT)
 _POWERS = {PSEUDO_VELOCITY: 1, SPECTRAL_DISPLACEMENT: 2}  # of the frequency, in the acceleration
 _TURNS = {FREQUENCY: 1.0, ANGULAR: 2 * np.pi}
+LARGEST_FACTOR = 12.0  # by which a code divides forces; NCh 433: R0 of up to 11
 _OF_PROBABILITY = "~"
 
 
@@ -60,15 +62,20 @@ class AskedSpectrum(NamedTuple):
     period_column: ColumnName | None
     column: ColumnName | None
     site: Site | None
+    divided: bool
 
 
 class Points(NamedTuple):
-    """Periods [s] and accelerations [m/s^2] of a spectrum, the place of each, and attributes."""
+    """Periods [s] and accelerations [m/s^2] of a spectrum, the place of each, and attributes.
+
+    ``doubts`` are texts on what the file says beside them, and the caller does not.
+    """
 
     period: Array
     values: Array
     places: list[str]
     about: dict[str, str]
+    doubts: Sequence[str] = ()
 
 
 def points_in(path: Path, request: AskedSpectrum) -> Points:
@@ -101,7 +108,18 @@ def points_in(path: Path, request: AskedSpectrum) -> Points:
         raise table.error(f"{what}; allowed: a horizontal one, or column= by number if it is that")
     if damping is not None:
         _check_damping(damping, request.damping)
-    return _converted(table, abscissa, ordinate, request.units)
+    points = _converted(table, abscissa, ordinate, request.units)
+    return points._replace(doubts=[*_doubts_of_remarks(table, request)])
+
+
+def _doubts_of_remarks(table: Table, request: AskedSpectrum) -> Iterator[str]:
+    """Texts on remarks of another damping ratio, or of the factor by which ordinates are divided."""
+    for place, text in table.remarks():
+        damping, factor = damping_in_remark(text), divided_by_remark(text)
+        if damping is not None and not np.isclose(damping, request.damping):
+            yield f"{place}: {brief(text)}; is damping={damping:g}, and not {request.damping:g}?"
+        if 1 < factor <= LARGEST_FACTOR and not request.divided:
+            yield f"{place}: {brief(text)}; are its ordinates divided by it, divided_by={factor:g}?"
 
 
 def _of_usgs(path: Path, request: AskedSpectrum) -> Points:

@@ -356,6 +356,10 @@ class ShearBuilding(MultistoreyBuilding):
         ):
             share = f"{drift:.3g} m, {drift / height:.2g} of its height"
             yield f"storey {worst + 1}, {height:g} m high, yields at {share}; {text}"
+        growth = drifts[1:] / drifts[:-1] if self.yields else np.zeros(0)
+        if text := PLAUSIBLE["yield drift upwards"].doubt(growth.max(initial=0.0)):
+            above = int(np.argmax(growth)) + 2
+            yield f"storey {above} yields at {growth.max():.3g} times the drift of that below; {text}"
 
     def geometric_stiffness(self) -> Array:
         """Reduction of the stiffness of each storey by the P-delta effect [N/m], (storeys,).

@@ -31,10 +31,12 @@ class Envelope(Model, base=True):
         return ()
 
     def doubt(self, duration: float) -> str:
-        """Text of a warning if a motion of this duration [s] ends before its strong part."""
+        """Text of a warning if a motion of this duration [s] ends before its strong part, or in it."""
         now, later = self.at(duration * np.array([1.0, 1.01]))
         if now < min(0.99, later):
             return "the motion ends before its strong part; usual are longer ones"
+        if later > 0.99:
+            return "the motion ends in its strong part; usual are longer ones"
         strong = strong_seconds(duration, self)
         what = f"its strong shaking has {strong:.2g} s of it; usual are 5 to 60 s"
         brief = strong < min(SHORTEST, LEAST_SHARE * duration)

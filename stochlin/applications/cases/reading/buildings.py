@@ -37,7 +37,7 @@ from stochlin.models.buildings.shear import RegularBuilding, ShearBuilding
 from stochlin.models.laws import laws_in_numbers
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Range
-from stochlin.models.plausible import PLAUSIBLE, doubts_of_size, unquestioned
+from stochlin.models.plausible import PLAUSIBLE, doubts_of_factors, doubts_of_size, unquestioned
 from stochlin.models.rules.codes import AT_LEAST_1, OF_IMPORTANCE
 from stochlin.models.systems import first_period, slabs_on_columns
 from stochlin.models.uncertain import applied, median_of
@@ -303,6 +303,8 @@ class Building:
     def doubts(self) -> Iterator[str]:
         """Texts on what follows from several keys and is implausible."""
         yield from self.structure.doubts()
+        if self.form.behaviour_factor and self.form.displacement_factor:
+            yield from doubts_of_factors(self.form.behaviour_factor, self.form.displacement_factor)
         if not self.has_storeys:
             yield from doubts_of_size(self.period, self.height, self.storeys)
 

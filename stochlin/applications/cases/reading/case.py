@@ -461,7 +461,7 @@ def read_case(path: str | os.PathLike[str]) -> Case:
 def check_together(buildings: Sequence[Building], site: Site) -> None:
     """Warn of what tables of a case contradict in one another, or have in common by mistake."""
     for n, (building, other) in enumerate(pairwise(buildings), start=2):
-        if isinstance(building.sampled, Model) and building.sampled == other.sampled:
+        if isinstance(building.sampled, Model) and building.sampled.moves_as(other.sampled):
             what = f"is the same as that before, {building.name}; usual are two that differ"
             other.form.table.warn("", f"is doubtful: building {n} {what}")
     longest = math.inf if site.spectrum is None else float(site.spectrum.period[-1])
