@@ -244,7 +244,10 @@ def stiffness_of(mass: float = 1e5, height: float = 3.0, ratio: float = 2.0) -> 
 
 # The tables of a case file with a value in SI.
 FILES: dict[str, Callable[[float, Path], dict[str, str]]] = {
-    "period": lambda x, _: oscillator(f'period = "{x!r} s"\ndamping = 0.05'),
+    "period": lambda x, _: {
+        **oscillator(f'period = "{x!r} s"\ndamping = 0.05'),
+        "motion": 'duration = "100 s"',
+    },
     "damping": lambda x, _: oscillator(f'period = "1 s"\ndamping = {x!r}'),
     "hardening": lambda x, _: {
         "building_1": f'{OSCILLATOR}hardening = {x!r}\nyield_displacement = "5 cm"'
@@ -532,7 +535,8 @@ def test_keys_have_the_limits_of_their_names():
     ],
 )
 def test_of_an_uncertain_value_the_median_counts(lines, asked, tmp_path):
-    assert bool(asked_of(oscillator(lines), tmp_path)) == asked
+    long = {"motion": 'duration = "100 s"'}
+    assert bool(asked_of(oscillator(lines) | long, tmp_path)) == asked
 
 
 @pytest.mark.parametrize(

@@ -214,3 +214,11 @@ def test_the_full_example_has_the_keys_of_a_case_and_what_is_allowed() -> None:
         assert {key for key, value in case[table].items() if not isinstance(value, dict)} <= keys
     assert "# damping                Damping ratio: a number; 0 < value < 1" in full
     assert "# [[site.records]]" in full
+
+
+@pytest.mark.filterwarnings("ignore:.*ends before its strong part")
+def test_a_motion_shorter_than_a_period_is_refused_with_its_key(tmp_path):
+    (tmp_path / "case.toml").write_text(EXAMPLE.replace('"20 s"', '"0.9 s"'), encoding="utf-8")
+    says = r"line 10: motion\.duration = '0\.9 s' is shorter than the period of Office block, 1 s"
+    with pytest.raises(ValueError, match=says):
+        read_case(tmp_path / "case.toml")

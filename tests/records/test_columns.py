@@ -149,6 +149,12 @@ def test_the_order_of_columns_changes_nothing(name, tmp_path):
         np.testing.assert_allclose(reader.values(reader.read(path)), reader.wanted, rtol=1e-12)
 
 
+def test_decimal_commas_between_commas_are_refused(tmp_path):
+    (tmp_path / "site.csv").write_text("T,Sa [g]\n0,1,0,3\n0,2,0,6\n0,5,0,75\n1,0,0,75\n2,0,0,38\n")
+    with pytest.raises(ValueError, match=r"beyond the 2 columns above; allowed: .* or ';' between"):
+        sl.read_spectrum(tmp_path / "site.csv", elastic=True)
+
+
 @pytest.mark.parametrize("index", ["", "Unnamed: 0", "No"])
 @pytest.mark.parametrize("start", [0, 1])
 @pytest.mark.parametrize("name", READERS)

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import xarray as xr
 from scipy import integrate
 
 import stochlin as sl
@@ -111,3 +112,15 @@ APART = {  # each value is allowed, and not with the others
 def test_values_that_do_not_go_together_are_refused(message):
     with pytest.raises(ValueError, match=message):
         APART[message]()
+
+
+@pytest.mark.slow
+@pytest.mark.invariant
+def test_a_fit_that_is_poor_is_said():
+    """One filter has one peak, and this spectrum two."""
+    period = np.geomspace(0.05, 4, 40)
+    peaks = sum(5 * np.exp(-((np.log(period / at) / 0.25) ** 2)) for at in (0.15, 2.0))
+    attrs = {"units": "m/s^2", "elastic": "elastic as stated"}
+    spectrum = xr.DataArray(2 + peaks, {"period": period}, attrs=attrs)
+    with pytest.warns(sl.DoubtfulInput, match=r"motions differs by up to 1\d\d %; usual are 10 %"):
+        sl.fit_ground(spectrum, duration=8.0, filters=1)

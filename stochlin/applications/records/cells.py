@@ -152,7 +152,8 @@ class RecordCells(NamedTuple):
         least = SHORTEST * max(ground.dt for ground in motions.grounds)
         for structure in structures:
             if (period := structure.arrays()["period"]).ndim == 0 and period < least:
-                raise ValueError(f"period = {float(period):g} s; allowed: {least:g} s (dt/10) or more")
+                what = f"{least:g} s or more, a tenth of the time step of a record"
+                raise ValueError(f"period = {float(period):g} s; allowed: {what}")
         cure = "take longer periods, or fewer structures or records at a time"
         numbers = NUMBERS_OF_STRUCTURE * len(structures) + NUMBERS_ON_RECORD * len(motions.grounds)
         check_work("the table would take", cure, numbers=numbers * count_cells(*structures))

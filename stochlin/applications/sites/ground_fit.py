@@ -9,6 +9,7 @@ fitted ground.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterable
 from dataclasses import replace
 from itertools import product
@@ -23,7 +24,7 @@ from stochlin.applications.sites.simulated_spectra import Motions, peak_accelera
 from stochlin.applications.sites.spectra import SHORTEST, checked_spectrum, interpolated, is_spectrum
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.messages import refuse
+from stochlin.messages import DoubtfulInput, refuse
 from stochlin.models.arguments import Duration, OneOf, Seed, Truth, TwoNumbers, Whole, checked
 from stochlin.models.envelopes import Envelope, strong_seconds
 from stochlin.models.grounds import MOST_FILTERS, OF_SPECTRUM, CloughPenzien, Ground, ParallelGround
@@ -32,6 +33,7 @@ from stochlin.models.rules.peak_factors import peak_factor_model
 _OF_SPECTRA = ("clough_penzien",)
 _FEWEST_DECADES = 0.5  # smallest range of periods of a spectrum within the range of the fit
 LONGEST, POINTS = 4.0, 72  # longest period [s] and number of periods for which a ground is fitted
+POOR = 0.3  # largest error of a fit above which there is a warning
 GOOD_RMS, GOOD_WORST = 0.02, 0.06  # relative errors at which no further filter is tried
 PATHS = 2048
 STEPS_PER_PERIOD = 16  # of the search; the shortest of 24 neighbouring periods is 1.3 % too long
@@ -138,6 +140,11 @@ def fit_ground(
         the other kind of target; if the range has too few frequencies or periods; or if the fit fails or
         ends on a bound, which happens if a record does not define a parameter.
 
+    Warns
+    -----
+    UserWarning
+        If the mean spectrum of the motions differs from a spectrum by more than 30 % at a period.
+
     Notes
     -----
     The standard errors of a fit to a record are those of a stationary Gaussian process with the fitted
@@ -209,6 +216,10 @@ def fit_ground(
         f"have this spectrum in the mean with errors of {100 * fit.rms:.1f} % (root mean square) and "
         f"{100 * fit.worst:.1f} % (largest)"
     )
+    if fit.worst > POOR:
+        what = f"fit_ground: the mean spectrum of motions differs by up to {100 * fit.worst:.0f} %"
+        cure = "are the periods and ordinates right, or does one peak need more filters?"
+        warnings.warn(f"{what}; usual are 10 % at most; {cure}", DoubtfulInput, stacklevel=3)
     return replace(fit.ground(), source=f"{text}; {OF_SPECTRUM}", scatter=OF_SPECTRUM.scatter)
 
 

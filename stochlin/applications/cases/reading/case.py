@@ -36,7 +36,7 @@ from stochlin.applications.cases.reading.kinds import (
     text_or,
 )
 from stochlin.applications.cases.reading.records import PEAK
-from stochlin.applications.cases.reading.site import MOTIONS, SITES, Site, read_site
+from stochlin.applications.cases.reading.site import MOTIONS, SITES, Motion, Site, read_site
 from stochlin.applications.cases.reading.tables import NO_TABLE, Form, Table, read_table
 from stochlin.applications.risk.risk import check_target, doubt_of_text
 from stochlin.applications.sites.elastic_spectra import doubt_of_pga
@@ -459,13 +459,19 @@ def read_case(path: str | os.PathLike[str]) -> Case:
 
 
 def check_together(buildings: Sequence[Building], site: Site) -> None:
-    """Warn of what tables of a case contradict in one another, or have in common by mistake."""
+    """Warn of what tables of a case contradict in one another, or have in common by mistake.
+
+    A ValueError is raised if motions are shorter than a period.
+    """
     for n, (building, other) in enumerate(pairwise(buildings), start=2):
         if isinstance(building.sampled, Model) and building.sampled.moves_as(other.sampled):
             what = f"is the same as that before, {building.name}; usual are two that differ"
             other.form.table.warn("", f"is doubtful: building {n} {what}")
     longest = math.inf if site.spectrum is None else float(site.spectrum.period[-1])
     for building in buildings:
+        if isinstance(site.motion, Motion) and building.period > site.motion.duration:
+            what = f"is shorter than the period of {building.name}, {building.period:.3g} s"
+            raise site.motion.table.error("duration", f"{what}; allowed: one period or more")
         if longest < LEAST_REACH * building.period:
             ends = f"ends at {longest:g} s, and {building.name} has {building.period:.3g} s"
             site.form.table.warn("spectrum", f"is doubtful: it {ends}; usual are spectra to 4 s")

@@ -385,7 +385,7 @@ class Site:
         duration, envelope, _ = self.course
         if self.spectrum is not None:
             options = {"duration": duration, "envelope": envelope, "filters": self.form.filters}
-            with self.form.table.naming("spectrum"):
+            with self.form.table.naming("spectrum"), self.form.table.asking("spectrum"):
                 return fit_ground(self.spectrum, **options)
         record = next(iter(self.records.values()))
         with self.form.table.naming("ground", f"cannot be fitted to {listed(self.components)}: "):
