@@ -21,6 +21,7 @@ from stochlin.kernels.basics.children import command, environment
 LOOK = 0.05  # s between two looks whether the answer is still wanted
 GRACE = 0.5  # s that a question may take to stop by itself, before its process is killed
 LONGEST_LINE = 2**26  # bytes of an answer with its pictures
+ENDING = 1.0  # s, in which a process that closes its output ends
 PROGRAM = "from stochlin.views.explorer.answering import main; main()"
 # A second thread of linear algebra doubles the processor time of matrices as small as these.
 ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
@@ -69,6 +70,9 @@ class Worker:
                 await self._send(self.process, [question, *subject])
                 reply = await self._reply(self.process, job)
             except (EOFError, OSError) as error:
+                # A signal to a process that has just ended would hide its exit code.
+                with suppress(TimeoutError):
+                    await asyncio.wait_for(self.process.wait(), ENDING)
                 await self.stop()
                 what = f"the process that computes has ended (exit code {self.process.returncode})"
                 LOG.exception("no answer")
