@@ -20,7 +20,7 @@ from stochlin.charts import STYLE
 
 plt.rcParams.update(STYLE)
 grounds = {
-    "firm, Kanai-Tajimi": sl.KanaiTajimi(2 * np.pi / 15, 0.6),
+    "broad band, Kanai-Tajimi": sl.KanaiTajimi(2 * np.pi / 15, 0.6),
     "firm, Clough-Penzien": sl.named_ground("firm"),
     "lake bed, Kanai-Tajimi": sl.KanaiTajimi(2.0, 0.05),
 }

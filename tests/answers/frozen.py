@@ -20,6 +20,7 @@ are numpy 2.1.0, scipy 1.15.0, numba 0.61.0 and xarray 2025.11.0 on Python 3.11,
 from __future__ import annotations
 
 import contextlib
+import csv
 import io
 import json
 import re
@@ -170,21 +171,33 @@ def contents(folder: Path, before: Path | None = None) -> dict[str, Any]:
     """
     parts: dict[str, Any] = {}
     for path in folder.glob("*"):
+        kept = before / path.name if before is not None and (before / path.name).exists() else path
+        if path.suffix == ".csv":
+            parts[path.name] = _with_columns_of(*(each.read_text("utf-8") for each in (kept, path)))
+            continue
         if path.suffix != ".nc":
             parts[path.name] = path.read_text(encoding="utf-8")
             continue
         table = xr.load_dataset(path)
-        if before is not None and (before / path.name).exists():
-            table = _with_names_of(xr.load_dataset(before / path.name), table)
+        if kept != path:
+            table = _with_names_of(xr.load_dataset(kept), table)
         attributes = {path.name: table.attrs}
         for name, variable in table.variables.items():
             place, kind = f"{path.name} {name}", variable.dtype.kind
             attributes[place] = variable.attrs | {"shape": f"{kind} {dict(variable.sizes)}"}
             parts[place] = variable.values if kind == "f" else "\n".join(map(str, variable.values.flat))
         for place, values in attributes.items():
-            kept = {key: str(value) for key, value in values.items() if key not in CHANGING}
-            parts |= {f"{place}, {key}": RELEASE.sub("", text) for key, text in kept.items()}
+            known = {key: str(value) for key, value in values.items() if key not in CHANGING}
+            parts |= {f"{place}, {key}": RELEASE.sub("", text) for key, text in known.items()}
     return parts
+
+
+def _with_columns_of(old: str, new: str) -> str:
+    """The rows of the new file, with the columns of the old one, without quotation marks."""
+    titles, *rows = csv.reader(new.splitlines())
+    known = next(csv.reader(old.splitlines()))
+    columns = [n for n, title in enumerate(titles) if title in known]
+    return "\n".join(",".join(row[n] for n in columns if n < len(row)) for row in (titles, *rows))
 
 
 def _with_names_of(old: xr.Dataset, new: xr.Dataset) -> xr.Dataset:

@@ -5,6 +5,7 @@ from itertools import combinations
 
 import numpy as np
 import pytest
+import rules
 import xarray as xr
 from motions import needs_records, suite
 
@@ -147,3 +148,23 @@ def test_structures_that_are_alike_need_no_gap_and_those_of_unequal_strength_do(
     assert needed[1] == pytest.approx(0, abs=1e-12)
     assert needed[2] == pytest.approx(0.62 * np.hypot(peaks[0], peaks[2]), rel=0.03)
     assert sl.rho_white_noise(1.0, 1.0, 0.05, 0.05).rho == 1
+
+
+@pytest.mark.oracle
+def test_errors_of_the_table_of_rules_are_those_of_the_gap_to_one_side():
+    """By the largest u_1 - u_2 of simulated motions; that of |u_1 - u_2| would be larger."""
+    ground, period, paths = sl.KanaiTajimi(0.42, 0.6, 1e-3), 0.6, 1024
+    table, _ = rules.errors(ground, 4, [period], paths=paths)
+    pair = [sl.Bilinear(T, 0.05, 0.05, reduction_factor=4) for T in (0.5 * period, period)]
+    options = {"duration": rules.DURATION, "envelope": rules.QUAKE, "paths": paths}
+    motions = sl.simulate(pair, ground, **options)
+    ahead, behind = (motions.separation[:, *ends].values for ends in ((0, 1), (1, 0)))
+    floors = motions.peak.values
+    sum_of_peaks = np.quantile(floors, rules.CONFIDENCE, axis=0).sum()
+    error = table.sel(rule="share_of_sum").isel(hardening=1, ratio=1, period=0).item()
+    one_sided, two_sided = (
+        sum_of_peaks / np.quantile(gaps, rules.CONFIDENCE) - 1
+        for gaps in (ahead, np.maximum(ahead, behind))
+    )
+    assert error == pytest.approx(one_sided, abs=0.02)
+    assert error > two_sided + 0.05

@@ -26,6 +26,7 @@ from stochlin.applications.sites.motion_fit import checked_components, periods_o
 from stochlin.applications.sites.simulated_spectra import Motions, compared_spectrum, simulated_spectrum
 from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.kernels.simulation.stepping import whole_groups
+from stochlin.models.grounds import OF_SPECTRUM
 from stochlin.models.plausible import unquestioned
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import standing
@@ -38,6 +39,7 @@ USUAL_PATHS, FEW_PATHS = 512, 128
 BAND = 0.2, 1.5  # of the shortest and of the longest period of buildings, in which spectra are compared
 YEARS = 50.0  # default time of the probability of pounding [yr]
 SHARE = 4  # motions of the case over those at each of the 13 intensities
+WITH_SCATTER = "gap_with_scatter"  # variable: [m]
 PREFIX, GAP, OF = "risk_", "risk_gap", "risk_of"
 KEPT = ("required_gap", "required_gap_lower", "required_gap_upper", "target_rate")
 
@@ -82,19 +84,23 @@ def answer_case(case: Case, progress: Progress | None = None) -> CaseAnswer:
     first, second = (*(building.sampled for building in one_or_two(case)), None)[:2]
     models = first, second, case.site.sampled_ground
     gap, motion = gap_of(case), motion_of(case)
+    scattered = case.site.leaves_out_scatter
     end = WITH_SENSITIVITIES if case.uncertain else 1.0
     begin = end * OF_RISK if case.site.hazard else 0.0
     middle = end if gap is None else begin + (end - begin) / SIMULATIONS
     existing = matters = records = None
     search = None if gap is None else GapSearch(standing(first, second), models[2], gap, motion)
     risky = _simulated_risk(case, models, part_of(progress, 0.0, begin))
+    half = (begin + middle) / 2 if scattered else middle
     simulated = separation(
         *models,
         **motion,
         codes=of_codes(case) | {"numbers": case.wanted.numbers.more},
         records=dict(case.site.records) or None,
-        progress=part_of(progress, begin, middle),
+        progress=part_of(progress, begin, half),
     )
+    if scattered:
+        simulated = _with_scatter(simulated, models, motion, part_of(progress, half, middle))
     if search is not None:
         existing = search.limits(simulated.separation_samples, part_of(progress, middle, end))
     table = with_applied_codes(case, simulated)
@@ -109,6 +115,24 @@ def answer_case(case: Case, progress: Progress | None = None) -> CaseAnswer:
         records = over_records(case, table.record_separation, answer)
     results = existing, _spectrum(case), shaking_of(case), records, risk, matters
     return CaseAnswer(simulated_as(case, table), table, *results)
+
+
+def _with_scatter(
+    simulated: xr.Dataset, models: Any, motion: dict[str, Any], progress: Progress | None
+) -> xr.Dataset:
+    """The table with the gap that is needed if motions also scatter as earthquakes do.
+
+    The same motions are simulated with a factor each, for what yields is not in proportion to them.
+    """
+    paths = int(simulated.attrs["paths"])
+    options = motion | {"scatter": OF_SPECTRUM.scatter, "paths": paths}
+    table = separation(*models, **options, progress=progress).sel(rule="simulation", drop=True)
+    name = f"gap, with the scatter of {OF_SPECTRUM.scatter:g} between earthquakes"
+    columns = {
+        f"{WITH_SCATTER}{end}": table[f"gap{end}"].reset_coords(drop=True).assign_attrs(long_name=name)
+        for end in ("", "_lower", "_upper")
+    }
+    return simulated.assign(columns)
 
 
 def _spectrum(case: Case) -> xr.Dataset:

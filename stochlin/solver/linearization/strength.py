@@ -112,8 +112,8 @@ def strength_for_ductility(
     The strength has the error of the linearized ductility. The Gaussian closure underestimates the
     ductility, so that its strength is too small; with the drift closure the error is 0.9 % on average,
     as in `linearize`. A structure with a period of 0.6 s (damping and hardening 0.05) and the strength
-    for a ductility of 4 by the drift closure has by nonlinear simulation a ductility of 4.0 on firm
-    ground (0.42 s, damping 0.6) and on a lake bed (2 s, 0.05); by the Gaussian closure 6.2 and 20.
+    for a ductility of 4 by the drift closure has by nonlinear simulation a ductility of 4.0 on a
+    broad band (0.42 s, damping 0.6) and on a lake bed (2 s, 0.05); by the Gaussian closure 6.2 and 20.
 
     References
     ----------

@@ -31,7 +31,7 @@ from stochlin.registry import Registry
 from stochlin.solver.simulation.ground_motions import simulated_motions
 
 NARROW_BAND_DAMPING = 0.05  # that of the paper for Figs. 4 and 5
-BROAD_BAND_DAMPING = 0.6  # firm ground, Der Kiureghian & Neuenhofer 1992
+BROAD_BAND_DAMPING = 0.6  # that of firm soil, Der Kiureghian & Neuenhofer 1992
 FACTOR = Number(Bilinear.allowed("reduction_factor"))
 GROUND_DAMPING = Number(KanaiTajimi.allowed("damping"))
 # Motions of Figs. 1, 2 and 5b, in periods of the ground, so that an amplification does not depend on it:

@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from stochlin.applications.cases.codes import APPLIED, APPLY, KIND, stated
+from stochlin.applications.cases.separation import WITH_SCATTER
 from stochlin.applications.separation.separation import COMBINED
+from stochlin.models.grounds import OF_SPECTRUM
 from stochlin.models.rules.codes import CODE_RULES
 from stochlin.views.shared.blocks import Block, Items, Row, Table, Text, ViewSection, texts
 from stochlin.views.shared.words import (
@@ -112,7 +114,8 @@ def first_lines(answer: CaseAnswer) -> list[str]:
     case, table, about = answer.case, answer.separation, subject_of(answer.case)
     names = " and ".join(building.name for building in case.buildings)
     stand = about.stand.format(gap=length(float(table.gap[0])))
-    lines = [f"{names} {stand}. 95{SPACE}% interval: {needed(answer)}."]
+    lines = [f"{names} {stand}. 95{SPACE}% interval of sampling: {needed(answer)}."]
+    lines.append(of_earthquakes(answer))
     if answer.existing is not None:
         gap, share = length(float(answer.existing.attrs["gap_m"])), share_of(answer.existing)
         share = share.replace(" (", " of the motions (")
@@ -121,7 +124,18 @@ def first_lines(answer: CaseAnswer) -> list[str]:
     peaks = of_each(table, "peak_mean")
     means = f"mean peak{'s' * (len(peaks) > 1)} {' and '.join(map(centimetres, peaks))}{SPACE}cm"
     why = f"{confidence(case)} of {case.simulated.motions} motions need no more"
-    return [*lines, f"Why: {why}; {means}{meeting_level(answer)}."]
+    return [*filter(None, lines), f"Why: {why}; {means}{meeting_level(answer)}."]
+
+
+def of_earthquakes(answer: CaseAnswer) -> str:
+    """The gap with the scatter between earthquakes, or whether it is in the answer."""
+    table, site = answer.separation, answer.case.site
+    if site.scatter:
+        return f"This includes a scatter of {site.scatter:.2g} in strength between earthquakes."
+    if WITH_SCATTER not in table:
+        return ""
+    size = f"{length(float(table[WITH_SCATTER]))} ({interval(table, WITH_SCATTER)})"
+    return f"With a scatter of {OF_SPECTRUM.scatter:g} in strength between earthquakes: {size}."
 
 
 def needed(answer: CaseAnswer) -> str:

@@ -355,6 +355,11 @@ class Site:
         return float(self.usual_scatter.scatter if self.motion.scatter is None else self.motion.scatter)
 
     @property
+    def leaves_out_scatter(self) -> bool:
+        """Whether motions have no scatter between earthquakes, and the file does not say so."""
+        return self.motion.scatter is None and not self.scatter
+
+    @property
     def ground(self) -> Ground:
         """The ground, with its uncertain parameters at their medians."""
         ground: Ground = median_of(self.sampled_ground)
