@@ -15,6 +15,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import elastic_pairs
 import matplotlib as mpl
 import numpy as np
 import rules
@@ -147,6 +148,17 @@ def motions() -> dict[str, Any]:
         "broad": xr.concat(by_ground["broad band"], strength),
         "lake": xr.concat(by_ground["lake bed"], strength),
         "cases": ["hardening", "ratio", "period"],
+    }
+
+
+def crossings() -> dict[str, Any]:
+    """Formulas against simulation for elastic pairs: the confidence [-], and the gap [%]."""
+    errors = elastic_pairs.errors()
+    ends = [0, 2.5, 97.5, 100]
+    return {
+        "confidence": np.percentile(errors.confidence, ends),
+        "gap": np.percentile(100 * errors.gap, ends),
+        "pairs": errors.sizes["pair"],
     }
 
 

@@ -9,7 +9,16 @@ from house import claims
 
 pytestmark = pytest.mark.cli
 ELSEWHERE, ASSUMED = "code", "given"  # the first: test_docs.py
-LONG = {"bias", "stationary", "motions", "methods", "calculator", "hard_cautions", "example"}
+LONG = {
+    "bias",
+    "stationary",
+    "motions",
+    "crossings",
+    "methods",
+    "calculator",
+    "hard_cautions",
+    "example",
+}
 SOURCES = {source for sources in claims.CLAIMS.values() for source in sources} - {ELSEWHERE}
 PAGES = [file for file, sources in claims.CLAIMS.items() if ASSUMED in sources]
 

@@ -142,8 +142,9 @@ def pounding_probability(
     Notes
     -----
     For linear structures the moments are exact, and the confidence has the error of the crossings
-    alone: compared with simulation, -0.15 to +0.06 (Poisson: -0.32 to 0), largest for small gaps, for
-    structures of very different periods and for light damping. The 90 % gap has an error of -4 to +4 %.
+    alone. For 200 random pairs in simulated motions, at gaps that 10 to 90 % of them do not close, it
+    was -0.24 to +0.06 in 95 % of the cases, and -0.49 to +0.09 in all, largest for structures of
+    different periods and light damping; the gap for 90 % was off by -4 to +9 % and by -6 to +24 %.
 
     Two buildings are checked at the floor levels of both, up to the lower roof, because displacements
     are linear between floors. The variables ``_at_height`` are the formulas at each height by itself.
@@ -235,7 +236,7 @@ def pounding_probability(
                 table["input_factor"] = motions.input_factor
             table = table.assign_attrs(paths=motions.sizes["path"], seed=seed)
         yields = any(median_of(structure).yields for structure in pair)
-        return table.assign_attrs({"comment": comment} if yields else {})
+        return table.assign_attrs(comment=comment if yields else labels.CAUTION_CROSSINGS)
 
     usable = reduce(and_, (period.notnull() for period in periods))
     table = over_cells(of_cell, models, usable, {"distance": distance})
