@@ -248,8 +248,23 @@ def _doubts(values: dict[str, Any], in_metres: InMetres) -> Iterator[str]:
             strength = getattr(structure, "strength_name", "yield_displacement or reduction_factor")
             yield f"hardening = {brief(structure.hardening)} has no effect without {strength}"
     envelope, end = values.get("envelope"), values.get("duration")
+    described = median_of(values.get("ground"))
+    if is_number(end) and hasattr(described, "doubts_of_motion"):
+        yield from described.doubts_of_motion(end, envelope, _longest_period(values))
     if envelope is not None and end is not None and (warning := envelope.doubt(end)):
         yield f"duration = {end:g}: {warning}"
+
+
+def _longest_period(values: dict[str, Any]) -> float:
+    """The longest first period [s] of the structures among arguments; 0 without any."""
+    several = values.get("structures")
+    row = several if isinstance(several, (list, tuple)) else ()
+    known = [median_of(each) for each in (values.get("first"), values.get("second"), *row)]
+    periods = [
+        each.mode_periods()[0] if hasattr(each, "mode_periods") else getattr(each, "period", 0.0)
+        for each in known
+    ]
+    return max((float(np.max(period)) for period in periods), default=0.0)
 
 
 def _of_types(function: Callable[..., Any], values: dict[str, Any]) -> Iterator[str]:

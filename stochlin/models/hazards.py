@@ -22,7 +22,7 @@ MEASURES: tuple[Exceeded, ...] = get_args(Exceeded)
 FEWEST = 2  # smallest number of points of a curve
 MOST_OFTEN = 1e4  # [1/yr], about once an hour, above which an annual frequency has another unit
 OF_DESIGN = 475.0  # yr, return period of the shaking of a design, 10 % in 50 years
-OFTEN = 2.0  # yr, return period of shaking that most sites have had
+OFTEN = 2.0, 10.0  # yr, return periods of shaking that most sites have had
 _ROUNDING = 1e-9  # relative rounding error allowed at the ends of a curve
 
 
@@ -38,7 +38,7 @@ class Hazard(Model, base=True):
         kind = type(self).__name__
         OneOf(MEASURES)(f"{kind}: measure", self.measure)
         if (self.measure == "sa") != (self.period is not None):
-            what = f"{kind}: period = {brief(self.period)} with measure = {self.measure!r}"
+            what = f"{kind}: measure = {self.measure!r} with period = {brief(self.period)}"
             raise ValueError(f"{what}; allowed: a period in seconds with sa alone")
         if self.period is not None:
             Number(POSITIVE)(f"{kind}: period", self.period)
@@ -55,8 +55,8 @@ class Hazard(Model, base=True):
         """Intensity, in the unit of the measure, with a return period of 475 years; NaN for a scan."""
         return float("nan")
 
-    def often(self) -> float:
-        """Intensity, in the unit of the measure, with a return period of 2 years; NaN if it has none."""
+    def often(self, years: float) -> float:
+        """Intensity, in the unit of the measure, with a short return period; NaN if it has none."""
         return float("nan")
 
     def doubts(self) -> Iterator[str]:
@@ -76,8 +76,11 @@ class Hazard(Model, base=True):
         if text := limits.doubt(design):
             of_period = f"{self.measure} with a return period of {OF_DESIGN:g} years"
             yield f"its {of_period} is {design:.3g} {units}; {text}"
-        if self.measure == "pga" and (text := PLAUSIBLE["pga of 2 years"].doubt(often := self.often())):
-            yield f"its pga with a return period of {OFTEN:g} years is {often:.3g} m/s^2; {text}"
+        for years in OFTEN if self.measure == "pga" else ():
+            often = self.often(years)
+            if text := PLAUSIBLE[f"pga of {years:g} years"].doubt(often):
+                yield f"its pga with a return period of {years:g} years is {often:.3g} m/s^2; {text}"
+                return
 
 
 def _of(values: Any, name: str) -> float | xr.DataArray:
@@ -165,10 +168,10 @@ class HazardCurve(Hazard):
         exponent = 2 / 3 if self.measure == "intensity" else 1 / 3
         return float(self.intensity(years) * (OF_DESIGN / years) ** exponent)
 
-    def often(self) -> float:
-        """Intensity, in the unit of the measure, with a return period of 2 years; NaN beyond it."""
-        known = self.frequencies[-1] <= 1 / OFTEN <= self.frequencies[0]
-        return float(self.intensity(OFTEN)) if known else float("nan")
+    def often(self, years: float) -> float:
+        """Intensity, in the unit of the measure, with a short return period; NaN beyond the curve."""
+        known = self.frequencies[-1] <= 1 / years <= self.frequencies[0]
+        return float(self.intensity(years)) if known else float("nan")
 
     def describe(self) -> str:
         """The curve with its points in one line; long tables are shortened."""
@@ -244,9 +247,9 @@ class PowerLawHazard(Hazard):
         """Intensity, in the unit of the measure, with a return period of 475 years; NaN for a scan."""
         return self._of_law(OF_DESIGN)
 
-    def often(self) -> float:
-        """Intensity, in the unit of the measure, with a return period of 2 years; NaN for a scan."""
-        return self._of_law(OFTEN)
+    def often(self, years: float) -> float:
+        """Intensity, in the unit of the measure, with a short return period; NaN for a scan."""
+        return self._of_law(years)
 
     def _of_law(self, years: float) -> float:
         intensity = self.intensity(years)

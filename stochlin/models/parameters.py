@@ -298,7 +298,7 @@ def check(prefix: str, name: str, value: Any, declared: Mapping[str, Any]) -> fl
         value = xr.DataArray(value.to_numpy(), {CASE: value.index.to_numpy()}, CASE)
     array = value if isinstance(value, xr.DataArray) else as_array(value)
     if array.dtype.kind not in "iuf":
-        shown = brief(value) if array.ndim == 0 else f"{brief(array.ravel()[:2].tolist())}, an array,"
+        shown = brief(value) if array.ndim == 0 else f"{brief(np.ravel(array)[:2].tolist())}, an array,"
         raise TypeError(f"{label} = {shown} is not a real number; allowed: {allowed}")
     if isinstance(value, xr.DataArray):
         check_units(label, value.attrs.get("units"), declared["units"])

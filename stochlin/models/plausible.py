@@ -44,6 +44,7 @@ OF_A_ROW = "gaps"  # of which a list is no scan either
 FAR = sys.float_info.max  # beyond it numbers are refused
 UNQUESTIONED: ContextVar[bool] = ContextVar("UNQUESTIONED", default=False)
 ANY = Plausible(-inf, inf, "", "")
+SEVERAL = 3
 STOREY = 3.0  # m, height of a storey if that of the building is not known; ASCE 7-16, 12.8.2.1
 
 
@@ -106,7 +107,8 @@ def _nearest(value: object, known: Plausible) -> object:
 def doubt_of_storeys(height: float, storeys: float) -> str:
     """Text on the mean height [m] of the storeys of a building; empty if it is plausible."""
     mean = height / storeys if storeys > 0 else 0.0
-    text = PLAUSIBLE["mean storey height"].doubt(mean)
+    several = storeys >= SEVERAL  # where halls are rare
+    text = PLAUSIBLE["mean height of three storeys" if several else "mean storey height"].doubt(mean)
     return text and f"its height over the number of storeys, {storeys:g}, is {mean:.3g} m; {text}"
 
 

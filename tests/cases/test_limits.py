@@ -64,7 +64,7 @@ def shaken(velocity: float, acceleration: float = 3.0, dt: float = 0.02) -> xr.D
 def jerk(ratio: float) -> xr.DataArray:
     """A record by its largest velocity over its peak [s]: a square wave of so long halves."""
     dt = ratio / 100 if ratio > 0.5 else ratio / 2
-    return motion(np.tile(np.repeat([3.0, -3.0], round(ratio / dt)), 4), dt)
+    return motion(np.tile(np.repeat([1.5, -1.5], round(ratio / dt)), 4), dt)
 
 
 def written(record: xr.DataArray, folder: Path) -> Path:
@@ -147,6 +147,10 @@ PYTHON: dict[str, Callable[[float, Path], object]] = {
         0.1, 0.1, behaviour_1=2.0, deflection_1=2 * x
     ),
     "yield drift upwards": lambda x, _: storeys([0.005, 0.005 * x]),
+    "mean height of three storeys": lambda x, _: sl.code_gaps(0.1, 0.1, height_1=3 * x, storeys_1=3),
+    "pga of 10 years": lambda x, _: sl.HazardCurve([0.5 * x, x, 6.0], [0.2, 0.1, 1 / 475]),
+    "contact stiffness": lambda x, _: sl.LinearSpring(x),
+    "damper over critical": lambda x, _: storey(dampers=x * 2 * np.sqrt(1e5 * stiffness(1e5, 3.0, 2.0))),
     "peak over other samples": lambda x, folder: sl.read_record(lone_peak(folder, x)),
     "end of the plateau": lambda x, folder: sl.read_spectrum(plateau(folder, x), elastic=True),
     "ground_damping": lambda x, _: sl.KanaiTajimi(0.6, x),
@@ -185,7 +189,7 @@ PYTHON: dict[str, Callable[[float, Path], object]] = {
     "sa": lambda x, _: sl.scale_ground(FIRM, 2.0, sa=x, period=0.5, paths=64),
     "confidence": lambda x, _: sl.separation(*PAIR, FIRM, confidence=x, **FEW),
     "risk": lambda x, _: sl.required_gap(*PAIR, FIRM, WIDE, risk=x, **FEW),
-    "mean storey height": lambda x, _: sl.code_gaps(0.1, 0.1, height_1=5 * x, storeys_1=5),
+    "mean storey height": lambda x, _: sl.code_gaps(0.1, 0.1, height_1=2 * x, storeys_1=2),
     "period over 0.05 h^0.75": lambda x, _: storey(ratio=x),
     "stiffness upwards": lambda x, _: sl.ShearBuilding([1e5] * 3, [1e8, 1e8, x * 1e8], [3.0] * 3, 0.05),
     "mass upwards": lambda x, _: sl.ShearBuilding([1e5, x * 1e5], [1e8] * 2, [3.0] * 2, 0.05),
@@ -259,6 +263,18 @@ FILES: dict[str, Callable[[float, Path], dict[str, str]]] = {
     "yield drift upwards": lambda x, _: {
         "building_1": f'{OF_TWO}{YIELDS}yield_drifts = ["5 mm", "{5 * x!r} mm"]'
     },
+    "mean height of three storeys": lambda x, _: oscillator(
+        f'{OSCILLATOR}height = "{3 * x!r} m"\nstoreys = 3'
+    ),
+    "pga of 10 years": lambda x, _: {
+        "site": f'{FIRM_SITE}\n[site.hazard]\nmeasure = "pga"\nfrequencies = [0.2, 0.1, 0.002]\n'
+        f'intensities = ["{0.5 * x!r} m/s^2", "{x!r} m/s^2", "6 m/s^2"]'
+    },
+    "contact stiffness": lambda x, _: {"contact": f'model = "linear_spring"\nstiffness = "{x!r} N/m"'},
+    "damper over critical": lambda x, _: oscillator(
+        f'{BY_STOREYS}masses = ["1e5 kg"]\n{stiffness_of()}\n'
+        f'dampers = "{float(x * 2 * np.sqrt(1e5 * stiffness(1e5, 3.0, 2.0)))!r} N s/m"'
+    ),
     "peak over other samples": lambda x, folder: with_record(lone_peak(folder, x)),
     "end of the plateau": lambda x, folder: {
         "site": f'spectrum = "{plateau(folder, x).name}"\nelastic = true'
@@ -320,7 +336,7 @@ FILES: dict[str, Callable[[float, Path], dict[str, str]]] = {
         "site": f'{FIRM_SITE}\n[site.hazard]\nmeasure = "pga"\nk0 = 0.02\nk = 2.5\nunits = "m/s^2"',
         "separation": f"confidence = 0.9\nrisk = {x!r}",
     },
-    "mean storey height": lambda x, _: oscillator(f'{OSCILLATOR}height = "{5 * x!r} m"\nstoreys = 5'),
+    "mean storey height": lambda x, _: oscillator(f'{OSCILLATOR}height = "{2 * x!r} m"\nstoreys = 2'),
     "period over 0.05 h^0.75": lambda x, _: oscillator(
         f'damping = 0.05\nheight = "16 m"\nperiod = "{0.05 * 8 * x!r} s"'
     ),

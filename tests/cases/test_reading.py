@@ -123,10 +123,10 @@ OF_MEASURES = {
     'bumper = { thickness = "5 cm" }': "without contact (a bumper is [contact], for 'stochlin pound')",
 }
 DOUBTS = {
-    "late yield": (STRENGTH, 'yield_displacement = "3 m"\n', "is it in cm?"),
+    "late yield": (STRENGTH, 'yield_displacement = "3 m"\n', "is it in cm or mm"),
     "weak shaking": ('"0.01 m^2/s^3"', '"0.01 cm^2/s^3"', "usual are 1e-4 to 0.1 m^2/s^3"),
     "short motion": ('"20 s"', '"3 s"', "ends before its strong part"),
-    "metres": ('"5 cm"', '"5 m"', "usual are 0.01 to 1 m; is it in cm?"),
+    "metres": ('"5 cm"', '"5 m"', "usual are 0.01 to 0.5 m; is it in cm?"),
     "kilograms": ('"3200 t"', '"3200 kg"', "is it in t?"),
     "kN/m for MN/m": (
         BUILDING,

@@ -17,7 +17,7 @@ TOWER = sl.ShearBuilding.regular(
     period=0.6, storeys=4, storey_height=3.0, mass=2e5, damping=0.05, hardening=0.05,
     base_shear_coefficient=0.2,
 )  # fmt: skip
-FAR = 1.0
+FAR = 0.8
 CONTACT = sl.Kelvin(1e8, restitution=0.65)
 GROUND = sl.named_ground("firm", intensity=0.02)
 MOTIONS = sl.simulated_motions(GROUND, 8.0, paths=4, seed=1)

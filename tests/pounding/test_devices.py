@@ -14,7 +14,7 @@ import stochlin as sl
 
 pytestmark = pytest.mark.oracle
 
-FAR = 1.0  # [m]: no contact
+FAR = 0.8  # [m]: no contact
 SPRING = sl.LinearSpring(1e8)
 PACE = 0.2  # [m/s]: where all dashpots of the tests have one force
 CONSTANT = 2e5  # [N s/m]: of the linear one

@@ -11,7 +11,7 @@ import stochlin as sl
 
 pytestmark = pytest.mark.oracle
 
-FAR = 1.0  # [m]: no contact
+FAR = 0.8  # [m]: no contact
 SPRING = sl.LinearSpring(1e8)
 
 

@@ -34,4 +34,4 @@ def test_a_gap_of_the_command_line_has_the_limits_of_one_in_a_file(tmp_path, gap
     case = tmp_path / "case.toml"
     case.write_text(example_case().replace("2048", "100"), encoding="utf-8")
     done = answered("probability", case, "--gap", gap)
-    assert ("usual are 0.01 to 1 m" in done.output) == asked
+    assert ("usual are 0.01 to 0.5 m" in done.output) == asked

@@ -49,7 +49,7 @@ def test_phases_have_the_correlation_and_the_chances_of_drawn_ones(rho):
 
 def check_record(record, first=ONE, second=TWO):
     options = {"method": "hybrid", "record": record}
-    wide = float(sl.pounding_probability(first, second, None, 1.0, **options).radius_1.max())
+    wide = float(sl.pounding_probability(first, second, None, 0.8, **options).radius_1.max())
     gaps = xr.DataArray(wide * np.array([1e-4, 0.3, 0.8, 50.0]), dims="gap")
     table = sl.pounding_probability(first, second, None, gaps, **options)
     safe = table.confidence_of_no_pounding

@@ -1,5 +1,6 @@
 """Columns of all files: known by what their titles say, and never by their place."""
 
+import re
 from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from functools import partial
@@ -392,3 +393,25 @@ def test_decimal_commas_may_have_an_exponent(form, tmp_path):
     spectrum = sl.read_spectrum(path, elastic=True)
     wanted = [float(form.format(a)) for a in SA]
     np.testing.assert_allclose(spectrum / G, wanted, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("title", "says"),
+    [
+        ("Sa/R [g]", "not as it stands, since it says '/R'"),
+        ("Sd(T) [g]", "not as it stands, since it says 'Sd(T) [g'"),
+        ("Sa 2% [g]", "damping 0.02"),
+    ],
+)
+def test_why_a_column_is_not_taken_is_said(tmp_path, title, says):
+    (tmp_path / "site.csv").write_text(f"T,{title}\n0,0.3\n0.1,0.6\n0.3,0.6\n1,0.2\n2,0.1\n")
+    with pytest.raises(ValueError, match=re.escape(says)):
+        sl.read_spectrum(tmp_path / "site.csv", elastic=True)
+
+
+def test_points_side_by_side_are_named(tmp_path):
+    rows = (["T", *np.linspace(0, 3, 16)], ["Sa [g]", *np.full(16, 0.3)])
+    text = "\n".join(",".join(map(str, row)) for row in rows)
+    (tmp_path / "site.csv").write_text(text)
+    with pytest.raises(ValueError, match="are its points side by side"):
+        sl.read_spectrum(tmp_path / "site.csv", elastic=True)

@@ -19,7 +19,7 @@ import stochlin as sl
 from stochlin.applications.cases.separation import CaseAnswer, answer_case
 from stochlin.views.separation.pictures import elevation_figure
 from stochlin.views.separation.report import answer_sections
-from stochlin.views.separation.words import allowances, first_lines, of_earthquakes
+from stochlin.views.separation.words import allowances, cautions, first_lines, of_earthquakes
 from stochlin.views.shared.blocks import Table
 from stochlin.views.shared.screen import lines
 
@@ -171,6 +171,16 @@ def test_codes_of_the_file_have_a_line_or_words_why_not(answer: Any) -> None:
     _, gaps, buildings = drawn(dataclasses.replace(one, separation=unknown))
     assert not dimension_lines(gaps)
     assert walls(buildings)[1][0] == 0
+
+
+def test_of_buildings_that_fall_no_gap_is_enough(answer: Any) -> None:
+    one = answer("oscillators")
+    fallen = one.separation.assign(gap=one.separation.gap * np.inf)
+    first, *_ = first_lines(dataclasses.replace(one, separation=fallen))
+    assert first.startswith("No gap is enough for Office block and Annex: in more than 10")
+    assert not any(
+        "move alike" in text for text in cautions(dataclasses.replace(one, separation=fallen))
+    )
 
 
 @pytest.mark.parametrize("name", CASES)

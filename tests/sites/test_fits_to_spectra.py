@@ -1,5 +1,6 @@
 """Simulated motions have the spectrum that their ground was fitted to."""
 
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -124,3 +125,23 @@ def test_a_fit_that_is_poor_is_said():
     spectrum = xr.DataArray(2 + peaks, {"period": period}, attrs=attrs)
     with pytest.warns(sl.DoubtfulInput, match=r"motions differs by up to 1\d\d %; usual are 10 %"):
         sl.fit_ground(spectrum, duration=8.0, filters=1)
+
+
+@pytest.mark.invariant
+@pytest.mark.parametrize(
+    ("period", "motion", "asked"),
+    [
+        (1.0, {"duration": 15.0, "envelope": ENVELOPE}, ""),
+        (1.0, {"duration": 30.0, "envelope": ENVELOPE}, "for motions of 15 s under AminAng"),
+        (1.0, {"duration": 15.0}, "for motions of 15 s under AminAng"),
+        (3.0, {"duration": 15.0, "envelope": ENVELOPE}, "up to 2 s, and a period is 3 s"),
+    ],
+)
+def test_a_fitted_ground_is_that_of_the_motions_and_periods_of_its_fit(period, motion, asked):
+    ground = replace(FIRM, fitted_for=(15.0, ENVELOPE, 2.0))
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", sl.DoubtfulInput)
+        sl.simulate([sl.Bilinear(0.5, 0.05), sl.Bilinear(period, 0.05)], ground, paths=32, **motion)
+    texts = [str(each.message) for each in caught]
+    assert len(texts) == bool(asked)
+    assert asked in "".join(texts)

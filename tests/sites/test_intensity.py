@@ -147,7 +147,7 @@ def test_nothing_is_extrapolated():
             "number 2: the annual frequency 0.02 follows",
         ),
         (lambda: sl.HazardCurve([2.0, 1.0], [0.01, 0.001]), "increasing intensities, so sort them"),
-        (lambda: sl.PowerLawHazard(1.0, 2.0, measure="sa"), "period = None with measure = 'sa'"),
+        (lambda: sl.PowerLawHazard(1.0, 2.0, measure="sa"), "measure = 'sa' with period = None"),
         (lambda: sl.PowerLawHazard(1.0, 2.0, period=1.0), "allowed: a period in seconds with sa alone"),
     ],
 )

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.applications.records.components import word_of
-from stochlin.applications.records.records import checked_record, doubts_of_motion, shape_of
+from stochlin.applications.records.records import checked_record, copies, doubts_of_motion
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import cores
 from stochlin.kernels.records.oscillator import DISPLACEMENT
@@ -36,15 +36,14 @@ class AskedRecords:
             motions = {label: checked_record(record) for label, record in named.items()}
         except (TypeError, ValueError):  # which are refused later
             return
-        copies: dict[bytes, str] = {}
         for label, (values, step) in motions.items():
             yield from (f"{plain(label)}: {text}" for text in doubts_of_motion(values, step))
-            first = copies.setdefault(shape_of(values), label) if len(motions) > 1 else label
-            if first != label:
-                yield f"{plain(first)} and {plain(label)} are the same motion; is it to count twice?"
             component = word_of(label) if isinstance(records, Mapping) else None
             if component and component.vertical:
                 yield f"{plain(label)} is vertical by its name; is it the right component?"
+        names = [plain(label) for label in motions]
+        for first, later in copies([values for values, _ in motions.values()]):
+            yield f"{names[first]} and {names[later]} are the same motion; is it to count twice?"
 
 
 def _by_name(records: object) -> dict[str, Any]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import re
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Annotated
 
 import numpy as np
@@ -34,6 +34,7 @@ _CURE = "correct it, or leave it out"
 _IN_BUILDING = re.compile(
     r"\b(?:roof|floor|stor(?:e?y|ies)|azotea|techo|piso|dach|toit|tetto)\b", re.IGNORECASE
 )
+SAME_SHAPE = 1e-3  # of motions over their peaks: digits that are left out in files
 SHORTEST_STEP = 1e-6  # s, of a file
 # Of any record, with room for all numbers of a response: of structures with periods from 1e-9 to 1e9 s
 # displacements are below 1e60 m, and the squares of their squares below the largest number, 1e308.
@@ -179,10 +180,14 @@ def _peak_over_others(magnitude: Array) -> float:
     return 1.0 if side_by_side or others == 0 else float(magnitude.max() / others)
 
 
-def shape_of(acceleration: Array) -> bytes:
-    """What two motions share that differ by a factor alone."""
-    largest = acceleration[np.argmax(np.abs(acceleration))]
-    return np.round(acceleration / largest + 0.0, 6).tobytes()  # without a sign of zeros
+def copies(motions: Sequence[Array]) -> Iterator[tuple[int, int]]:
+    """Numbers of two motions that differ by a factor alone, the first and each later one."""
+    shapes = [motion / motion[np.argmax(np.abs(motion))] for motion in motions]
+    for later, shape in enumerate(shapes):
+        for first, other in enumerate(shapes[:later]):
+            if shape.size == other.size and np.abs(shape - other).max() < SAME_SHAPE:
+                yield first, later
+                break
 
 
 def _doubts(record: xr.DataArray, series: Series) -> Iterator[str]:

@@ -71,7 +71,12 @@ class Column:
         """The column with what it is."""
         names = [INDEX.name] if self.counts else [of.name for of in self.said.quantities]
         of = "" if self.said.base is None else "the logarithm of "
-        return f"{self.label}: {of}{' or '.join(names)}" if names else self.label
+        parts = [f"{of}{' or '.join(names)}"] if names else []
+        if self.said.damping is not None:
+            parts.append(f"damping {self.said.damping:g}")
+        if self.said.aside:
+            parts.append(f"not as it stands, since it says {brief(self.said.aside.strip())}")
+        return ": ".join([self.label, ", ".join(parts)]) if parts else self.label
 
     def is_unknown(self) -> bool:
         """Whether nothing says what it is."""
@@ -318,6 +323,8 @@ def _missing(table: Table, columns: Sequence[Column], needs: Sequence[Need], cur
         example[need.argument] = next((n for n in may_be if n not in example.values()), may_be[0])
         ways.append(f"{need.argument}= ({need.words})")
     shown = ", ".join(f"{argument}={number}" for argument, number in example.items())
+    if len(columns) > _LISTED > len(table.rows):
+        has += "; are its points side by side? write a line for each"
     return table.error(f"{has}; give {' and '.join(ways)} {BY}, as {shown}{cure}")
 
 

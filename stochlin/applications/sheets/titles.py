@@ -59,6 +59,7 @@ _ASIDE = re.compile(
     r"quantile|fractil|percentil|\d\s*(?:st|nd|rd|th)\b|sigma|σ|\bstd|deviation|\bcov\b|±|[+-]\s*1\b"
     r"|stor(?:e?y|ies)[\s_-]*(?:drift|shear|force|disp|defl)|entrepiso|interpiano|geschoss"
     r"|\bsrss\b|/\s*(?:pga|a_?gr?|r|q)\b|\b[rq]\s*=\s*\d|\bdesign\b"
+    r"|\bs_?d\b(?:\(t\))?\s*[\[(]\s*(?:m?g|gal|[cm]*m/s)"  # of Eurocode 8, divided by q
     r"|\bno[nt]?[\s_-].*ex[cz]e|(?<!damping )\bratio|normali[sz]|amplification|residual|\berror",
     re.IGNORECASE,
 )
@@ -71,7 +72,7 @@ class Said(NamedTuple):
 
     ``quantities`` are those that it may mean, none if it names none; ``base`` is that of a logarithm,
     NaN if it is not stated, ``period`` [s] that of ``SA(0.5)``, and ``damping`` that of ``5 %``.
-    ``aside`` says that it is not to be taken unless it is asked for, as a fractile.
+    ``aside`` is why it is not to be taken unless it is asked for, as ``/R`` or the words of a fractile.
     """
 
     quantities: tuple[Quantity, ...] = ()
@@ -79,7 +80,7 @@ class Said(NamedTuple):
     base: float | None = None
     period: float | None = None
     damping: float | None = None
-    aside: bool = False
+    aside: str = ""
 
 
 @lru_cache(maxsize=1024)
@@ -106,7 +107,8 @@ def said_by(title: str, below: str = "") -> Said:
     if of_damping:
         percent, share = of_damping.groups()
         damping = float(percent.replace(",", ".")) / 100 if percent else float(share)
-    return Said(quantities, unit, None, period, damping, bool(_ASIDE.search(title)))
+    aside = _ASIDE.search(title)
+    return Said(quantities, unit, None, period, damping, aside[0] if aside else "")
 
 
 def divided_by_remark(text: str) -> float:

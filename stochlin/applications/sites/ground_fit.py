@@ -220,7 +220,12 @@ def fit_ground(
         what = f"fit_ground: the mean spectrum of motions differs by up to {100 * fit.worst:.0f} %"
         cure = "are the periods and ordinates right, or does one peak need more filters?"
         warnings.warn(f"{what}; usual are 10 % at most; {cure}", DoubtfulInput, stacklevel=3)
-    return replace(fit.ground(), source=f"{text}; {OF_SPECTRUM}", scatter=OF_SPECTRUM.scatter)
+    return replace(
+        fit.ground(),
+        source=f"{text}; {OF_SPECTRUM}",
+        scatter=OF_SPECTRUM.scatter,
+        fitted_for=(float(duration), envelope, float(wanted.periods[-1])),
+    )
 
 
 def _wanted(spectrum: xr.DataArray, duration: float, envelope: Envelope | None) -> Wanted:

@@ -23,7 +23,7 @@ from stochlin.applications.records.components import (
     is_vertical,
 )
 from stochlin.applications.records.files import UnknownFormatError, chosen, is_record, read_channels
-from stochlin.applications.records.records import checked_record, recorded, shape_of
+from stochlin.applications.records.records import checked_record, copies, recorded
 from stochlin.applications.records.response import response_spectrum
 from stochlin.applications.sheets.columns import ColumnName
 from stochlin.applications.sheets.sheets import number_in, text_sheet
@@ -234,19 +234,21 @@ def _without_earthquake(suite: Suite) -> Iterator[str]:
 def _alike(suite: Suite) -> Iterator[str]:
     """Sentences on records that may be a vertical component, a copy, or a component of another one."""
     of_events: dict[object, list[str]] = {}
-    copies: dict[bytes, dict[object, str]] = {}
     lengths: dict[object, list[str]] = {}
-    for event, (label, record) in zip(events_of(suite, [*suite.values()]), suite.items(), strict=True):
+    names, events = [*suite], events_of(suite, [*suite.values()])
+    for event, label in zip(events, names, strict=True):
         of_events.setdefault(event, []).append(label)
-        copies.setdefault(shape_of(record.to_numpy()), {}).setdefault(event, label)
     for labels in of_events.values():
         if len(labels) == 1 and not any(suite[labels[0]].attrs.get(key) for key in PLACE):
             time = suite[labels[0]].time.to_numpy()
             lengths.setdefault((time.size, *np.round(time[:2], 6)), []).append(labels[0])
     if crowded := next((labels for labels in of_events.values() if len(labels) > 2), []):
         yield f"{listed(crowded)} are of one earthquake and station; is one of them vertical?"
-    if twice := next((labels.values() for labels in copies.values() if len(labels) > 1), ()):
-        yield f"{listed([*twice])} are the same motion; is it to count as several earthquakes?"
+    for first, later in copies([record.to_numpy() for record in suite.values()]):
+        if events[first] != events[later]:
+            both = f"{names[first]} and {names[later]}"
+            yield f"{both} are the same motion; is it to count as several earthquakes?"
+            break
     if len(lengths) > 1 and all(1 < len(labels) <= 3 for labels in lengths.values()):
         what = f"{listed(next(iter(lengths.values())))} are equally long; are they of one earthquake?"
         yield f"{what} {WHO_BELONGS}"

@@ -356,10 +356,16 @@ class ShearBuilding(MultistoreyBuilding):
         ):
             share = f"{drift:.3g} m, {drift / height:.2g} of its height"
             yield f"storey {worst + 1}, {height:g} m high, yields at {share}; {text}"
-        growth = drifts[1:] / drifts[:-1] if self.yields else np.zeros(0)
+        ratios = drifts / heights
+        growth = ratios[1:] / ratios[:-1] if self.yields else np.zeros(0)
         if text := PLAUSIBLE["yield drift upwards"].doubt(growth.max(initial=0.0)):
             above = int(np.argmax(growth)) + 2
-            yield f"storey {above} yields at {growth.max():.3g} times the drift of that below; {text}"
+            yield f"storey {above} yields at {growth.max():.3g} times the drift ratio below; {text}"
+        critical = 2 * np.sqrt(stiffnesses * self._numbers("masses"))
+        added = self._numbers("dampers", 0.0) / critical
+        if text := PLAUSIBLE["damper over critical"].doubt(added.max()):
+            strongest = f"the damper of storey {int(np.argmax(added)) + 1}"
+            yield f"{strongest} is {added.max():.3g} times 2 sqrt(k m) of the storey; {text}"
 
     def geometric_stiffness(self) -> Array:
         """Reduction of the stiffness of each storey by the P-delta effect [N/m], (storeys,).

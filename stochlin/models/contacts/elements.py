@@ -29,7 +29,7 @@ from stochlin.models.parameters import (
     check,
     parameter,
 )
-from stochlin.models.plausible import ANY, Plausible
+from stochlin.models.plausible import ANY, PLAUSIBLE, Plausible
 from stochlin.registry import Registry, expect_class
 
 DAMPING = NOT_NEGATIVE
@@ -69,6 +69,7 @@ class Element(Contact, base=True):
     while ``d > 0``.
     """
 
+    other_limits: ClassVar[Mapping[str, Plausible]] = {"stiffness": PLAUSIBLE["contact stiffness"]}
     law: ClassVar[ForceLaw] = ForceLaw()  # the fields that do not depend on the parameters
     stiffness: Parameter = parameter("N/m", "stiffness of the contact", POSITIVE)
 
@@ -95,7 +96,7 @@ class Damped(Element, base=True):
     Each subclass has its own relation between damping and coefficient of restitution.
     """
 
-    other_limits: ClassVar[Mapping[str, Plausible]] = {"damping": ANY}
+    other_limits: ClassVar[Mapping[str, Plausible]] = {**Element.other_limits, "damping": ANY}
     damping: Parameter = parameter("1", "damping of the contact", DAMPING)
 
     damping_name: ClassVar[str]  # name of the argument that gives the damping
@@ -365,6 +366,7 @@ class Hertz(Element):
     1.0
     """
 
+    other_limits: ClassVar[Mapping[str, Plausible]] = {}
     stiffness: Parameter = parameter("N/m^n", "stiffness of the contact", POSITIVE)
     exponent: Parameter = parameter("1", "exponent of the contact", EXPONENT, SPHERES)
 
@@ -406,6 +408,7 @@ class HertzDamp(Damped):
     """
 
     law: ClassVar[ForceLaw] = ForceLaw(over_approach=True)
+    other_limits: ClassVar[Mapping[str, Plausible]] = {"damping": ANY}
     stiffness: Parameter = parameter("N/m^n", "stiffness of the contact", POSITIVE)
     damping: Parameter = parameter("1", "damping factor of the contact", DAMPING)
     exponent: Parameter = parameter("1", "exponent of the contact", EXPONENT, SPHERES)
@@ -466,6 +469,7 @@ class Jankowski(WithRatio):
     """
 
     law: ClassVar[ForceLaw] = ForceLaw(exponent=SPHERES, damping_exponent=0.25, approach_only=True)
+    other_limits: ClassVar[Mapping[str, Plausible]] = {"damping": ANY}
     stiffness: Parameter = parameter("N/m^1.5", "stiffness of the contact", POSITIVE)
     relation: ClassVar[Relation] = JANKOWSKI
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from types import MappingProxyType
@@ -72,6 +73,7 @@ class UsualScatter(NamedTuple):
 # the mean, and about as much in what yielding structures need: its default is on the safe side.
 OTHER_COMPONENT = UsualScatter(0.4, "the other component of a station in the far field")
 OF_SPECTRUM = UsualScatter(0.3, "suites of records about a spectrum, on the safe side")
+SAME_DURATION = 0.01  # relative difference of durations that are taken as equal
 MOST_FILTERS = 3  # in parallel, of a ground that is fitted to a spectrum
 
 
@@ -119,15 +121,44 @@ class Ground(Model, base=True):
     calibration: ClassVar[Calibration | None] = None
     source: str = field(default="", compare=False, kw_only=True)
     scatter: float = field(default=0.0, kw_only=True)  # of its motions between earthquakes, by default
+    # Duration [s] and envelope of the motions for which it was fitted to a spectrum, and the longest
+    # period [s] of that.
+    fitted_for: tuple[float, Any, float] | None = field(default=None, compare=False, kw_only=True)
 
     def __post_init__(self) -> None:
         SCATTER(f"{type(self).__name__}: scatter", self.scatter)
+        self._check_fitted_for()
         super().__post_init__()
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)
         if "filter" in vars(cls) and "calibration" not in vars(cls):
             cls.calibration = None
+
+    def _check_fitted_for(self) -> None:
+        """Raise a TypeError unless it is None, or what `fit_ground` states."""
+        known = self.fitted_for
+        if known is None:
+            return
+        numbers = (
+            isinstance(known, tuple)
+            and len(known) == 3
+            and all(isinstance(each, float) for each in known[::2])
+        )
+        if not numbers:
+            what = f"{type(self).__name__}: fitted_for = {brief(known)}"
+            raise TypeError(f"{what}; allowed: duration [s], envelope and longest period [s]")
+
+    def doubts_of_motion(self, duration: float, envelope: object, period: float) -> Iterator[str]:
+        """Texts on motions and a longest period [s] of structures for which it was not fitted."""
+        if self.fitted_for is None:
+            return
+        seconds, shape, longest = self.fitted_for
+        if not math.isclose(duration, seconds, rel_tol=SAME_DURATION) or envelope != shape:
+            motions = f"motions of {seconds:g} s{'' if shape is None else f' under {shape!r}'}"
+            yield f"ground was fitted to a spectrum for {motions}; are these others meant?"
+        if period > longest:
+            yield f"ground was fitted to a spectrum up to {longest:g} s, and a period is {period:.3g} s"
 
     @property
     def parts(self) -> tuple[Ground, ...]:
@@ -192,7 +223,7 @@ class WhiteNoise(Ground):
 
     Parameters
     ----------
-    intensity, source, scatter
+    intensity, source, scatter, fitted_for
         As in `KanaiTajimi`.
 
     Raises
@@ -239,6 +270,9 @@ class KanaiTajimi(Ground):
     scatter : float
         Default of the argument ``scatter`` of functions that simulate motions of finite duration [-], as
         in `simulate`. That of a ground that is fitted to a spectrum or a record is not 0.
+    fitted_for : tuple, optional
+        Duration [s] and envelope of the motions for which `fit_ground` fitted the ground to a spectrum,
+        and the longest period [s] of that; other motions are then asked about.
 
     Raises
     ------
@@ -292,7 +326,7 @@ class CloughPenzien(Ground):
         Period ``2 pi / wg`` [s] and damping ratio ``xig`` [-] of the soil oscillator, positive.
     high_pass_period, high_pass_damping : float or array
         Period ``2 pi / wf`` [s] and damping ratio ``xif`` [-] of the high-pass oscillator, positive.
-    intensity, source, scatter
+    intensity, source, scatter, fitted_for
         As in `KanaiTajimi`.
 
     Raises
@@ -362,7 +396,7 @@ class ParallelGround(Ground):
     intensity : float or array, optional
         Sum of the two-sided PSDs ``S0`` of their white noises [m^2/s^3], positive. If given, all grounds
         are scaled by one factor to this sum; by default the intensities are those of the grounds.
-    source, scatter
+    source, scatter, fitted_for
         As in `KanaiTajimi`; the scatter of the grounds is not used.
 
     Raises

@@ -113,14 +113,21 @@ def first_lines(answer: CaseAnswer) -> list[str]:
     """Required gap, existing gap, verdict and reason; two of them where no gap exists."""
     case, table, about = answer.case, answer.separation, subject_of(answer.case)
     names = " and ".join(building.name for building in case.buildings)
-    stand = about.stand.format(gap=length(float(table.gap[0])))
-    lines = [f"{names} {stand}. 95{SPACE}% interval of sampling: {needed(answer)}."]
+    required = float(table.gap[0])
+    if np.isfinite(required):
+        stand = about.stand.format(gap=length(required))
+        lines = [f"{names} {stand}. 95{SPACE}% interval of sampling: {needed(answer)}."]
+    else:
+        falls = f"in more than {per_cent(1 - case.wanted.confidence)} of the motions a building falls"
+        lines = [f"No {about.gap} is enough for {names}: {falls}."]
     lines.append(of_earthquakes(answer))
     if answer.existing is not None:
         gap, share = length(float(answer.existing.attrs["gap_m"])), share_of(answer.existing)
         share = share.replace(" (", " of the motions (")
         lines.append(f"The existing {about.gap} of {gap} {about.keeping} in {share}.")
         lines.append(f"Verdict: {judged(answer)}; {confidence(case)} are required.")
+    if not np.isfinite(required):
+        return [*filter(None, lines)]
     peaks = of_each(table, "peak_mean")
     means = f"mean peak{'s' * (len(peaks) > 1)} {' and '.join(map(centimetres, peaks))}{SPACE}cm"
     why = f"{confidence(case)} of {case.simulated.motions} motions need no more"
@@ -132,7 +139,7 @@ def of_earthquakes(answer: CaseAnswer) -> str:
     table, site = answer.separation, answer.case.site
     if site.scatter:
         return f"This includes a scatter of {site.scatter:.2g} in strength between earthquakes."
-    if WITH_SCATTER not in table:
+    if not np.isfinite(table.get(WITH_SCATTER, np.nan)):
         return ""
     size = f"{length(float(table[WITH_SCATTER]))} ({interval(table, WITH_SCATTER)})"
     return f"With a scatter of {OF_SPECTRUM.scatter:g} in strength between earthquakes: {size}."
@@ -200,7 +207,8 @@ def cautions(answer: CaseAnswer) -> list[str]:
         ),
         *left_out(answer.case),
     ]
-    if "peak_2" in table and float(table.gap[0]) <= ALIKE * max(of_each(table, "peak")):
+    gap = float(table.gap[0])
+    if "peak_2" in table and np.isfinite(gap) and gap <= ALIKE * max(of_each(table, "peak")):
         sentences.append(
             "Both move alike in this model, but no two real buildings do. A small difference of the "
             "periods needs a gap: repeat the calculation with one."

@@ -148,6 +148,11 @@ class Wanted(Form):
             unused = [n for n in ("displacements", *FACTORS.values()) if n in building.form.table]
             if unused:
                 what = 'is not used; name your code, as codes = ["eurocode_8"]'
+                for other, missing, code in lacking:
+                    if other is building:
+                        what = (
+                            f"is not used, since {code}, the code of the site, needs {missing} as well"
+                        )
                 building.form.table.warn(unused[0], what)
         return () if lacking else tuple(rules)
 

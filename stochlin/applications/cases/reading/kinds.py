@@ -207,7 +207,7 @@ class Word:
 
     def read(self, written: Any, warn: Warn) -> str:
         """The word."""
-        if _text(written, warn) not in self.known:
+        if written not in self.known:
             raise ValueError(f"is not known; {hint(written, self.known)}allowed: {self.words}")
         return str(written)
 

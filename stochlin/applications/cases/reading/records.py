@@ -187,7 +187,7 @@ class OfPoints(OfHazard):
     def hazard(self) -> Hazard:
         """The curve through the points."""
         rates = self.frequencies or [1 / years for years in self.return_periods or ()]
-        with self.table.naming("intensities", "does not fit the others: "):
+        with self.table.naming("intensities", "does not fit the others: ", period="sa_period"):
             return HazardCurve(tuple(self.intensities), tuple(rates), **self.of)
 
 
@@ -204,7 +204,7 @@ class OfPowerLaw(OfHazard):
         """The law in SI units."""
         intensity = INTENSITIES[self.measure]
         unit = intensity.size(self.table.value("units", Word(intensity.spellings))) or 1.0
-        with self.table.naming("k"), np.errstate(over="ignore"):
+        with self.table.naming("k", period="sa_period"), np.errstate(over="ignore"):
             return PowerLawHazard(float(self.k0 * np.float64(unit) ** self.k), self.k, **self.of)
 
 
