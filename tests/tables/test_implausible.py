@@ -64,7 +64,7 @@ QUESTIONS = {
         *SOLID, {"a": SHAKEN, "b": SHAKEN}
     ),
     "recorded_gap: a and b are the same motion; ": lambda: sl.recorded_gap(
-        *SOLID, {"a": SHAKEN, "b": (1.3 * SHAKEN).round(3)}
+        *SOLID, {"a": SHAKEN, "b": (1.3 * SHAKEN).round(4)}
     ),
     "recorded_gap: UD is vertical by its name": lambda: sl.recorded_gap(*SOLID, {"UD": SHAKEN}),
     "recorded_gap: record: its peak is 2.683 g": lambda: sl.recorded_gap(*SOLID, 9.81 * SHAKEN),

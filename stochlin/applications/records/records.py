@@ -34,7 +34,7 @@ _CURE = "correct it, or leave it out"
 _IN_BUILDING = re.compile(
     r"\b(?:roof|floor|stor(?:e?y|ies)|azotea|techo|piso|dach|toit|tetto)\b", re.IGNORECASE
 )
-SAME_SHAPE = 1e-3  # of motions over their peaks: digits that are left out in files
+SAME_SHAPE = 1e-3  # difference over the peak, of digits that are left out in files
 SHORTEST_STEP = 1e-6  # s, of a file
 # Of any record, with room for all numbers of a response: of structures with periods from 1e-9 to 1e9 s
 # displacements are below 1e60 m, and the squares of their squares below the largest number, 1e308.
@@ -182,12 +182,18 @@ def _peak_over_others(magnitude: Array) -> float:
 
 def copies(motions: Sequence[Array]) -> Iterator[tuple[int, int]]:
     """Numbers of two motions that differ by a factor alone, the first and each later one."""
-    shapes = [motion / motion[np.argmax(np.abs(motion))] for motion in motions]
-    for later, shape in enumerate(shapes):
-        for first, other in enumerate(shapes[:later]):
-            if shape.size == other.size and np.abs(shape - other).max() < SAME_SHAPE:
-                yield first, later
-                break
+    for later, motion in enumerate(motions):
+        alike = (n for n, other in enumerate(motions[:later]) if _same_shape(motion, other))
+        if (first := next(alike, None)) is not None:
+            yield first, later
+
+
+def _same_shape(motion: Array, other: Array) -> bool:
+    """Whether a motion is another one times a factor, by least squares."""
+    if motion.size != other.size:
+        return False
+    factor = (motion @ other) / (other @ other)
+    return bool(np.abs(motion - factor * other).max() < SAME_SHAPE * np.abs(motion).max())
 
 
 def _doubts(record: xr.DataArray, series: Series) -> Iterator[str]:
