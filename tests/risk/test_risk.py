@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import stochlin as sl
+from stochlin.applications.risk import risk as risk_module
 from stochlin.applications.risk.risk import allowed_rate
 
 GROUND = sl.named_ground("firm", intensity=0.01)
@@ -138,3 +139,17 @@ def test_risk_of_what_is_not_known_exactly_is_the_mean_of_the_rates_of_drawn_pai
     drawn = np.array([float(risk(one, 32, 50 + n).annual_rate) for n, one in enumerate(pairs)])
     error = np.hypot(drawn.std(ddof=1) / np.sqrt(24), float(table.annual_rate_standard_error))
     assert abs(drawn.mean() - float(table.annual_rate)) < 4 * error
+
+
+@pytest.mark.oracle
+def test_the_error_of_a_rate_contains_that_of_the_intensities(monkeypatch):
+    """Of yielding structures, by the same motions at many more intensities."""
+    pair = dict(zip(("first", "second"), YIELDING, strict=True))
+    motion = pair, GROUND, sl.PowerLawHazard(k0=0.02, k=2.5), (15.0, SHAPE, 0.0, 512, 3)
+    usual = risk_module.simulated_risk(*motion)
+    monkeypatch.setattr(risk_module, "POINTS", 97)
+    fine = risk_module.simulated_risk(*motion)
+    for gap in (0.05, 0.1, 0.2):
+        off = abs(usual.rate(gap)[0] - fine.rate(gap)[0])
+        assert off <= max(2 * usual.quadrature_error(gap), 0.005 * fine.rate(gap)[0])
+        assert off < usual.rate(gap)[1]

@@ -36,6 +36,17 @@ class SeparationsByIntensity(NamedTuple):
     separation: Array  # (paths, n) [m]
     power: float = 1.0  # exponent of the intensity in the separation of linear structures; 0.5 for S0
 
+    def every_other(self) -> SeparationsByIntensity:
+        """Those at every other intensity, with both ends of an odd number."""
+        return self._replace(intensity=self.intensity[::2], separation=self.separation[:, ::2])
+
+    def joined(self, other: SeparationsByIntensity) -> SeparationsByIntensity:
+        """These and those of the same motions at other intensities, in increasing order."""
+        intensity = np.append(self.intensity, other.intensity)
+        order = np.argsort(intensity)
+        separation = np.hstack([self.separation, other.separation])[:, order]
+        return self._replace(intensity=intensity[order], separation=separation)
+
     def crossings(self, gap: float) -> tuple[Array, Array]:
         """Lower and upper intensity of pounding for each motion and interval (paths, n + 1).
 

@@ -20,7 +20,7 @@ from stochlin.applications.risk.rates import SeparationsByIntensity, simulated_s
 from stochlin.applications.sites.intensity import scale_ground
 from stochlin.applications.sites.simulated_spectra import PGA_STEP
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.parallel import Progress
+from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.messages import ImplausibleInput, brief
 from stochlin.models.arguments import (
     Duration,
@@ -45,7 +45,8 @@ from stochlin.solver.tables import labels
 from stochlin.solver.tables.cells import over_cells
 from stochlin.solver.tables.checks import check_duration, standing
 
-POINTS = 13  # number of simulated intensities
+POINTS = 25  # least number of simulated intensities, odd, so that every other one has both ends
+TYPICAL = 0.25, 0.5, 0.75  # quantiles of all separations, gaps for which intensities are close enough
 RETURN_PERIODS = (5.0, 2e5)  # [yr] of the lowest and highest intensity of a hazard without a table
 NORMAL = 1.96  # standard errors from a mean to the ends of its 95 % interval
 CLOSE = 1e-6  # relative tolerance of a required gap
@@ -100,7 +101,8 @@ def pounding_risk(
     scatter
         As in `separation`.
     paths : int
-        Number of motions at each of 13 intensities.
+        Number of motions at each of 25 intensities, or of 49 where the interpolation between 25 has a
+        larger error than the motions.
     seed, progress
         As in `separation`.
 
@@ -325,8 +327,31 @@ class SimulatedRisk(NamedTuple):
         return np.maximum(begin - end, 0.0)
 
     def rate(self, gap: float) -> tuple[float, float]:
-        """Mean annual frequency of pounding [1/yr], and its standard error."""
-        return mean_with_error(self.rates(gap).sum(axis=1))
+        """Mean annual frequency of pounding [1/yr], and its standard error.
+
+        The latter is that of the motions together with `quadrature_error`.
+        """
+        mean, error = mean_with_error(self.rates(gap).sum(axis=1))
+        return mean, float(np.hypot(error, self.quadrature_error(gap)))
+
+    def quadrature_error(self, gap: float) -> float:
+        """Error [1/yr] of the rate by the interpolation between intensities.
+
+        It is about as large as the change with half of them: two to four times more then, since motions
+        of yielding structures pound at some intensities and not at stronger ones.
+        """
+        half = self._replace(motions=self.motions.every_other())
+        change = (self.rates(gap).sum(axis=1) - half.rates(gap).sum(axis=1)).mean()
+        return abs(float(change))
+
+    def is_coarse(self) -> bool:
+        """Whether the error by the interpolation exceeds that of the motions for a typical gap."""
+        known = self.motions.separation[np.isfinite(self.motions.separation)]
+        for gap in np.quantile(known, TYPICAL) if known.size else ():
+            _, error = mean_with_error(self.rates(gap).sum(axis=1))
+            if self.quadrature_error(gap) > error:
+                return True
+        return False
 
     def unseen_rates(self, gap: float) -> tuple[Array, Array]:
         """Largest annual frequency of pounding [1/yr] above and below the table, of each motion.
@@ -351,8 +376,9 @@ class SimulatedRisk(NamedTuple):
         """
         rates = self.rates(gap).sum(axis=1)
         stronger, weaker = self.unseen_rates(gap)
-        mean, error = mean_with_error(rates)
-        most, error_of_most = mean_with_error(rates + stronger + weaker)
+        mean, error = self.rate(gap)
+        most, of_motions = mean_with_error(rates + stronger + weaker)
+        error_of_most = float(np.hypot(of_motions, self.quadrature_error(gap)))
         ends = mean, max(mean - NORMAL * error, 0.0), most + NORMAL * error_of_most
         return dict(zip(labels.VALUE_AND_ENDS, ends, strict=True))
 
@@ -362,17 +388,23 @@ class SimulatedRisk(NamedTuple):
         _, error = self.rate(gap)
         rates = self.rate_with_ends(gap)
         stronger, weaker = self.unseen_rates(gap)
+        # A table has the same intensities in all cells, also where others were added between them.
+        step = (motions.intensity.size - 1) // (POINTS - 1)
+        shown, intervals = motions.intensity[::step], np.arange(1, motions.intensity.size, step)
+        by_interval = np.add.reduceat(
+            self.rates(gap).mean(axis=0), [0, *intervals, motions.intensity.size]
+        )
         attrs = {"units": UNITS[hazard.measure], "long_name": f"intensity, {hazard.measure}"}
-        axis = {"intensity": ("intensity", motions.intensity, attrs)}
-        samples = xr.DataArray(motions.separation, dims=("path", "intensity"), coords=axis)
-        begin = {"from_intensity": ("from_intensity", np.append(0.0, motions.intensity), attrs)}
+        axis = {"intensity": ("intensity", shown, attrs)}
+        samples = xr.DataArray(motions.separation[:, ::step], dims=("path", "intensity"), coords=axis)
+        begin = {"from_intensity": ("from_intensity", np.append(0.0, shown), attrs)}
         return xr.Dataset(
             {
                 **{f"annual_rate{end}": rate for end, rate in rates.items()},
                 "annual_rate_standard_error": error,
                 "annual_rate_unseen": float(stronger.mean()),
                 "annual_rate_unseen_weaker": float(weaker.mean()),
-                "annual_rate_by_intensity": ("from_intensity", self.rates(gap).mean(axis=0)),
+                "annual_rate_by_intensity": ("from_intensity", by_interval),
                 **{
                     f"probability_in_years{end}": -np.expm1(-rate * years) for end, rate in rates.items()
                 },
@@ -429,8 +461,15 @@ def simulated_risk(
         goal: dict[str, Any] = {hazard.measure: 1.0, "period": hazard.period}
         scaled = scale_ground(usual, duration, envelope, seed=seed, **goal)
         power, of_one = 1.0, float(scaled.arrays()["intensity"])
-    factors = of_one / float(usual.arrays()["intensity"]) * levels ** (2 * power)
     options: dict[str, Any] = {"duration": duration, "envelope": envelope, "scatter": scatter}
     options |= {"paths": paths, "seed": seed}
-    separations = simulated_separations(pair, ground, levels, factors, power, progress, **options)
-    return SimulatedRisk(separations, hazard)
+
+    def simulated(at: Array, part: Progress | None) -> SeparationsByIntensity:
+        factors = of_one / float(usual.arrays()["intensity"]) * at ** (2 * power)
+        return simulated_separations(pair, ground, at, factors, power, part, **options)
+
+    risk = SimulatedRisk(simulated(levels, part_of(progress, 0.0, 0.5)), hazard)
+    if risk.is_coarse():
+        between = simulated(np.sqrt(levels[:-1] * levels[1:]), part_of(progress, 0.5, 1.0))
+        risk = risk._replace(motions=risk.motions.joined(between))
+    return risk
