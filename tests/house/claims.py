@@ -151,6 +151,28 @@ def motions() -> dict[str, Any]:
     }
 
 
+def sides() -> dict[str, Any]:
+    """The gap for 90 % to one side over that to either side, of elastic pairs and at R = 6."""
+
+    def ratios(**strength: float) -> Any:
+        found: list[Any] = []
+        for ground, periods in rules.GROUNDS.values():
+            for period in periods:
+                ratio_of = (*rules.RATIOS.values, 1.0)
+                row = [sl.Bilinear(ratio * period, 0.05, **strength) for ratio in ratio_of]
+                motion = {"duration": rules.DURATION, "envelope": rules.QUAKE, "paths": 4096}
+                apart = sl.simulate(row, ground, scatter=0.0, **motion).separation.values
+                ahead, behind = apart[:, :-1, -1], apart[:, -1, :-1]
+                one, either = (
+                    np.quantile(gaps, rules.CONFIDENCE, axis=0)
+                    for gaps in (ahead, np.maximum(ahead, behind))
+                )
+                found.extend(one / either)
+        return np.array(found)
+
+    return {"elastic": ratios(), "yielding": ratios(hardening=0.05, reduction_factor=6)}
+
+
 def crossings() -> dict[str, Any]:
     """Formulas against simulation for elastic pairs: the confidence [-], and the gap [%]."""
     errors = elastic_pairs.errors()
