@@ -20,7 +20,7 @@ EXAMPLE = short_example()
 SITE = 'ground = "firm"\nintensity = "0.01 m^2/s^3"'
 CODE = 'spectrum = "eurocode_8"\nag = "0.25 g"\nsoil = "C"\n'
 BUILDING = EXAMPLE[EXAMPLE.index('period = "1.0 s"') : EXAMPLE.index("[building_2]")]
-STRENGTH = "reduction_factor = 4            # or yield_displacement, ductility, elastic = true\n"
+STRENGTH = EXAMPLE[EXAMPLE.index("reduction_factor = 4") : EXAMPLE.index('height = "24 m"')]
 HARDENING = 'hardening = "5 %"               # stiffness after yielding over that before\n'
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from scipy import constants
 
 from stochlin.applications.cases.codes import APPLIED, APPLY, KIND, stated
 from stochlin.applications.cases.separation import WITH_SCATTER
@@ -63,6 +64,7 @@ MARKS = (
     "Marks: S, compared with its source; C, derived and checked; P, in the text of the paper; M, not "
     "compared with its source."
 )
+OF_R = "R is three standard deviations of the stationary elastic displacement over that at yield."
 SIGNED = "Date, prepared by, checked by:"
 OF_TWO = "needs a second building"  # the reason why a rule is not available
 
@@ -246,11 +248,29 @@ def _ductilities(table: xr.Dataset) -> str:
     return f"Mean peak ductility: {' and '.join(shown)}."
 
 
+def _strengths(answer: CaseAnswer) -> str:
+    """Displacement, share of the weight and R at which each oscillator yields."""
+    table, parts = answer.separation, []
+    for number, building in enumerate(answer.case.buildings, start=1):
+        at_yield, factor = (
+            float(table.get(f"{name}_{number}", np.nan))
+            for name in ("yield_displacement", "reduction_factor")
+        )
+        if building.has_storeys or not np.isfinite([at_yield, factor]).all():
+            continue
+        share = at_yield * (2 * np.pi / building.period) ** 2 / constants.g
+        parts.append(
+            f"{building.name} at {length(at_yield)}, {share:.2g} of its weight, R = {factor:.3g}"
+        )
+    return f"Yielding: {'; '.join(parts)}. {OF_R}" if parts else ""
+
+
 def details(answer: CaseAnswer, on_page: bool = False) -> list[Text]:
     """The shaking, its fit that a page draws, ductilities and drifts."""
     case = answer.case
     motions = fit_in_words(answer.spectrum, case.periods)
-    moved = [_ductilities(answer.separation), yielding_modes(case), _storeys(answer)]
+    of_yielding = [_strengths(answer), yielding_modes(case)]
+    moved = [_ductilities(answer.separation), *of_yielding, _storeys(answer)]
     return texts([shaking(answer.shaking, case), *([] if on_page else motions), *moved])
 
 
