@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -17,6 +17,9 @@ from stochlin.views.shared.screen import (
     progress_bar,
     show,
 )
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 GROUNDS = "white-noise, kanai-tajimi, or a named ground such as firm or sct_1985_ns."
 METHODS = "linearization, white_noise, effective or simulation."
@@ -67,9 +70,30 @@ def rho(out: Path | None, method: Any, **options: Any) -> None:
             table = correlate(first, second, ground, method, **chosen, progress=progress)
         click.echo(f"# {table.attrs['title']}")
         show(f"# {line}" for line in roles_in_words(table.attrs, "first", "second", "ground"))
-        if "comment" in table.attrs:
-            click.echo(f"# {table.attrs['comment']}")
+        if comment := of_these(table) or table.attrs.get("comment"):
+            click.echo(f"# {comment}")
         click.echo(on_screen(table))
         if out is not None:
             save_table(table, out)
             click.echo(f"# saved {out}")
+
+
+def of_these(table: xr.Dataset) -> str:
+    """The errors of linearization for the pairs of a table, by its bias; empty if any is not known."""
+    names = "bias", "bias_1", "bias_2", "relative_displacement_bias"
+    if not all(name in table and bool(table[name].notnull().all()) for name in names):
+        return ""
+    of_rho, first, second, apart = (table[name] for name in names)
+    if not of_rho.any() and not apart.any():  # of elastic structures
+        return ""
+    return (
+        f"Caution: against the drift closure, linearized \N{GREEK SMALL LETTER RHO} is off by "
+        f"{_span(of_rho)}, the standard deviations by {_span(100 * first)} % and "
+        f"{_span(100 * second)} %, and that of u1 - u2, to which a gap is proportional, "
+        f"by {_span(100 * apart)} %."
+    )
+
+
+def _span(values: xr.DataArray) -> str:
+    """The least and the largest of some errors."""
+    return " to ".join(dict.fromkeys(f"{float(end):+.2g}" for end in (values.min(), values.max())))
