@@ -40,7 +40,7 @@ def moments(pairs, ground, closure):
     side = drifting_side(solved.values)
     one, two = solved.parts
     sides = on_arrays(lambda x: x[..., one], side), on_arrays(lambda x: x[..., two], side)
-    return [*(own.std for own in sides), drifting_correlation(*sides)]
+    return [*(np.sqrt(own.variance) for own in sides), drifting_correlation(*sides)]
 
 
 def renewed(pairs):

@@ -172,7 +172,7 @@ def test_correlation_of_drifts_is_one(coherence, shares_1, shares_2, ratio):
     both = [np.array(s)[:, None] / max(sum(s), 1e-300) for s in (shares_1, shares_2)]
 
     def side(shares, rate):
-        return drift.DriftingSide(None, None, None, None, rate, np.sqrt(2 * rate * shares))
+        return drift.DriftingSide(None, rate, np.sqrt(2 * rate * shares))
 
     first, second = side(both[0], 1.0), side(both[1], ratio)
     found = drift.drift_covariance(np.array([coherence]), first, second)

@@ -13,6 +13,7 @@ from stochlin.kernels.linearization import covariance, grounds
 from stochlin.kernels.linearization.covariance import (
     EquivalentSystem,
     Forcing,
+    motion_of,
     own_covariance,
     pair_covariance,
     stable,
@@ -92,7 +93,7 @@ def _pair(first, second, soil, filters):
     """`linearized_pair`; the ground is that of `grounds.clough_penzien`, filled up."""
     system_1, forcing_1, std_1 = _structure(first, soil, filters)
     system_2, forcing_2, std_2 = _structure(second, soil, filters)
-    joint = pair_covariance(system_1, forcing_1, system_2, forcing_2)
+    joint = pair_covariance(motion_of(system_1, forcing_1), motion_of(system_2, forcing_2))
     return joint / (std_1 * std_2), std_1, std_2
 
 

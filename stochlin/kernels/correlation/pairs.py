@@ -17,7 +17,7 @@ from stochlin.kernels.correlation.errors import (
     error_of_difference,
     std_of_difference,
 )
-from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing, pair_covariance
+from stochlin.kernels.linearization.covariance import Motion, pair_covariance
 from stochlin.kernels.linearization.drift import DriftingSide, drifting_correlation
 
 EQUAL = 1e-12  # difference of two correlations that is a rounding error
@@ -31,9 +31,15 @@ ALIKE = 0.015
 class Linear(NamedTuple):
     """Structures by linearization."""
 
-    system: EquivalentSystem
-    forcing: Forcing
+    motion: Motion
+    variance: Array  # covariance of the displacement with itself by `pair_covariance`
     std: Array
+
+    @classmethod
+    @np.errstate(all="ignore")  # failed structures are NaN
+    def of(cls, motion: Motion, std: Array) -> Linear:
+        """Structures with this motion and this standard deviation of the displacement."""
+        return cls(motion, pair_covariance(motion, motion), std)
 
 
 class Drifting(NamedTuple):
@@ -60,8 +66,8 @@ class Compared(NamedTuple):
 
 def linear_pair(first: Linear, second: Linear) -> Array:
     """The correlation by linearization."""
-    joint = pair_covariance(first.system, first.forcing, second.system, second.forcing)
-    return _bounded(joint / (first.std * second.std))
+    joint = pair_covariance(first.motion, second.motion)
+    return _bounded(joint / np.sqrt(first.variance * second.variance))
 
 
 def drifting_pair(errors: Array, first: Drifting, second: Drifting) -> tuple[Array, ...]:

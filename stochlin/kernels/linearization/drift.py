@@ -15,14 +15,14 @@ import numpy as np
 from numpy.polynomial.laguerre import laggauss, lagvander
 from scipy.special import erf, factorial
 
-from stochlin.kernels.basics.arrays import Array, solve_3x3
+from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.covariance import (
     EquivalentSystem,
-    Forcing,
-    at_poles,
-    coordinates,
+    Motion,
+    displacement_covariance,
     own_covariance,
-    pair_covariance,
+    residues,
+    velocity_covariance,
 )
 from stochlin.kernels.linearization.filters import Filter
 from stochlin.kernels.linearization.gaussian import SlipQuadrant, slip_quadrant
@@ -34,8 +34,6 @@ MOTION = 1e6  # time over which the drift can grow from rest, in elastic periods
 DOUBLINGS = 3  # half-cycles are followed one by one up to 2^3, and then by steps of these
 TAYLOR = 1 / factorial(np.arange(13))  # coefficients of the series of an exponential
 SMALL = 0.5  # largest rate of a matrix to which the series is applied
-
-NOISE = Forcing(0.0, 1.0, 0.0)  # type: ignore[arg-type]  # white noise of the intensity 1
 
 _EXCESS, _WEIGHT = laggauss(NODES)
 _POLYNOMIALS = _WEIGHT * lagvander(_EXCESS, ORDERS).T  # (orders + 1, nodes), times the weights
@@ -187,25 +185,18 @@ def _exponentials(matrices: Array, rates: Array) -> Array:
 class DriftingSide(NamedTuple):
     """What the correlation of two drifting structures takes of each; all arrays (n,)."""
 
-    system: EquivalentSystem
-    forcing: Forcing
-    std: Array  # of the displacement with its drift
-    unit: Array  # std of the velocity under white noise of the intensity 1
+    motion: Motion
     rate: Array  # relaxation rate of the drift [1/s]
     kicks: Array  # (ORDERS + 1, n) square roots of the intensities of the drift by order
+    noisy: Any = 1.0  # variance of the velocity under white noise of the intensity 1
+    variance: Any = 1.0  # of the displacement with its drift
 
-
-def innovation_coherence(first: DriftingSide, second: DriftingSide) -> Array:
-    """Correlation of the velocities of two equivalent systems under one white noise, eq. (7).
-
-    It is a measure of what is new and common to both responses in every half-cycle, without a spectral
-    line of the ground that both follow.
-    """
-    matrix = coordinates(first.system, NOISE)
-    right: Any = -1.0, second.system.relaxation + matrix.damping, -matrix.slip  # as in `pair_row`
-    row = solve_3x3(at_poles(second.system, first.system, matrix), right)
-    joint = 2 * (matrix.soft * row[0] + matrix.damping * row[1] - matrix.coupling * row[2])
-    return np.minimum(np.maximum(joint / (first.unit * second.unit), -1.0), 1.0)
+    @classmethod
+    def of(cls, motion: Motion, rate: Array, kicks: Array) -> DriftingSide:
+        """A structure, whose variances are its covariances with itself by the formulas of pairs."""
+        noisy = velocity_covariance(motion, motion, residues(motion, motion))
+        side = cls(motion, rate, kicks, noisy)
+        return side._replace(variance=drifting_correlation(side, side))
 
 
 def drift_covariance(coherence: Array, first: DriftingSide, second: DriftingSide) -> Array:
@@ -223,6 +214,12 @@ def drift_covariance(coherence: Array, first: DriftingSide, second: DriftingSide
 
 def drifting_correlation(first: DriftingSide, second: DriftingSide) -> Array:
     """Correlation of two displacements with their drifts: at most 1, and 1 for equal structures."""
-    joint = pair_covariance(first.system, first.forcing, second.system, second.forcing)
-    joint = joint + drift_covariance(innovation_coherence(first, second), first, second)
-    return joint / (first.std * second.std)
+    of_pair = residues(first.motion, second.motion)
+    # Eq. (7), the correlation of the velocities of both equivalent systems under one white noise. It
+    # measures what is new and common to both responses in every half-cycle, without a spectral line of
+    # the ground that both follow.
+    coherence = velocity_covariance(first.motion, second.motion, of_pair)
+    coherence = np.clip(coherence / np.sqrt(first.noisy * second.noisy), -1.0, 1.0)
+    joint = displacement_covariance(first.motion, second.motion, of_pair)
+    joint = joint + drift_covariance(coherence, first, second)
+    return joint / np.sqrt(first.variance * second.variance)

@@ -22,7 +22,7 @@ from stochlin.kernels.correlation.pairs import (
     linear_pair,
     over_pairs,
 )
-from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing
+from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing, motion_of
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import DRIFT, Structure
 from stochlin.solver.correlation.signatures import drifting
@@ -60,7 +60,7 @@ def linearized_pairs(
         return _table(solved, drifts, partial(drifting_pair, errors), DRIFTING)
     values = solved.values
     system, forcing = EquivalentSystem(*values["system"]), Forcing(*values["forcing"])
-    linear = Linear(system, forcing, values["displacement_std"])
+    linear = Linear.of(motion_of(system, forcing), values["displacement_std"])
     if not bias:
         return _table(solved, linear, linear_pair, COMPARED[:1])
     compared = Compared(linear, values["bias"], drifting(solved.by_drift, tolerance))

@@ -21,8 +21,8 @@ from stochlin.kernels.basics.slabs import in_ranges
 from stochlin.kernels.correlation.corrections import AXES, ENTRIES, LEFT, Nearness, Signature
 from stochlin.kernels.correlation.errors import BOUNDS
 from stochlin.kernels.correlation.pairs import Drifting, over_pairs
-from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing, own_covariance
-from stochlin.kernels.linearization.drift import NOISE, DriftingSide, drifting_correlation
+from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing, motion_of
+from stochlin.kernels.linearization.drift import DriftingSide, drifting_correlation
 from stochlin.models.grounds import Ground
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.structures import DRIFT
@@ -67,10 +67,9 @@ def drifting_side(values: Mapping[str, Array]) -> DriftingSide:
     """Structures of `solve_oscillators` by the drift closure."""
     system, forcing = EquivalentSystem(*values["system"]), Forcing(*values["forcing"])
     with np.errstate(all="ignore"):  # failed cells are NaN
-        std, rate = values["drift_std"], values["drift_rate"]
-        total = np.sqrt(own_covariance(system, forcing).mu_mu + std**2)
-        unit, kicks = own_covariance(system, NOISE).v_v, std * np.sqrt(2 * rate * values["drift_shares"])
-        return DriftingSide(system, forcing, total, np.sqrt(unit), rate, kicks)
+        rate = values["drift_rate"]
+        kicks = values["drift_std"] * np.sqrt(2 * rate * values["drift_shares"])
+        return DriftingSide.of(motion_of(system, forcing), rate, kicks)
 
 
 def solved_references(
@@ -145,7 +144,7 @@ def drifting(solved: Solved, tolerance: Tolerance) -> Drifting:
     side = drifting_side(values)
     for structure, part in zip(solved.structures, solved.parts, strict=True):
         if structure.yields and not isinstance(structure, Bilinear):
-            side.std[part] = np.nan
+            side.variance[part] = np.nan
     with np.errstate(all="ignore"):  # failed cells are NaN
         signature, nearness = _corrections(solved, side, tolerance)
     return Drifting(
