@@ -5,6 +5,7 @@ import pytest
 from cases import axis
 
 import stochlin as sl
+from stochlin.solver.correlation import pairs
 
 pytestmark = pytest.mark.invariant
 
@@ -117,3 +118,15 @@ def test_nothing_is_computed_before_it_is_asked_for():
         table = sl.correlate(*models(7, 5))
         assert "in chunks over" in table.attrs["first"]
         assert table.rho.chunks is not None
+
+
+def test_correlations_that_are_computed_alone_cost_no_bias(monkeypatch):
+    table = sl.correlate(*models(7, 5))
+
+    def refuse(*arguments):
+        raise ArithmeticError("the bias is computed")
+
+    monkeypatch.setattr(pairs, "judged", refuse)
+    assert np.isfinite(table[["rho", "displacement_std_1", "status"]].compute().rho).any()
+    with pytest.raises(ArithmeticError, match="the bias is computed"):
+        table.bias.compute()

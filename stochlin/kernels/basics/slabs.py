@@ -1,11 +1,14 @@
-"""Functions of large tables, computed in contiguous pieces (slabs) that fit the processor's cache.
+"""Functions of large tables, computed in pieces (slabs) that fit the processor's cache.
 
+A slab of a table is about as wide as it is high: what belongs to one row or column costs little.
 They run on one core: numpy's short operations on a slab would wait for one another in threads.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -13,7 +16,8 @@ import numpy.typing as npt
 
 from stochlin.kernels.basics.arrays import Array
 
-CHUNK = 8192  # cells of a slab
+CHUNK = 16384  # cells of a slab
+WIDTH = 128  # of these along the last dimension, of which the others are columns
 
 
 def in_slabs(
@@ -27,7 +31,7 @@ def in_slabs(
     shape = np.broadcast_shapes(*{array.shape for array in inputs})
     inputs = tuple(array.reshape((1,) * (len(shape) - array.ndim) + array.shape) for array in inputs)
     results = tuple(np.empty(shape, kind) for kind in kinds)
-    for slab in _slabs(shape, CHUNK):
+    for slab in _slabs(shape):
         outputs = function(*(_cut(slab, array) for array in inputs))
         outputs = outputs if isinstance(outputs, tuple) else (outputs,)
         for result, output in zip(results, outputs, strict=True):
@@ -40,20 +44,16 @@ def in_ranges(task: Callable[[slice], Any], cells: int, size: int = CHUNK) -> li
     return [task(slice(begin, min(begin + size, cells))) for begin in range(0, max(cells, 1), size)]
 
 
-def _slabs(shape: tuple[int, ...], cells: int) -> Iterator[tuple[slice, ...]]:
-    """Indices of contiguous slabs of an array of this shape, with at most ``cells`` cells each."""
-    inner, axis = 1, len(shape)
-    while axis > 0 and inner * shape[axis - 1] <= cells:
-        axis -= 1
-        inner *= shape[axis]
-    whole = (slice(None),) * (len(shape) - axis)
-    if axis == 0:
-        yield whole
-        return
-    step = max(1, cells // inner)
-    for lead in np.ndindex(*shape[: axis - 1]):
-        for begin in range(0, shape[axis - 1], step):
-            yield (*(slice(i, i + 1) for i in lead), slice(begin, begin + step), *whole)
+def _slabs(shape: tuple[int, ...]) -> Iterator[tuple[slice, ...]]:
+    """Indices of the slabs of an array of this shape."""
+    sizes = list[int]()
+    left = CHUNK
+    for axis in reversed(range(len(shape))):
+        widest = left if sizes else max(WIDTH, CHUNK // max(1, math.prod(shape[:axis])))
+        sizes.insert(0, max(1, min(shape[axis], widest, left)))
+        left //= sizes[0]
+    for begins in product(*(range(0, n, size) for n, size in zip(shape, sizes, strict=True))):
+        yield tuple(slice(begin, begin + size) for begin, size in zip(begins, sizes, strict=True))
 
 
 def _cut(slab: tuple[slice, ...], array: Array) -> Array:

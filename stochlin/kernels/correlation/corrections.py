@@ -45,11 +45,13 @@ def by_signatures(derived: Array, first: Signature, second: Signature) -> Array:
     """
     rho = first.ratio * second.ratio * (derived + LEFT) - LEFT
     rho = rho + product(first.simulated, second.simulated) - product(first.derived, second.derived)
-    return np.where(np.isnan(rho), derived, np.minimum(np.maximum(rho, -1.0), 1.0))
+    return np.where(np.isnan(rho), derived, np.clip(rho, -1.0, 1.0))
 
 
 def product(left: Array, right: Array) -> Array:
-    """Scalar products of vectors (k, ...)."""
+    """Scalar products of vectors (k, ...); those of a column and a row are a product of matrices."""
+    if left.ndim == right.ndim == 3 and left.shape[2] == right.shape[1] == 1:
+        return left[:, :, 0].T @ right[:, 0]
     total = left[0] * right[0]
     for n in range(1, len(left)):
         total = total + left[n] * right[n]
@@ -70,16 +72,19 @@ def by_nearness(rho: Array, first: Nearness, second: Nearness, unseen: Array) ->
     Also returned is the weight ``w`` of eq. (12) in it. ``unseen`` is the share of the variances of both
     structures that is independent of the references, ``f`` in eq. (13).
     """
-    q, n = 0.0 * first.trust, 0
+    apart = [place - other for place, other in zip(first.place, second.place, strict=True)]
+    q: Array | float = 0.0
+    rows = zip(first.matrix, second.matrix, strict=True)
     for i in range(AXES):
-        apart = first.place[i] - second.place[i]
+        along: Array | float = 0.0
         for j in range(i + 1):
-            entry = (first.matrix[n] + second.matrix[n]) / 2
-            q = q + (1.0 if i == j else 2.0) * entry * apart * (first.place[j] - second.place[j])
-            n += 1
-    share = first.trust * second.trust / (1 + (q / MIDDLE) ** 2)
+            entry, other = next(rows)
+            share = 0.5 if i == j else 1.0  # entries off the diagonal count twice in the mean of both
+            along += (share * entry + share * other) * apart[j]
+        q += along * apart[i]
+    weight = first.trust * second.trust / (1 + (q / MIDDLE) ** 2)
     left = 1 - rho
-    apart = np.log(q / (1 + q) / left)
-    known = np.isfinite(apart) & (share > 0)
-    mixed = 1 - left * np.exp(share * (WEIGHT * apart + SAFE * (1 + unseen)))
-    return np.where(known, mixed, rho), np.where(known, share, 0.0)
+    ratio = np.log(q / (1 + q) / left)
+    known = np.isfinite(ratio) & (weight > 0)
+    mixed = 1 - left * np.exp(weight * (WEIGHT * ratio + SAFE * (1 + unseen)))
+    return np.where(known, mixed, rho), np.where(known, weight, 0.0)

@@ -23,7 +23,7 @@ SAFE_SIDE = 0.06  # relative bias, on the safe side, of u_1 - u_2 of nearly equa
 
 def std_of_difference(std_1: Array, std_2: Array, rho: Array) -> Array:
     """Standard deviation of ``u_1 - u_2``."""
-    return np.hypot(_apart(std_1, std_2), np.sqrt(2 * _left(rho)) * np.sqrt(std_1) * np.sqrt(std_2))
+    return np.sqrt(_apart(std_1, std_2) ** 2 + 2 * std_1 * std_2 * _left(rho))
 
 
 def error_of_difference(
@@ -49,7 +49,7 @@ def bias_of_difference(
     std: Array, std_1: Array, std_2: Array, bias_1: Array, bias_2: Array, rho: Array, bias: Array
 ) -> Array:
     """Relative bias of ``std``, that of ``u_1 - u_2``, from those of both and that of ``rho``."""
-    true_rho = np.minimum(np.maximum(rho - bias, -1.0), 1.0)
+    true_rho = np.clip(rho - bias, -1.0, 1.0)
     truth = std_of_difference(std_1 / (1 + bias_1), std_2 / (1 + bias_2), true_rho)
     equal = (std == 0) & (truth <= np.sqrt(2 * NONE_LEFT) * std_1)  # but for rounding errors
     return np.where(equal, 0.0, std / truth - 1)

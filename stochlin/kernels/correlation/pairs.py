@@ -11,6 +11,7 @@ from stochlin.kernels.basics.arrays import Array, on_arrays
 from stochlin.kernels.basics.slabs import in_slabs
 from stochlin.kernels.correlation.corrections import Nearness, Signature, by_nearness, by_signatures
 from stochlin.kernels.correlation.errors import (
+    NONE_LEFT,
     OF_NEARLY_EQUAL,
     OF_OTHERS,
     bias_of_difference,
@@ -116,8 +117,9 @@ def _drifting(errors: Array, first: Drifting, second: Drifting) -> tuple[Array, 
 
 
 def _bounded(rho: Array) -> Array:
-    """``rho`` within -1 and 1; NaN where it is beyond by more than rounding."""
-    return np.where(np.abs(rho) <= 1 + ROUNDING, np.minimum(np.maximum(rho, -1.0), 1.0), np.nan)
+    """``rho`` from -1 to 1, where it is so but for rounding errors, and otherwise NaN."""
+    bounded = np.where(1 - rho < NONE_LEFT, 1.0, np.maximum(rho, -1.0))
+    return np.where(np.abs(rho) <= 1 + ROUNDING, bounded, np.nan)
 
 
 @np.errstate(all="ignore")  # pairs with extreme parameters are NaN
@@ -142,4 +144,4 @@ def over_pairs(
 
 def _taken(structures: Any, places: Array) -> Any:
     """The structures at these places."""
-    return on_arrays(lambda row: np.take(row, places, axis=-1), structures)
+    return on_arrays(lambda row: row.take(places, -1), structures)

@@ -179,9 +179,10 @@ def displacement_covariance(first: Motion, second: Motion, of_pair: Residues) ->
     k1, _, _, _, m2, m1, m0 = first
     k2, _, _, _, n2, n1, n0 = second
     joint = (k1 * n0 + k2 * m0) * of_pair.even_0
-    joint = joint - ((n0 - m0) + (k2 * m1 - k1 * n1)) * of_pair.odd_1
-    joint = joint - (k1 * n2 + k2 * m2 - (m1 + n1)) * of_pair.even_2
-    return (joint - (n2 - m2) * of_pair.odd_3) / of_pair.determinant
+    joint -= ((n0 - m0) + (k2 * m1 - k1 * n1)) * of_pair.odd_1
+    joint -= (k1 * n2 + k2 * m2 - (m1 + n1)) * of_pair.even_2
+    joint -= (n2 - m2) * of_pair.odd_3
+    return joint / of_pair.determinant
 
 
 def velocity_covariance(first: Motion, second: Motion, of_pair: Residues) -> Array:

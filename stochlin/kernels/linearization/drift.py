@@ -206,9 +206,11 @@ def drift_covariance(coherence: Array, first: DriftingSide, second: DriftingSide
     2)``, of which the factor ``2 sqrt(l1 l2)/(l1 + l2)`` remains for drifts that relax at the rates
     ``l1`` and ``l2``.
     """
-    square, total = coherence**2, 0.0 * coherence
+    square = coherence * coherence
+    total = 0.0 * coherence
     for order in range(ORDERS, -1, -1):
-        total = total * square + first.kicks[order] * second.kicks[order]
+        total *= square
+        total += first.kicks[order] * second.kicks[order]
     return coherence * total / (first.rate + second.rate)
 
 

@@ -13,15 +13,22 @@ from stochlin.models.arguments import Paths, RelaxationTimes, Seed, StepsPerPeri
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import Model
 from stochlin.models.rules.effective_properties import EffectiveRule, effective_rule
-from stochlin.models.structures import Structure
+from stochlin.models.structures import DRIFT, Structure
 from stochlin.solver.correlation.equation_4 import EQ_4, by_eq_4, effective_pair
-from stochlin.solver.correlation.pairs import SHOWN, difference, linearized_pairs
+from stochlin.solver.correlation.pairs import DIFFERENCE, SHOWN, difference, linearized_pairs
 from stochlin.solver.linearization.equivalent_systems import Solved, check_closure, solved_together
 from stochlin.solver.linearization.linearization import caution_in_words
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import Tolerance, check_table
-from stochlin.solver.tables.lazy import Cells, in_blocks
+from stochlin.solver.tables.lazy import Cells, in_blocks, is_lazy
 
+# Variables by linearization that are the same without the bias.
+WITHOUT_BIAS = (
+    "rho",
+    *(f"{name}_{n}" for name in SHOWN for n in (1, 2)),
+    "status",
+    f"{DIFFERENCE}_std",
+)
 Method = Literal["linearization", "white_noise", "effective", "simulation"]
 
 
@@ -157,6 +164,10 @@ def correlate(
     check_closure(second, closure)
     pairs = partial(_of_pairs, query)
     table = pairs(first, second, ground) if method == SIMULATION else in_blocks(pairs, models)
+    if method == "linearization" and closure != DRIFT and bias and is_lazy(models):
+        # What does not need the bias has blocks of its own, so that to compute it alone costs none.
+        alone = in_blocks(partial(_of_pairs, query._replace(bias=False)), models)
+        table = table.assign({name: alone[name] for name in WITHOUT_BIAS})
     labels.raise_if_lone_failure(table, "correlate", first, second, ground)
     last = labels.NOT_RESOLVED if method == SIMULATION else labels.TOO_STRONG
     table = labels.label(table, last=last)
