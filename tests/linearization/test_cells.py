@@ -34,3 +34,11 @@ def test_a_pair_of_numbers_that_does_not_converge_is_nan():
     pair = linearized_pair((1.0, 0.05, 0.05, 1e-30), (0.7, 0.05, 0.05, 0.01), (0.01,))
     assert np.isnan([pair.rho, pair.displacement_std_1]).all()
     assert pair.displacement_std_2 > 0
+
+
+@pytest.mark.parametrize("wrong", [np.nan, np.inf, 0.0])
+def test_a_pair_of_numbers_that_are_none_is_nan(wrong):
+    first = 1.0, 0.05, 0.05, wrong
+    pair = linearized_pair(first, (0.7, 0.05, 0.05, 0.01), (0.01, 2.0, 0.3))
+    assert np.isnan([pair.rho, pair.displacement_std_1]).all()
+    assert pair.displacement_std_2 > 0

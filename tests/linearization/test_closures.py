@@ -8,6 +8,7 @@ import pytest
 from scipy.integrate import quad
 
 from stochlin.kernels.linearization import gaussian
+from stochlin.kernels.linearization.balance import functions_of, interpolated
 
 pytestmark = [pytest.mark.oracle, pytest.mark.extreme]
 
@@ -57,12 +58,16 @@ def test_clipped_moments_and_regression_agree_with_integration():
 
 
 @pytest.mark.parametrize("closure", [gaussian.gaussian, gaussian.clipped])
-def test_slopes_are_those_of_the_values(closure):
-    latent = random_latent(80, seed=51).T
-    unknowns, step = np.array([*np.log(latent[:2]), np.arctanh(latent[2])]), 1e-5
-    for number, slopes in enumerate(closure(latent, NONE).slopes.swapaxes(0, 1)):
-        ends = []
-        for sign in (1, -1):
-            sv, sz, r = unknowns + sign * step * np.eye(3)[number][:, None]
-            ends.append(np.concatenate(closure(np.array([*np.exp([sv, sz]), np.tanh(r)]), NONE)[:2]))
-        np.testing.assert_allclose((ends[0] - ends[1]) / (2 * step), slopes, rtol=1e-6, atol=1e-6)
+def test_functions_of_one_number_are_those_of_the_closure(closure):
+    """For any velocity, and so that ``E[z z'] = 0``."""
+    rng = np.random.default_rng(51)
+    place = np.log(cases.log_uniform(rng, (0.25, 30.0), 80))
+    sv = cases.log_uniform(rng, (1e-3, 1e3), 80)
+    (slip, relaxation, z_z, correlated), _ = interpolated(functions_of(closure), place)
+    value = closure(np.array([sv, np.exp(place), np.tanh(correlated)]), NONE)
+    expected = np.exp([slip, relaxation + np.log(sv)])
+    np.testing.assert_allclose(value.coefficients, expected, rtol=1e-9)
+    np.testing.assert_allclose(value.covariance[1], np.exp(z_z), rtol=1e-12)
+    _, variance, covariance = value.covariance
+    kept = (1 - value.coefficients[0]) * covariance
+    np.testing.assert_allclose(kept, value.coefficients[1] * variance, rtol=1e-8)

@@ -1,7 +1,4 @@
-"""The array type of the kernels, and functions of arrays and small matrices.
-
-`choose` and `solve_3x3` are also compiled for numbers, by `correlation.bilinear_pair`.
-"""
+"""The array type of the kernels, and functions of arrays and small matrices."""
 
 from __future__ import annotations
 
@@ -37,10 +34,7 @@ def zeros_on_a_line(*shape: int) -> Array:
 
 
 def choose(condition: Any, yes: Any, no: Any) -> Any:
-    """``yes`` where the condition holds, otherwise ``no``; arrays, or named tuples of arrays.
-
-    In compiled code it is one of two numbers, or of two tuples of numbers.
-    """
+    """``yes`` where the condition holds, otherwise ``no``; arrays, or named tuples of arrays."""
     if isinstance(yes, tuple):
         return type(yes)(*(choose(condition, *parts) for parts in zip(yes, no, strict=True)))
     return np.where(condition, yes, no)

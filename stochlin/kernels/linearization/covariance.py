@@ -37,7 +37,7 @@ class EquivalentSystem(NamedTuple):
 def characteristic(w2: Array, d: Array, h: Array, p: Array, k: Array) -> tuple[Array, Array, Array]:
     """Characteristic polynomial ``(a2, a1, a0)`` of an `EquivalentSystem` with these coefficients.
 
-    This function and the two below take numbers too, and are called from compiled code.
+    This function and the next one take numbers too, and are called from compiled code.
     """
     return d + k, w2 + d * k - h * p, (w2 - h) * k
 
@@ -207,8 +207,6 @@ def pair_covariance(first: Motion, second: Motion) -> Array:
 FORMULAS = (
     characteristic,
     hurwitz,
-    stable,
-    linear_system,
     own_covariance,
     motion_of,
     residues,

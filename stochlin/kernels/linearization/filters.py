@@ -103,6 +103,11 @@ class Filter:
         )
 
     @property
+    def in_closed_form(self) -> bool:
+        """Whether the filter is of oscillators alone, or white noise."""
+        return len(self.oscillators) == len(self.states)
+
+    @property
     def growth(self) -> float:
         """Largest rate [1/s] at which free motions grow, below 0 if they decay, over all cells.
 
@@ -142,11 +147,9 @@ class Filter:
 
     def forcing(self, system: EquivalentSystem) -> Forcing:
         """Covariances of the forcing with the structure's states."""
-        if not self.states:
-            zero = np.zeros_like(system.stiffness * self.intensity)
-            return Forcing(zero, np.pi * self.intensity + zero, zero)
-        if self.oscillators:
-            return Forcing(*self._solved(system)[0])
+        if self.in_closed_form:
+            ground = self.intensity, *self.oscillators
+            return grounds.forcing_of(system, ground, len(self.oscillators) // 2)
         output = self.arrays.output
         return Forcing(*((output * row).sum(axis=-1) for row in self.correlations(system)))
 

@@ -12,14 +12,11 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from numpy.polynomial.legendre import leggauss
 from scipy.special import gamma, ndtr, owens_t
 
 from stochlin.kernels.basics.arrays import Array
 
-SQRT_2PI, ROOT_HALF = math.sqrt(2 * math.pi), math.sqrt(0.5)
-_X, _W = 0.5 * np.array(leggauss(48))
-NODES = tuple(zip((0.5 + _X).tolist(), _W.tolist(), strict=True))  # of the range from 0 to 1
+SQRT_2PI = math.sqrt(2 * math.pi)
 # Series of E[x^2; |x| < h]/(h^3 phi(h)) in h^2/2 for h < 1, the highest term first.
 NARROW = tuple(math.gamma(2.5) / (1.5 * math.gamma(2.5 + n)) for n in range(14, -1, -1))
 
@@ -33,7 +30,6 @@ class ClosureValue(NamedTuple):
 
     coefficients: Array  # (2, n): 1 + c_e and k_e
     covariance: Array  # (3, n): Var v, Var z, Cov(v, z) of the assumed density
-    slopes: Array | None = None  # (5, 3, n) of both by log sv, log sz and atanh r, if known
 
 
 Closure = Callable[[Array, Array], ClosureValue]  # of the latent moments and the law's parameters
@@ -48,9 +44,7 @@ def gaussian_covariance(latent: Array) -> Array:
 class SlipQuadrant(NamedTuple):
     """Moments of ``x = v/sv`` over the quadrant ``v > 0, z > 1``, where the bilinear law slips.
 
-    The last five fields are the terms of which the moments consist, with ``a = r/q``. The slopes of
-    ``E[x^k; v > 0, z > 1]`` by ``h`` and ``r`` are ``-m_k`` and ``k m_(k-1)``, where ``m_k`` is the
-    integral of ``x^k`` along the edge ``z = 1``; that of the probability by ``r`` is ``corner/q``.
+    The last five fields are the terms of which the moments consist, with ``a = r/q``.
     """
 
     probability: Array  # P(v > 0, z > 1)
@@ -115,18 +109,8 @@ def gaussian(latent: Array, parameters: Array) -> ClosureValue:
     ``E`` the ``edge`` and ``corner`` of `SlipQuadrant`.
     """
     sv, sz, r = latent
-    probability, _, _, h, q, edge, corner, flow = slip_quadrant(sz, r)
-    none, twice, relaxation = 0 * r, 2 * sv * h, 2 * sv * h * flow
-    by_sz = relaxation * (h * h - 1) - twice * h * r * edge
-    covariance = vv, zz, vz = gaussian_covariance(latent)
-    slopes = (
-        (none, 2 * h * edge, 2 * q * corner),
-        (relaxation, by_sz, twice * q * (q * h * edge - r * corner)),
-        (2 * vv, none, none),
-        (none, 2 * zz, none),
-        (vz, vz, q * q * sv * sz),
-    )
-    return ClosureValue(np.array([2 * probability, relaxation]), covariance, np.array(slopes))
+    probability, _, _, h, _, _, _, flow = slip_quadrant(sz, r)
+    return ClosureValue(np.array([2 * probability, 2 * sv * h * flow]), gaussian_covariance(latent))
 
 
 def clipped(latent: Array, parameters: Array) -> ClosureValue:
@@ -136,37 +120,7 @@ def clipped(latent: Array, parameters: Array) -> ClosureValue:
     coefficients are those of the linear regression of the slip rate ``v - G`` on ``(v, z)``.
     """
     sv, sz, r = latent
-    _, first, second, h, q, edge, _, flow = slip_quadrant(sz, r)
+    _, first, second, h, _, _, _, _ = slip_quadrant(sz, r)
     inside, inside_square, outside = within_yield(h)
-    vv, vz, share = sv * sv, r * sv * sz * inside, sz * sz * inside_square
-    covariance = np.array([vv, share + outside, vz])
-    by_v, by_z = 2 * vv * second, 2 * sv * first
-    coefficients = slip, relaxation = regress_slip(by_v, by_z, covariance)
-    none, across = 0 * r, q * q
-    along = np.array(
-        [
-            (2 * vv, none, none),
-            (none, 2 * share, none),
-            (vz, vz - r * sv * 2 * np.exp(-0.5 * h * h) / SQRT_2PI, across * sv * sz * inside),
-            (2 * by_v, 2 * vv * h * (r * h * flow + across * edge), 4 * vv * across * flow),
-            (by_z, 2 * sv * h * flow, 2 * sv * across * edge),
-        ]
-    )
-    of_v = along[3] - slip * along[0] - relaxation * along[2]
-    of_z = along[4] - slip * along[2] - relaxation * along[1]
-    slopes = np.concatenate([regress_slip(of_v, of_z, covariance), along[:3]])
-    return ClosureValue(coefficients, covariance, slopes)
-
-
-def gaussian_of_numbers(sv: float, sz: float, r: float) -> tuple[float, float]:
-    """The coefficients of `gaussian` for a single structure, for compiled code.
-
-    The probability at the correlation ``sin(angle)`` is the integral of its slope by the angle from 0.
-    """
-    h, q, angle, grown = 1 / sz, math.sqrt((1 - r) * (1 + r)), math.asin(r), 0.0
-    for node, weight in NODES:
-        grown += weight * math.exp(-0.5 * (h / math.cos(angle * node)) ** 2)
-    probability = 0.25 * math.erfc(h * ROOT_HALF) + angle * grown / (2 * math.pi)
-    edge = math.exp(-0.5 * h * h) / SQRT_2PI * 0.5 * math.erfc(-r / q * h * ROOT_HALF)
-    corner = math.exp(-0.5 * (h / q) ** 2) / (2 * math.pi)
-    return 2 * probability, 2 * sv * h * (r * h * edge + q * corner)
+    covariance = np.array([sv * sv, sz * sz * inside_square + outside, r * sv * sz * inside])
+    return ClosureValue(regress_slip(2 * sv * sv * second, 2 * sv * first, covariance), covariance)

@@ -15,6 +15,8 @@ from typing import Any
 
 import numpy as np
 
+from stochlin.kernels.linearization.covariance import Forcing
+
 Pair = tuple[Any, Any]
 Rows = tuple[Pair, Pair, Pair]
 Signal = tuple[Any, Any, Any]
@@ -109,5 +111,28 @@ def clough_penzien(system: Any, ground: Any) -> tuple[Signal, Rows, Rows]:
     return _less_signal(signal, _signal(layer, of_layer)), of_soil, of_layer
 
 
+def forcing_of(system: Any, ground: Any, oscillators: int) -> Forcing:
+    """Forcing of a structure by white noise through none, one or two ``oscillators``.
+
+    The ``ground`` is that of `clough_penzien`, filled up with any numbers.
+    """
+    zero = 0.0 * system.stiffness * ground[0]
+    signal: Any = zero, np.pi * ground[0] + zero, zero
+    if oscillators == 1:
+        signal, _ = kanai_tajimi(system, (ground[0], ground[1], ground[2]))
+    elif oscillators == 2:
+        signal, _, _ = clough_penzien(system, ground)
+    return Forcing(signal[0], signal[1], signal[2])
+
+
 # Of numbers and of arrays: where each pair depends on the last one, they are compiled.
-FORMULAS = _apply, _divide, _sylvester, _signal, _less_signal, kanai_tajimi, clough_penzien
+FORMULAS = (
+    _apply,
+    _divide,
+    _sylvester,
+    _signal,
+    _less_signal,
+    kanai_tajimi,
+    clough_penzien,
+    forcing_of,
+)

@@ -23,6 +23,9 @@ from stochlin.kernels.basics.arrays import Array
 
 WEAK = 0.3  # standard deviation of the elastic ductility at which hardly any structure yields
 FIRST_RISE, LONGER, SHORTER, LEAST_RISE = 0.5, 2.0, 0.5, 1e-4  # rise of the logarithm of the shaking
+ALONG = 1e-6  # step of the differences for slopes of the mismatch
+LARGEST_STEP = 1.0  # largest step in log(sigma) and atanh(corr)
+LARGEST_MISMATCH = 1e-7  # largest norm of the mismatch of a converged cell
 NEAR = 0.05  # largest distance of a solution from its extrapolation for the same branch of solutions
 
 

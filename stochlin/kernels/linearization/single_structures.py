@@ -2,30 +2,46 @@
 
 The unknowns and the mismatch ``F`` are those of `iteration`. Steps follow from
 ``(c |F| - dF/dy) step = F``. The slopes ``dF/dy`` are those of the closure times those of the response
-by both coefficients, which are differences. This is pseudo-transient continuation (Kelley
+by both coefficients, all by differences. This is pseudo-transient continuation (Kelley
 and Keyes 1998, SIAM J. Numer. Anal. 35), which becomes Newton's method as ``F`` falls. Where it fails,
 or where a law may have several solutions, the solution is followed from weak to full shaking.
 """
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array, solve_3x3
+from stochlin.kernels.linearization.balance import (
+    UNIVERSAL,
+    BalancedStructures,
+    functions_of,
+    interpolated,
+)
 from stochlin.kernels.linearization.covariance import EquivalentSystem, own_covariance, stable
 from stochlin.kernels.linearization.filters import Filter
 from stochlin.kernels.linearization.gaussian import Closure
-from stochlin.kernels.linearization.iteration import FixedPoint, add, elastic_limit, follow, nothing
+from stochlin.kernels.linearization.iteration import (
+    ALONG,
+    LARGEST_MISMATCH,
+    LARGEST_STEP,
+    FixedPoint,
+    add,
+    elastic_limit,
+    follow,
+    nothing,
+)
 
 AT_LEVEL = 12  # iterations at one level of shaking
-ALONG = 1e-6  # step of the differences for the slopes
 MOVED = np.eye(2, 3, 1)[..., None]  # no change, and one of each coefficient
+STEPS = ALONG * np.eye(3, 4, 1)[..., None]  # the same of each unknown
 DAMPING = 0.5  # c, with which the bilinear law needs 6 steps on average and at most 16
-LARGEST_STEP = 1.0  # largest step in log(sigma) and atanh(corr)
+FEW = 30  # steps in two unknowns, after which there are three
+FEW_CELLS = 4  # cells that are solved by numbers in place of arrays
 STUCK = 24  # steps after which a cell takes a largest one, out of a least mismatch that is not zero
-LARGEST_MISMATCH = 1e-7  # largest norm of the mismatch of a converged cell
 
 
 class SingleStructures(NamedTuple):
@@ -49,13 +65,9 @@ class SingleStructures(NamedTuple):
 
     def closed(self, unknowns: Array) -> tuple[Array, Array]:
         """Coefficients and covariance (5, n) of the closure, and their slopes (5, 3, n)."""
-        coefficients, covariance, slopes = self.closure(moments_of(unknowns), self.parameters)
-        values = np.concatenate([coefficients, covariance])
-        if slopes is None:
-            steps = moments_of(unknowns[:, None] + ALONG * np.eye(3)[..., None]).reshape(3, -1)
-            moved = np.concatenate(self.closure(steps, np.tile(self.parameters, 3))[:2])
-            slopes = (moved.reshape(5, 3, -1) - values[:, None]) / ALONG
-        return values, slopes
+        steps = moments_of(unknowns[:, None] + STEPS).reshape(3, -1)
+        values = np.concatenate(self.closure(steps, np.tile(self.parameters, 4))).reshape(5, 4, -1)
+        return values[:, 0], (values[:, 1:] - values[:, :1]) / ALONG
 
     def mismatch(self, unknowns: Array) -> tuple[Array, Array]:
         """Mismatch (3, n) of the unknowns, and its slopes (3, 3, n).
@@ -79,7 +91,7 @@ class SingleStructures(NamedTuple):
         of_response = by_slip * slopes[0] + by_relaxation * slopes[1]
         return off[:, 0], of_response - np.array([*of_scales, of_corr / (1 - r * r)])
 
-    def step(self, unknowns: Array) -> tuple[Array, Array, Array]:
+    def step(self, unknowns: Array, number: int) -> tuple[Array, Array, Array]:
         """Step (3, n) from these unknowns, norm of their mismatch, and whether they are a solution."""
         off, slopes = self.mismatch(unknowns)
         norm = np.sqrt((off * off).sum(axis=0))
@@ -87,7 +99,10 @@ class SingleStructures(NamedTuple):
         step = np.array(solve_3x3(matrix, [*off]))
         step /= np.maximum(1.0, np.abs(step).max(axis=0) / LARGEST_STEP)
         change = np.abs([step[0], step[1], step[2] / np.cosh(unknowns[2]) ** 2]).max(axis=0)
-        return step, norm, (change <= self.rtol) & (norm <= LARGEST_MISMATCH)
+        done = (change <= self.rtol) & (norm <= LARGEST_MISMATCH)
+        if number % STUCK == 0:
+            step /= np.where(done, LARGEST_STEP, np.abs(step).max(axis=0)) / LARGEST_STEP
+        return step, norm, done
 
 
 @np.errstate(all="ignore")  # an iterate may belong to an unstable system, without moments
@@ -97,7 +112,8 @@ def solve_structures(
     """The fixed points of all cells, from the moments ``sv, sz, r`` (3, n) of the elastic response.
 
     In cells that have ``one_solution`` the iteration starts from the elastic response, with ``sz`` at
-    most 1. In the others, and where this fails, the solution is followed from weak to full shaking.
+    most 1, and has two unknowns where the closure is one of `balance`. In the others, and where this
+    fails, the solution is followed from weak to full shaking.
     ``max_iterations`` limits the steps of an iteration, and the levels of shaking along a branch.
 
     A cell has converged when a step changes the standard deviations by at most the share ``rtol``, and
@@ -105,6 +121,10 @@ def solve_structures(
     """
     elastic, solution = np.array([*np.log(start[:2]), np.arctanh(start[2])]), nothing(start)
     cells = np.flatnonzero(one_solution)
+    if problem.closure in UNIVERSAL and cells.size and problem.ground.in_closed_form:
+        limited = elastic_limit(elastic[:, cells], 1)
+        add(solution, cells, balanced(problem.at(cells), limited, max_iterations))
+        cells = np.flatnonzero(one_solution & ~solution.converged)
     if cells.size:
         limited = elastic_limit(elastic[:, cells], 1)
         add(solution, cells, iterate(problem.at(cells), limited, max_iterations))
@@ -119,8 +139,22 @@ def solve_structures(
     return solution
 
 
-def iterate(problem: SingleStructures, start: Array, most: int) -> FixedPoint:
-    """Take at most so many steps from these unknowns (3, n), each cell until it converges.
+def balanced(problem: SingleStructures, start: Array, most: int) -> FixedPoint:
+    """`iterate` in the first two of these unknowns, from which the third one follows."""
+    functions, n = functions_of(problem.closure), start.shape[1]
+    oscillators = problem.ground.oscillators
+    soil = np.ones((5, n))
+    for row, entry in zip(soil, (problem.ground.intensity, *oscillators), strict=False):
+        row[:] = entry
+    two = BalancedStructures(problem.structure, soil, len(oscillators) // 2, functions, problem.rtol)
+    solve = two.one_by_one if n <= FEW_CELLS else partial(iterate, two)
+    solution = solve(start[:2], min(most, FEW))
+    correlated, _ = interpolated(functions[:, 3:], solution.unknowns[1])
+    return solution._replace(unknowns=np.concatenate([solution.unknowns, correlated]))
+
+
+def iterate(problem: Any, start: Array, most: int) -> FixedPoint:
+    """Take at most so many steps from these unknowns (u, n), each cell until it converges.
 
     If the unknowns have no stationary response, a smaller step from the last valid ones is tried.
     """
@@ -129,9 +163,7 @@ def iterate(problem: SingleStructures, start: Array, most: int) -> FixedPoint:
     base, cells = start, np.arange(n)
     for number in range(1, most + 1):
         unknowns, before = solution.unknowns[:, cells], solution.residual[cells]
-        step, norm, done = problem.step(unknowns)
-        if number % STUCK == 0:
-            step /= np.where(done, LARGEST_STEP, np.abs(step).max(axis=0)) / LARGEST_STEP
+        step, norm, done = problem.step(unknowns, number)
         valid = np.isfinite(norm + step.sum(axis=0))
         shorter = base + 0.25 * (unknowns - base)
         solution.unknowns[:, cells] = np.where(valid, unknowns + step, shorter)
