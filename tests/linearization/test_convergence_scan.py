@@ -44,6 +44,16 @@ def test_every_bilinear_structure_is_solved(domain, closure):
     assert int(table.iterations.max()) <= 20  # without following the solution from weak shaking
 
 
+@pytest.mark.extreme
+@pytest.mark.parametrize("closure", ["gaussian", "clipped"])
+def test_every_structure_is_solved_where_the_filter_leaves_little_of_the_motion(closure):
+    rng = np.random.default_rng(94)
+    structure = sl.Bilinear(**cases.draw_structure(rng, cases.PRACTICE, 2_000))
+    table = sl.linearize(structure, sl.CloughPenzien(0.01, 0.5, 0.6, 5.0, 0.6), closure)
+    check(table)
+    assert int(table.iterations.max()) <= 20
+
+
 @pytest.mark.slow
 @every_domain
 def test_every_bouc_wen_structure_is_solved(domain):

@@ -88,6 +88,16 @@ def test_one_structure_hardly_yields_and_the_ground_is_that_of_clough_and_penzie
         check(draw(rng, 0.2, 0.1), draw(rng, tiny, tiny), (15.0, 0.6, 1.5, 0.6))
 
 
+@pytest.mark.parametrize("high_pass", [(10.0, 5.0), (3.0, 0.6), (1e2, 2.0), (0.1, 0.05)])
+def test_a_high_pass_filter_that_leaves_little_of_the_soil_s_motion(high_pass):
+    """The ground is far faster than the structures, which move with what the filter leaves."""
+    rng = np.random.default_rng(29)
+    pair = draw(rng, 0.3, 0.2, 5.0), draw(rng, 0.1, 0.05, 0.3)
+    relative, absolute = errors(*pair, (2 * np.pi / 0.01, 0.5, *high_pass))
+    assert relative < 1e-9
+    assert absolute < 1e-9
+
+
 @pytest.mark.parametrize("slip", [1e-18, 1e-16, 1e-12, 1e-8, 1e-6, 1e-3, 1e-2])
 def test_nearly_equal_structures_as_slip_vanishes(slip):
     """The worst conditioned pairs, also on ground of their period and damping: near-defective."""
