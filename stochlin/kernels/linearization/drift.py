@@ -150,14 +150,13 @@ def half_cycles(system: EquivalentSystem, ground: Filter) -> HalfCycles:
     both_ways = np.abs(soil.matrix * soil.matrix.swapaxes(-2, -1))
     rates = np.sqrt(w2) + d + k + np.sqrt(h * p) + np.sqrt(both_ways).sum(axis=(-2, -1))
     step = _exponentials(a * time[:, None, None], rates * time)
-    rows, columns = step[:, :1] - step[:, 2:3], with_z[..., None]
+    rows, columns = step[:, :1] - step[:, 2:3], [with_z[..., None]]
     for _ in range(DOUBLINGS):  # z after 1 half-cycle; then after 1 and 2, 1 to 4, and so on
         rows, step = np.concatenate([rows, rows @ step], axis=1), step @ step
-    while rows.shape[1] * columns.shape[2] < HALF_CYCLES:  # the states before, and after all of these
-        columns = np.concatenate([columns, step @ columns], axis=2)
-        step = step @ step
-    later = (rows @ columns).transpose(2, 1, 0).reshape(columns.shape[2] * rows.shape[1], w2.size)
-    return HalfCycles(time, np.clip(later[:HALF_CYCLES] / own.z_z, -1, 1))
+    while rows.shape[1] * len(columns) < HALF_CYCLES:  # the states before, and after all of these
+        columns.append(step @ columns[-1])
+    later = (rows @ np.concatenate(columns, axis=2)).transpose(2, 1, 0).reshape(HALF_CYCLES, w2.size)
+    return HalfCycles(time, np.clip(later / own.z_z, -1, 1))
 
 
 def _exponentials(matrices: Array, rates: Array) -> Array:

@@ -164,11 +164,6 @@ class Filter:
         matrix, _, output = self.arrays
         return (output * resolvent(s, matrix, self.correlations(system)[0])).sum(axis=-1)
 
-    def _solved(self, system: EquivalentSystem) -> tuple[grounds.Signal, *tuple[grounds.Rows, ...]]:
-        """Signal of the ground of oscillators, and rows with each of these."""
-        solve = grounds.kanai_tajimi if len(self.oscillators) == 2 else grounds.clough_penzien
-        return solve(system, (self.intensity, *self.oscillators))
-
     def correlations(self, system: EquivalentSystem) -> Array:
         """Covariances ``C`` (3, ..., m) of ``mu``, ``mu'``, ``y`` with the states ``q`` of the filter.
 
@@ -177,7 +172,10 @@ class Filter:
         if not self.states:
             return np.empty((3, *np.shape(system.stiffness), 0))
         if self.oscillators:
-            rows = (sum(pairs, ()) for pairs in zip(*self._solved(system)[1:], strict=True))
+            solve = grounds.kanai_tajimi if len(self.states) == 2 else grounds.clough_penzien
+            _, ends, *layer = solve(system, (self.intensity, *self.oscillators))
+            parts = grounds.driven_rows(system, self.oscillators[:2], ends), *layer
+            rows: Any = (sum(pairs, ()) for pairs in zip(*parts, strict=True))
             return np.moveaxis(np.array([np.broadcast_arrays(*row) for row in rows]), 1, -1)
         soil, m = self.arrays, len(self.states)
         cells = np.broadcast_shapes(soil.noise.shape[:-1], *map(np.shape, (*system, self.intensity)))

@@ -44,17 +44,14 @@ def gaussian_covariance(latent: Array) -> Array:
 class SlipQuadrant(NamedTuple):
     """Moments of ``x = v/sv`` over the quadrant ``v > 0, z > 1``, where the bilinear law slips.
 
-    The last five fields are the terms of which the moments consist, with ``a = r/q``.
+    They consist of such moments along the edge ``z = 1``, of which ``flow`` is that of ``x``.
     """
 
     probability: Array  # P(v > 0, z > 1)
     first: Array  # E[x; v > 0, z > 1]
     second: Array  # E[x^2; v > 0, z > 1]
     h: Array  # 1/sz
-    q: Array  # sqrt(1 - r^2)
-    edge: Array  # phi(h) Phi(a h), m_0
-    corner: Array  # exp(-h^2/(2 q^2))/(2 pi)
-    flow: Array  # r h edge + q corner, m_1
+    flow: Array  # E[x; v > 0 | z = 1] times the density phi(h)
 
 
 def absolute_moment(power: Array, std: Array) -> Array:
@@ -87,7 +84,7 @@ def slip_quadrant(sz: Array, r: Array) -> SlipQuadrant:
     first = ndtr(-h / q) / SQRT_2PI + r * edge
     flow = r * h * edge + q * corner
     second = probability + r * flow
-    return SlipQuadrant(probability, first, second, h, q, edge, corner, flow)
+    return SlipQuadrant(probability, first, second, h, flow)
 
 
 def within_yield(h: Array) -> tuple[Array, Array, Array]:
@@ -105,11 +102,11 @@ def gaussian(latent: Array, parameters: Array) -> ClosureValue:
     """Gaussian closure: the equivalent coefficients of eqs. (9) and (10) in closed form.
 
     ``1 + c_e = 2 P(v > 0, z > 1)`` and ``k_e = 2 sv h (r h B + q E)``, where ``sv`` and ``sz`` are the
-    standard deviations, ``r`` their correlation, ``h = 1/sz``, ``q = sqrt(1 - r^2)``, and ``B`` and
-    ``E`` the ``edge`` and ``corner`` of `SlipQuadrant`.
+    standard deviations, ``r`` their correlation, ``h = 1/sz``, ``q = sqrt(1 - r^2)``, and
+    ``r h B + q E`` is the ``flow`` of `SlipQuadrant`.
     """
     sv, sz, r = latent
-    probability, _, _, h, _, _, _, flow = slip_quadrant(sz, r)
+    probability, _, _, h, flow = slip_quadrant(sz, r)
     return ClosureValue(np.array([2 * probability, 2 * sv * h * flow]), gaussian_covariance(latent))
 
 
@@ -120,7 +117,7 @@ def clipped(latent: Array, parameters: Array) -> ClosureValue:
     coefficients are those of the linear regression of the slip rate ``v - G`` on ``(v, z)``.
     """
     sv, sz, r = latent
-    _, first, second, h, _, _, _, _ = slip_quadrant(sz, r)
+    _, first, second, h, _ = slip_quadrant(sz, r)
     inside, inside_square, outside = within_yield(h)
     covariance = np.array([sv * sv, sz * sz * inside_square + outside, r * sv * sz * inside])
     return ClosureValue(regress_slip(2 * sv * sv * second, 2 * sv * first, covariance), covariance)

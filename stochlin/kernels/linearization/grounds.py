@@ -20,7 +20,6 @@ from stochlin.kernels.linearization.covariance import Forcing
 Pair = tuple[Any, Any]
 Rows = tuple[Pair, Pair, Pair]
 Signal = tuple[Any, Any, Any]
-NOTHING = 0.0, 0.0
 
 
 def _apply(oscillator: Any, u: Any) -> Pair:
@@ -37,14 +36,44 @@ def _divide(oscillator: Any, a: Any, b: Any, u: Any) -> Pair:
     return (conjugate * u[0] - b * fu[0]) / norm, (conjugate * u[1] - b * fu[1]) / norm
 
 
-def _sylvester(system: Any, oscillator: Any, r_mu: Any, r_v: Any, r_y: Any) -> Rows:
-    """Rows of ``C`` from the rows ``r_mu``, ``r_v``, ``r_y`` of ``R``."""
+def _resolved(system: Any, oscillator: Any, u: Any) -> Pair:
+    """``D(-F)^-1 u`` with the structure's characteristic polynomial ``D``."""
     w2, d, h, p, k = system
     stiffness, e = oscillator
-    a2, a1, a0 = d + k, w2 + d * k - h * p, (w2 - h) * k
-    # D(-F) = constant + linear F, with the structure's characteristic polynomial D.
-    constant = a0 - (e + a2) * stiffness
-    linear = stiffness - e * e - a2 * e - a1
+    a2 = d + k
+    constant = (w2 - h) * k - (e + a2) * stiffness  # D(-F) = constant + linear F
+    linear = stiffness - e * (e + a2) - (w2 + d * k - h * p)
+    return _divide(oscillator, constant, linear, u)
+
+
+def _driven(system: Any, soil: Any, drive: Pair) -> tuple[Signal, tuple[Pair, Pair]]:
+    """Signal of an oscillator whose states have the covariance ``drive`` with the forcing of ``mu'``.
+
+    Also returned are ``g = D(-F)^-1 drive`` and ``F g``. With these ``mu = (k - F) g``, ``mu' = -F mu``
+    and ``y = k g - p F g``.
+    """
+    _, _, _, p, k = system
+    stiffness, e = soil
+    g = _resolved(system, soil, drive)
+    moved = _apply(soil, g)
+    of_g = stiffness * g[0] + e * g[1]
+    of_moved = stiffness * moved[0] + e * moved[1]
+    part = k * of_g
+    return (part - of_moved, -stiffness * of_g - (e + k) * of_moved, part - p * of_moved), (g, moved)
+
+
+def driven_rows(system: Any, soil: Any, ends: tuple[Pair, Pair]) -> Rows:
+    """Rows with an oscillator from ``g`` and ``F g`` of `_driven`."""
+    _, _, _, p, k = system
+    g, moved = ends
+    mu = k * g[0] - moved[0], k * g[1] - moved[1]
+    back = _apply(soil, mu)
+    return mu, (-back[0], -back[1]), (k * g[0] - p * moved[0], k * g[1] - p * moved[1])
+
+
+def _sylvester(system: Any, oscillator: Any, r_mu: Any, r_v: Any, r_y: Any) -> Rows:
+    """Rows of ``C`` from the rows ``r_mu``, ``r_v``, ``r_y`` of ``R``."""
+    _, d, h, p, k = system
     moved = _apply(oscillator, r_mu)
     drive = r_v[0] + d * r_mu[0] - moved[0], r_v[1] + d * r_mu[1] - moved[1]
     moved = _apply(oscillator, drive)
@@ -52,38 +81,24 @@ def _sylvester(system: Any, oscillator: Any, r_mu: Any, r_v: Any, r_y: Any) -> R
         k * drive[0] - moved[0] + h * (r_y[0] - p * r_mu[0]),
         k * drive[1] - moved[1] + h * (r_y[1] - p * r_mu[1]),
     )
-    mu = _divide(oscillator, constant, linear, right)
+    mu = _resolved(system, oscillator, right)
     moved = _apply(oscillator, mu)
     velocity = -moved[0] - r_mu[0], -moved[1] - r_mu[1]
     flow = k * mu[0] + p * velocity[0] + r_y[0], k * mu[1] + p * velocity[1] + r_y[1]
     return mu, velocity, _divide(oscillator, k, -1.0, flow)
 
 
-def _signal(oscillator: Any, rows: Any) -> Signal:
-    """The signal of ``stiffness x + damping x'`` of an oscillator."""
-    (mu, mu_rate), (v, v_rate), (y, y_rate) = rows
-    stiffness, damping = oscillator
-    return (
-        stiffness * mu + damping * mu_rate,
-        stiffness * v + damping * v_rate,
-        stiffness * y + damping * y_rate,
-    )
-
-
-def kanai_tajimi(system: Any, ground: Any) -> tuple[Signal, Rows]:
-    """Signal of a Kanai-Tajimi ground, eqs. (11) and (12), and rows with its oscillator.
+def kanai_tajimi(system: Any, ground: Any) -> tuple[Signal, tuple[Pair, Pair]]:
+    """Signal of a Kanai-Tajimi ground, eqs. (11) and (12), and what makes `driven_rows`.
 
     ``ground`` is ``S0``, ``wg^2`` and ``2 xig wg``; the acceleration is ``wg^2 xg + 2 xig wg xg'``.
     """
     intensity, stiffness, damping = ground
-    soil = stiffness, damping
-    noise = np.pi * intensity / damping, np.pi * intensity
-    rows = _sylvester(system, soil, NOTHING, noise, NOTHING)
-    return _signal(soil, rows), rows
+    return _driven(system, (stiffness, damping), (np.pi * intensity / damping, np.pi * intensity))
 
 
-def clough_penzien(system: Any, ground: Any) -> tuple[Signal, Rows, Rows]:
-    """Signal of a Clough-Penzien ground, and rows with the soil and with the high-pass oscillator.
+def clough_penzien(system: Any, ground: Any) -> tuple[Signal, tuple[Pair, Pair], Rows]:
+    """Signal of a Clough-Penzien ground, what makes `driven_rows`, and rows with the high-pass filter.
 
     ``ground`` is that of `kanai_tajimi`, then ``wf^2`` and ``2 xif wf``. The acceleration is ``f =
     xf'' = f_soil - wf^2 xf - 2 xif wf xf'``. The high-pass oscillator ``xf`` is itself a linear
@@ -96,16 +111,16 @@ def clough_penzien(system: Any, ground: Any) -> tuple[Signal, Rows, Rows]:
     soil, layer = (stiffness, damping), (layer_stiffness, layer_damping)
     noise = np.pi * intensity / damping, np.pi * intensity
     alone = layer_stiffness, layer_damping, 0.0, 0.0, np.sqrt(layer_stiffness)
-    _, with_rate, _ = _sylvester(alone, soil, NOTHING, noise, NOTHING)
+    _, ends = _driven(alone, soil, noise)
+    _, with_rate, _ = driven_rows(alone, soil, ends)
     # Covariance of the ground acceleration with the displacement of the high-pass oscillator.
     still = -(stiffness * with_rate[0] + damping * with_rate[1]) / layer_damping
     moved = _apply(soil, with_rate)
-    of_soil = _sylvester(system, soil, NOTHING, (-moved[0], -moved[1]), NOTHING)
-    mu, v, y = _signal(soil, of_soil)
+    (mu, v, y), ends = _driven(system, soil, (-moved[0], -moved[1]))
     of_layer = _sylvester(system, layer, (0.0, mu), (still, v), (0.0, y))
     (_, mu), (_, v), (_, y) = of_layer
     w2, d, h, p, k = system
-    return (-v, w2 * mu + d * v - h * y, k * y - k * mu - p * v), of_soil, of_layer
+    return (-v, w2 * mu + d * v - h * y, k * y - k * mu - p * v), ends, of_layer
 
 
 def forcing_of(system: Any, ground: Any, oscillators: int) -> Forcing:
@@ -126,8 +141,10 @@ def forcing_of(system: Any, ground: Any, oscillators: int) -> Forcing:
 FORMULAS = (
     _apply,
     _divide,
+    _resolved,
+    _driven,
+    driven_rows,
     _sylvester,
-    _signal,
     kanai_tajimi,
     clough_penzien,
     forcing_of,
