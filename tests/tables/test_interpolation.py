@@ -44,3 +44,14 @@ def test_points_outside_are_nan_and_spoil_no_others(wrong):
     out = Grid.of(axes, np.ones((3, 3, 3, 2))).at(points)
     assert np.isnan(out[:, 2]).all()
     np.testing.assert_allclose(np.delete(out, 2, axis=1), 1, rtol=0, atol=1e-14)
+
+
+def test_a_section_is_the_grid_at_a_place_of_one_axis():
+    rng = np.random.default_rng(7)
+    axes = [np.cumsum(rng.uniform(0.1, 1, size)) for size in (3, 5, 4)]
+    grid = Grid.of(axes, rng.standard_normal((3, 5, 4, 2)))
+    points = np.array([rng.uniform(axis[0], axis[-1], 50) for axis in axes])
+    for number in range(3):
+        points[number] = points[number, 0]
+        found = grid.section(number, points[number, 0]).at(np.delete(points, number, axis=0))
+        np.testing.assert_allclose(found, grid.at(points), rtol=0, atol=1e-13)

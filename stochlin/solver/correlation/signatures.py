@@ -183,12 +183,12 @@ def _corrections(solved: Solved, side: DriftingSide, tolerance: Tolerance) -> tu
         else:
             known = _solved_once(ground, tolerance)
         derived = derived_signatures(side, known, number.ravel())
-        signature = corrected(derived, hold_at_ends(SIGNATURE, point))
+        signature = corrected(derived, hold_at_ends(SIGNATURE, ground, point))
     least, most = KNOWN_NEARNESS
     trust = np.log(point[0] / ELASTIC) / np.log(least / ELASTIC)
     trust = eased(trust) * eased(np.log(point[1]) / np.log(most))
     place = np.log([solved.oscillators.period, *point[:3]])
-    return signature, Nearness(place, matrix_of(hold_at_ends(NEARNESS, point)), trust)
+    return signature, Nearness(place, matrix_of(hold_at_ends(NEARNESS, ground, point)), trust)
 
 
 def corrected(derived: Array, correction: Array) -> Signature:

@@ -20,7 +20,7 @@ computes the map.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import cache
+from functools import cache, lru_cache
 from importlib.resources import files
 
 import numpy as np
@@ -56,6 +56,8 @@ BEYOND = 2.0
 # map, and this share of the scatter of the points around.
 LEAST_BEYOND, BY_SPREAD = 0.03, 0.45
 ROUNDING = 1e-9
+DAMPING_AXIS = 3  # of the map, that of the damping ratio of the ground
+SECTIONS = 64  # number of sections of the map at one damping ratio of the ground that are kept
 
 
 @cache
@@ -79,7 +81,7 @@ def with_correction(
     error: Array | float = np.nan
     if (calibration := ground.calibration) is not None:
         name = DISPLACEMENT if calibration.soil else DISPLACEMENT_WHITE
-        logarithm, spread = _held_with_spread(name, point)
+        logarithm, spread = _held_with_spread(name, ground, point)
         factor = np.exp(logarithm)
         mapped = within(point[1], MAP_HARDENING) & within(point[2], MAP_DAMPING)
         least = np.where(mapped, calibration.error, max(calibration.error, LEAST_BEYOND))
@@ -123,12 +125,33 @@ def calibrated_closure(structure: Structure, ground: Ground) -> str:
     return DRIFT if known else GAUSSIAN
 
 
-def hold_at_ends(name: str, point: Array) -> Array:
+def hold_at_ends(name: str, ground: Ground, point: Array) -> Array:
     """Values (columns, n) of a variable of the map at the places ``point`` of structures.
 
     Outside the map they are those at its boundary. There is a column for each entry of the variable.
     """
-    return _grid(name).at(_inside(_grid(name), point))
+    places = _inside(_grid(name), point)
+    damping = _damping(ground, places)
+    if damping is None:
+        return _grid(name).at(places)
+    return _section(name, damping).at(np.delete(places, DAMPING_AXIS, axis=0))
+
+
+def _damping(ground: Ground, places: Array) -> float | None:
+    """The place of all structures along the axis of the soil's damping, if the ground has a single one.
+
+    A section of the map has a quarter of the neighbours of a place.
+    """
+    calibration = ground.calibration
+    if calibration is None or calibration.soil is None or not places.size:
+        return None
+    alone = not ground.over_cells()[calibration.soil[1]].ndim
+    return float(places[DAMPING_AXIS, 0]) if alone else None
+
+
+@lru_cache(maxsize=SECTIONS)
+def _section(name: str, damping: float) -> Grid:
+    return _grid(name).section(DAMPING_AXIS, damping)
 
 
 @cache
@@ -145,7 +168,7 @@ def _grid(name: str) -> Grid:
     return Grid.of(axes, whole.values)
 
 
-def _held_with_spread(name: str, point: Array) -> tuple[Array, Array]:
+def _held_with_spread(name: str, ground: Ground, point: Array) -> tuple[Array, Array]:
     """The interpolated values, and the standard deviations of the points around each place.
 
     The standard deviations have the weights of linear interpolation.
@@ -155,7 +178,7 @@ def _held_with_spread(name: str, point: Array) -> tuple[Array, Array]:
     # Places as numbers of points along each axis, between which they are linear.
     place = [np.interp(x, axis, np.arange(axis.size)) for x, axis in zip(inside, grid.axes, strict=True)]
     mean, square = (map_coordinates(v, place, order=1, cval=np.nan) for v in _with_squares(name))
-    return grid.at(inside)[0], np.sqrt(np.maximum(square - mean**2, 0))
+    return hold_at_ends(name, ground, point)[0], np.sqrt(np.maximum(square - mean**2, 0))
 
 
 @cache

@@ -41,6 +41,13 @@ class Grid(NamedTuple):
         ends = np.array([axis[[0, -1]] for axis in axes]).T[..., None]
         return cls(axes, [smooth(axis) for axis in axes], columns, ends)
 
+    def section(self, number: int, x: float) -> Grid:
+        """The grid of the other axes, at this place on the axis of this number."""
+        axes, weights = list(self.axes), list(self.weights)
+        del axes[number]
+        values = np.tensordot(weights.pop(number)(x), self.values, (0, number))
+        return Grid(axes, weights, values, np.delete(self.ends, number, axis=1))
+
     def at(self, points: Array) -> Array:
         """Values (columns, n) at ``points`` (axes, n); NaN at points outside or with NaN.
 
