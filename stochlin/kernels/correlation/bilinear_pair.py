@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+from inspect import isfunction
 from typing import Any, NamedTuple
 
 from stochlin.kernels.basics.compiled import called_often, compiled, entry
 from stochlin.kernels.linearization import balance, covariance, grounds
-from stochlin.kernels.linearization.balance import Cell, functions_of, interpolated_number, settled
+from stochlin.kernels.linearization.balance import functions_of, interpolated_number, settled
 from stochlin.kernels.linearization.covariance import (
     EquivalentSystem,
     motion_of,
@@ -15,14 +16,15 @@ from stochlin.kernels.linearization.covariance import (
     pair_covariance,
 )
 from stochlin.kernels.linearization.gaussian import gaussian
-from stochlin.kernels.linearization.grounds import forcing_of
+from stochlin.kernels.linearization.grounds import Soil, forcing_of
 
 ELASTIC = 1e-18  # slip and relaxation over w below which the structure is taken as elastic
 CLOSE, MOST = 1e-10, 200  # Newton's step at the end, and the number of steps
-# The formulas that take numbers and arrays, compiled for numbers.
-for _formula in (*covariance.FORMULAS, *grounds.FORMULAS, *balance.FORMULAS):
-    called_often(_formula)
-compiled(settled)
+# The formulas of these modules take numbers and arrays, and are compiled for numbers.
+for _module in (covariance, grounds, balance):
+    for _formula in filter(isfunction, vars(_module).values()):
+        if _formula.__module__ == _module.__name__:
+            called_often(_formula)
 
 
 class PairResponse(NamedTuple):
@@ -76,33 +78,34 @@ def linearized_pair(
 
 
 @entry
-def _pair(first, second, soil, filters, functions):
-    """`linearized_pair`; the ground is that of `grounds.clough_penzien`, filled up."""
-    motion_1, std_1 = _structure(first, soil, filters, functions)
-    motion_2, std_2 = _structure(second, soil, filters, functions)
+def _pair(first, second, ground, oscillators, functions):
+    """`linearized_pair`; the ground is that of `grounds.Soil`."""
+    motion_1, std_1 = _structure(first, ground, oscillators, functions)
+    motion_2, std_2 = _structure(second, ground, oscillators, functions)
     variances = pair_covariance(motion_1, motion_1) * pair_covariance(motion_2, motion_2)
     return pair_covariance(motion_1, motion_2) / math.sqrt(variances), std_1, std_2
 
 
 @compiled
-def _structure(structure, soil, filters, functions):
+def _structure(structure, ground, oscillators, functions):
     """Motion of a structure by its equivalent system, and its standard deviation."""
     period, damping, hardening, uy = structure
     w = 2 * math.pi / period
+    soil = Soil(ground, oscillators)
     elastic = EquivalentSystem(w * w, 2 * damping * w, 0.0 * w, 0.0 * w, w)
-    own = own_covariance(elastic, forcing_of(elastic, soil, filters))
+    own = own_covariance(elastic, forcing_of(elastic, soil))
     v, z = math.log(math.sqrt(own.v_v) / uy), min(0.0, math.log(math.sqrt(own.mu_mu) / uy))
-    over_uy = soil[0] / (uy * uy), soil[1], soil[2], soil[3], soil[4]
-    cell = Cell(w * w, 2 * damping * w, (1 - hardening) * w * w, over_uy, filters)
-    v, z, _, _, converged = settled(v, z, cell, functions, CLOSE, MOST)
+    over_uy = Soil((ground[0] / (uy * uy), ground[1], ground[2], ground[3], ground[4]), oscillators)
+    yielding = w * w, 2 * damping * w, (1 - hardening) * w * w
+    v, z, _, _, converged = settled(v, z, yielding, over_uy, functions, CLOSE, MOST)
     p: Any = math.nan
     k: Any = math.nan
     if converged:
         log_slip, _ = interpolated_number(functions, 0, z)
         log_relaxation, _ = interpolated_number(functions, 1, z)
         p, k = math.exp(log_slip), math.exp(log_relaxation + v)
-    system = EquivalentSystem(cell.stiffness, cell.damping, cell.coupling, p, k)
+    system = EquivalentSystem(yielding[0], yielding[1], yielding[2], p, k)
     if p < ELASTIC and k < ELASTIC * w:
         system = elastic
-    forcing = forcing_of(system, soil, filters)
+    forcing = forcing_of(system, soil)
     return motion_of(system, forcing), math.sqrt(own_covariance(system, forcing).mu_mu)

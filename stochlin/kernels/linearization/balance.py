@@ -20,7 +20,7 @@ from scipy.interpolate import CubicSpline
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.covariance import EquivalentSystem, OwnCovariance, own_covariance
 from stochlin.kernels.linearization.gaussian import Closure, clipped, gaussian
-from stochlin.kernels.linearization.grounds import forcing_of
+from stochlin.kernels.linearization.grounds import Soil, forcing_of
 from stochlin.kernels.linearization.iteration import (
     ALONG,
     LARGEST_MISMATCH,
@@ -37,16 +37,6 @@ SOLVING = 12  # Newton's steps for the correlations
 # The damping c, with which cells need 4 to 6 steps on average; and that after so many steps, for cells
 # whose steps overshoot again and again.
 DAMPING, LATER, ENOUGH = 0.3, 2.0, 6
-
-
-class Cell(NamedTuple):
-    """A structure on its ground; numbers, or arrays of cells."""
-
-    stiffness: Any
-    damping: Any
-    coupling: Any
-    soil: tuple[Any, ...]  # parameters of the ground, see `grounds.forcing_of`
-    oscillators: int
 
 
 @cache
@@ -94,7 +84,7 @@ def interpolated_number(functions: Array, number: int, place: float) -> tuple[An
 
 
 def newton_step(
-    v: Any, z: Any, number: int, of_slip: Any, of_relaxation: Any, of_z: Any, cell: Cell
+    v: Any, z: Any, number: int, of_slip: Any, of_relaxation: Any, of_z: Any, structure: Any, soil: Soil
 ) -> tuple[Any, Any, Any, Any]:
     """Steps in ``v = log sv`` and ``z = log sz``, the larger one, and the norm of the mismatch.
 
@@ -102,10 +92,10 @@ def newton_step(
     and ``of_z`` are the values and the slopes of the functions.
     """
     slip, relaxation = np.exp(of_slip[0]), np.exp(of_relaxation[0] + v)
-    response = response_of(cell, slip, relaxation)
-    after_v = response_of(cell, slip, relaxation * (1 + ALONG))
+    response = response_of(structure, soil, slip, relaxation)
+    after_v = response_of(structure, soil, slip, relaxation * (1 + ALONG))
     more = slip * (1 + ALONG * of_slip[1])
-    after_z = response_of(cell, more, relaxation * (1 + ALONG * of_relaxation[1]))
+    after_z = response_of(structure, soil, more, relaxation * (1 + ALONG * of_relaxation[1]))
     off_v = 0.5 * np.log(response.v_v) - v
     off_z = 0.5 * (np.log(response.z_z) - of_z[0])
     v_by_v = 0.5 / ALONG * (after_v.v_v / response.v_v - 1)
@@ -123,14 +113,14 @@ def newton_step(
     return step_v / shorter, step_z / shorter, change, norm
 
 
-def response_of(cell: Cell, slip: Any, relaxation: Any) -> OwnCovariance:
-    """Moments of a structure with these coefficients."""
-    system = EquivalentSystem(cell.stiffness, cell.damping, cell.coupling, slip, relaxation)
-    return own_covariance(system, forcing_of(system, cell.soil, cell.oscillators))
+def response_of(structure: Any, soil: Soil, slip: Any, relaxation: Any) -> OwnCovariance:
+    """Moments of a structure (stiffness, damping and coupling) with these coefficients."""
+    system = EquivalentSystem(structure[0], structure[1], structure[2], slip, relaxation)
+    return own_covariance(system, forcing_of(system, soil))
 
 
 def settled(
-    v: float, z: float, cell: Cell, functions: Array, rtol: float, most: int
+    v: float, z: float, structure: Any, soil: Soil, functions: Array, rtol: float, most: int
 ) -> tuple[float, float, int, float, bool]:
     """Fixed point of one structure by numbers.
 
@@ -143,7 +133,7 @@ def settled(
         of_slip = interpolated_number(functions, 0, z)
         of_relaxation = interpolated_number(functions, 1, z)
         of_z = interpolated_number(functions, 2, z)
-        steps = newton_step(v, z, number, of_slip, of_relaxation, of_z, cell)
+        steps = newton_step(v, z, number, of_slip, of_relaxation, of_z, structure, soil)
         step_v, step_z, change, norm = steps
         v, z = float(v + step_v), float(z + step_z)
         if change <= rtol and norm <= LARGEST_MISMATCH:
@@ -155,25 +145,21 @@ class BalancedStructures(NamedTuple):
     """Structures of a bilinear law on their grounds, in n cells."""
 
     structure: Array  # (3, n) stiffness, damping and coupling of the equivalent system
-    soil: Array  # (5, n) parameters of the ground, see `grounds.forcing_of`
+    ground: Array  # (5, n) its parameters, see `grounds.Soil`
     oscillators: int
     functions: Array  # `functions_of` the closure
     rtol: float
 
     def at(self, cells: Any) -> BalancedStructures:
         """The cells with these numbers."""
-        return self._replace(structure=self.structure[:, cells], soil=self.soil[:, cells])
-
-    def cell(self, structure: Any, soil: Any) -> Cell:
-        """Cells by these rows of arrays, or one by these numbers."""
-        return Cell(structure[0], structure[1], structure[2], tuple(soil), self.oscillators)
+        return self._replace(structure=self.structure[:, cells], ground=self.ground[:, cells])
 
     def step(self, unknowns: Array, number: int) -> tuple[Array, Array, Array]:
         """Step (2, n) from these unknowns, norm of their mismatch, and whether they are a solution."""
         v, z = unknowns
         of_slip, of_relaxation, of_z = zip(*interpolated(self.functions[:, :3], z), strict=True)
-        cell = self.cell(self.structure, self.soil)
-        steps = newton_step(v, z, number, of_slip, of_relaxation, of_z, cell)
+        soil = Soil(tuple(self.ground), self.oscillators)
+        steps = newton_step(v, z, number, of_slip, of_relaxation, of_z, self.structure, soil)
         step_v, step_z, change, norm = steps
         done = (change <= self.rtol) & (norm <= LARGEST_MISMATCH)
         return np.array([step_v, step_z]), np.where(z < LAST, norm, np.nan), done
@@ -185,13 +171,10 @@ class BalancedStructures(NamedTuple):
         """
         solution = FixedPoint(start.copy(), *np.zeros((3, start.shape[1])))
         for n in range(start.shape[1]):
-            cell = self.cell(self.structure[:, n].tolist(), self.soil[:, n].tolist())
-            begin = start[:, n].tolist()
+            own, (v, z) = self.structure[:, n].tolist(), start[:, n].tolist()
+            soil = Soil(tuple(self.ground[:, n].tolist()), self.oscillators)
             with suppress(ArithmeticError, ValueError):
-                v, z, *ended = settled(begin[0], begin[1], cell, self.functions, self.rtol, most)
+                v, z, *ended = settled(v, z, own, soil, self.functions, self.rtol, most)
                 for field, value in zip(solution, ((v, z), *ended), strict=True):
                     field[..., n] = value
         return solution._replace(converged=solution.converged > 0)
-
-
-FORMULAS = cubic, interpolated_number, newton_step, response_of  # compiled for numbers, too

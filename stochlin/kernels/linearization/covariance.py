@@ -201,15 +201,3 @@ def pair_covariance(first: Motion, second: Motion) -> Array:
     change with their order.
     """
     return displacement_covariance(first, second, residues(first, second))
-
-
-# Of numbers and of arrays: where each pair depends on the last one, they are compiled.
-FORMULAS = (
-    characteristic,
-    hurwitz,
-    own_covariance,
-    motion_of,
-    residues,
-    displacement_covariance,
-    pair_covariance,
-)

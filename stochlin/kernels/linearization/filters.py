@@ -149,7 +149,7 @@ class Filter:
         """Covariances of the forcing with the structure's states."""
         if self.in_closed_form:
             ground = self.intensity, *self.oscillators
-            return grounds.forcing_of(system, ground, len(self.oscillators) // 2)
+            return grounds.forcing_of(system, grounds.Soil(ground, len(self.oscillators) // 2))
         output = self.arrays.output
         return Forcing(*((output * row).sum(axis=-1) for row in self.correlations(system)))
 

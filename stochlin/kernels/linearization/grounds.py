@@ -11,7 +11,7 @@ covariances of these three with an acceleration. An oscillator is its stiffness 
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -123,29 +123,20 @@ def clough_penzien(system: Any, ground: Any) -> tuple[Signal, tuple[Pair, Pair],
     return (-v, w2 * mu + d * v - h * y, k * y - k * mu - p * v), ends, of_layer
 
 
-def forcing_of(system: Any, ground: Any, oscillators: int) -> Forcing:
-    """Forcing of a structure by white noise through none, one or two ``oscillators``.
+class Soil(NamedTuple):
+    """A ground of oscillators; numbers, or arrays of cells."""
 
-    The ``ground`` is that of `clough_penzien`, filled up with any numbers.
-    """
+    parameters: Any  # those of `clough_penzien`, filled up with any numbers
+    oscillators: int  # 0 of white noise, 1 or 2
+
+
+def forcing_of(system: Any, soil: Soil) -> Forcing:
+    """Forcing of a structure by white noise through the oscillators."""
+    ground = soil.parameters
     zero = 0.0 * system.stiffness * ground[0]
     signal: Any = zero, np.pi * ground[0] + zero, zero
-    if oscillators == 1:
+    if soil.oscillators == 1:
         signal, _ = kanai_tajimi(system, (ground[0], ground[1], ground[2]))
-    elif oscillators == 2:
+    elif soil.oscillators == 2:
         signal, _, _ = clough_penzien(system, ground)
     return Forcing(signal[0], signal[1], signal[2])
-
-
-# Of numbers and of arrays: where each pair depends on the last one, they are compiled.
-FORMULAS = (
-    _apply,
-    _divide,
-    _resolved,
-    _driven,
-    driven_rows,
-    _sylvester,
-    kanai_tajimi,
-    clough_penzien,
-    forcing_of,
-)

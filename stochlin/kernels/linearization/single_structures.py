@@ -1,14 +1,15 @@
 """Newton's method for single structures, whose stationary covariances have closed forms.
 
 The unknowns and the mismatch ``F`` are those of `iteration`. Steps follow from
-``(c |F| - dF/dy) step = F``. The slopes ``dF/dy`` are those of the closure times those of the response
-by both coefficients, all by differences. This is pseudo-transient continuation (Kelley
-and Keyes 1998, SIAM J. Numer. Anal. 35), which becomes Newton's method as ``F`` falls. Where it fails,
-or where a law may have several solutions, the solution is followed from weak to full shaking.
+``(c |F| - dF/dy) step = F``, with slopes ``dF/dy`` by differences. This is pseudo-transient
+continuation (Kelley and Keyes 1998, SIAM J. Numer. Anal. 35), which becomes Newton's method as ``F``
+falls. Where it fails, or where a law may have several solutions, the solution is followed from weak to
+full shaking.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -36,8 +37,7 @@ from stochlin.kernels.linearization.iteration import (
 )
 
 AT_LEVEL = 12  # iterations at one level of shaking
-MOVED = np.eye(2, 3, 1)[..., None]  # no change, and one of each coefficient
-STEPS = ALONG * np.eye(3, 4, 1)[..., None]  # the same of each unknown
+STEPS = ALONG * np.eye(3, 4, 1)[..., None]  # no change, and one of each unknown
 DAMPING = 0.5  # c, with which the bilinear law needs 6 steps on average and at most 16
 FEW = 30  # steps in two unknowns, after which there are three
 FEW_CELLS = 4  # cells that are solved by numbers in place of arrays
@@ -63,37 +63,28 @@ class SingleStructures(NamedTuple):
             level=self.level[cells],
         )
 
-    def closed(self, unknowns: Array) -> tuple[Array, Array]:
-        """Coefficients and covariance (5, n) of the closure, and their slopes (5, 3, n)."""
-        steps = moments_of(unknowns[:, None] + STEPS).reshape(3, -1)
-        values = np.concatenate(self.closure(steps, np.tile(self.parameters, 4))).reshape(5, 4, -1)
-        return values[:, 0], (values[:, 1:] - values[:, :1]) / ALONG
-
-    def mismatch(self, unknowns: Array) -> tuple[Array, Array]:
-        """Mismatch (3, n) of the unknowns, and its slopes (3, 3, n).
+    def mismatch(self, unknowns: Array) -> Array:
+        """Mismatch (3, k, n) of unknowns of the same shape.
 
         It is NaN for systems that are not stable. This is checked by the criterion of Routh and Hurwitz,
         since on filtered ground the formulas can also give a valid covariance there.
         """
-        values, slopes = self.closed(unknowns)
-        by = ALONG * np.array([0 * self.structure[0] + 1, np.sqrt(self.structure[0])])
-        # The response also after small changes of both coefficients.
-        system = EquivalentSystem(*self.structure, *(values[:2, None] + by[:, None] * MOVED))
+        points = unknowns.shape[1]
+        latent = moments_of(unknowns).reshape(3, -1)
+        values = np.concatenate(self.closure(latent, np.tile(self.parameters, points)))
+        slip, relaxation, *assumed = values.reshape(5, points, -1)
+        w2, d, h = self.structure
+        system = EquivalentSystem(w2, d, h, slip, relaxation)
         own = own_covariance(system, self.ground.forcing(system))
         v_v = np.where(stable(*system) & (own.mu_mu > 0), own.v_v, np.nan)
-        response, assumed = np.array([v_v, own.z_z, own.v_z]), values[2:, None]
-        corr, r = correlation(response), correlation(assumed)
-        scales = 0.5 * np.log(response[:2] / assumed[:2]) + self.level
-        off = np.array([*scales, np.arctanh((corr - r) / (1 - corr * r))])
-        of_scales = slopes[2:4] / (2 * assumed[:2])
-        of_corr = slopes[4] / np.sqrt(assumed[0] * assumed[1]) - r * of_scales.sum(axis=0)
-        by_slip, by_relaxation = ((off[:, 1:] - off[:, :1]) / by).swapaxes(0, 1)[:, :, None]
-        of_response = by_slip * slopes[0] + by_relaxation * slopes[1]
-        return off[:, 0], of_response - np.array([*of_scales, of_corr / (1 - r * r)])
+        corr, r = correlation((v_v, own.z_z, own.v_z)), correlation(assumed)
+        scales = 0.5 * np.log([v_v / assumed[0], own.z_z / assumed[1]]) + self.level
+        return np.array([*scales, np.arctanh((corr - r) / (1 - corr * r))])
 
     def step(self, unknowns: Array, number: int) -> tuple[Array, Array, Array]:
         """Step (3, n) from these unknowns, norm of their mismatch, and whether they are a solution."""
-        off, slopes = self.mismatch(unknowns)
+        mismatch = self.mismatch(unknowns[:, None] + STEPS)
+        off, slopes = mismatch[:, 0], (mismatch[:, 1:] - mismatch[:, :1]) / ALONG
         norm = np.sqrt((off * off).sum(axis=0))
         matrix: Any = DAMPING * norm * np.eye(3)[..., None] - slopes
         step = np.array(solve_3x3(matrix, [*off]))
@@ -143,10 +134,10 @@ def balanced(problem: SingleStructures, start: Array, most: int) -> FixedPoint:
     """`iterate` in the first two of these unknowns, from which the third one follows."""
     functions, n = functions_of(problem.closure), start.shape[1]
     oscillators = problem.ground.oscillators
-    soil = np.ones((5, n))
-    for row, entry in zip(soil, (problem.ground.intensity, *oscillators), strict=False):
+    ground = np.ones((5, n))
+    for row, entry in zip(ground, (problem.ground.intensity, *oscillators), strict=False):
         row[:] = entry
-    two = BalancedStructures(problem.structure, soil, len(oscillators) // 2, functions, problem.rtol)
+    two = BalancedStructures(problem.structure, ground, len(oscillators) // 2, functions, problem.rtol)
     solve = two.one_by_one if n <= FEW_CELLS else partial(iterate, two)
     solution = solve(start[:2], min(most, FEW))
     correlated, _ = interpolated(functions[:, 3:], solution.unknowns[1])
@@ -183,6 +174,6 @@ def moments_of(unknowns: Array) -> Array:
     return np.array([*np.exp(unknowns[:2]), np.tanh(unknowns[2])])
 
 
-def correlation(covariance: Array) -> Array:
+def correlation(covariance: Sequence[Array]) -> Array:
     """Correlation of ``v`` and ``z`` from ``Var v``, ``Var z`` and ``Cov(v, z)``."""
     return covariance[2] / np.sqrt(covariance[0] * covariance[1])

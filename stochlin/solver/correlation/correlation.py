@@ -22,13 +22,6 @@ from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import Tolerance, check_table
 from stochlin.solver.tables.lazy import Cells, in_blocks, is_lazy
 
-# Variables by linearization that are the same without the bias.
-WITHOUT_BIAS = (
-    "rho",
-    *(f"{name}_{n}" for name in SHOWN for n in (1, 2)),
-    "status",
-    f"{DIFFERENCE}_std",
-)
 Method = Literal["linearization", "white_noise", "effective", "simulation"]
 
 
@@ -167,7 +160,7 @@ def correlate(
     if method == "linearization" and closure != DRIFT and bias and is_lazy(models):
         # What does not need the bias has blocks of its own, so that to compute it alone costs none.
         alone = in_blocks(partial(_of_pairs, query._replace(bias=False)), models)
-        table = table.assign({name: alone[name] for name in WITHOUT_BIAS})
+        table = table.assign(alone.drop_vars([f"{DIFFERENCE}_bias", f"{DIFFERENCE}_caution"]))
     labels.raise_if_lone_failure(table, "correlate", first, second, ground)
     last = labels.NOT_RESOLVED if method == SIMULATION else labels.TOO_STRONG
     table = labels.label(table, last=last)

@@ -131,22 +131,12 @@ def hold_at_ends(name: str, ground: Ground, point: Array) -> Array:
     Outside the map they are those at its boundary. There is a column for each entry of the variable.
     """
     places = _inside(_grid(name), point)
-    damping = _damping(ground, places)
-    if damping is None:
-        return _grid(name).at(places)
-    return _section(name, damping).at(np.delete(places, DAMPING_AXIS, axis=0))
-
-
-def _damping(ground: Ground, places: Array) -> float | None:
-    """The place of all structures along the axis of the soil's damping, if the ground has a single one.
-
-    A section of the map has a quarter of the neighbours of a place.
-    """
-    calibration = ground.calibration
-    if calibration is None or calibration.soil is None or not places.size:
-        return None
-    alone = not ground.over_cells()[calibration.soil[1]].ndim
-    return float(places[DAMPING_AXIS, 0]) if alone else None
+    soil = ground.calibration and ground.calibration.soil
+    if soil and places.size and not ground.over_cells()[soil[1]].ndim:
+        # All places have one damping ratio of the soil, and a quarter of the neighbours in a section.
+        section = _section(name, float(places[DAMPING_AXIS, 0]))
+        return section.at(np.delete(places, DAMPING_AXIS, axis=0))
+    return _grid(name).at(places)
 
 
 @lru_cache(maxsize=SECTIONS)
