@@ -118,9 +118,12 @@ def clough_penzien(system: Any, ground: Any) -> tuple[Signal, tuple[Pair, Pair],
     moved = _apply(soil, with_rate)
     (mu, v, y), ends = _driven(system, soil, (-moved[0], -moved[1]))
     of_layer = _sylvester(system, layer, (0.0, mu), (still, v), (0.0, y))
-    (_, mu), (_, v), (_, y) = of_layer
     w2, d, h, p, k = system
-    return (-v, w2 * mu + d * v - h * y, k * y - k * mu - p * v), ends, of_layer
+    (_, mu_rate), (v_place, v_rate), _ = of_layer
+    drive = (1 - p) * v_place, (1 - p) * v_rate + (mu - y)
+    _, z_rate = _divide(layer, k, -1.0, drive)  # not as a difference, which is small if slip is large
+    signal = -v_rate, (w2 - h) * mu_rate + d * v_rate + h * z_rate, -k * z_rate - p * v_rate
+    return signal, ends, of_layer
 
 
 class Soil(NamedTuple):
