@@ -43,7 +43,7 @@ def linearized_pair(
     """Correlation and standard deviations of two bilinear structures by statistical linearization.
 
     The numbers are those of `stochlin.correlate` with the Gaussian closure, without labels, checks and
-    the known bias. A call takes some tens of microseconds; the first one of all compiles for seconds.
+    the known bias. A call takes some microseconds; the first one of all compiles for seconds.
 
     Parameters
     ----------
