@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from inspect import isfunction
 from typing import Any, NamedTuple
 
 from stochlin.kernels.basics.compiled import called_often, compiled, entry
@@ -20,11 +19,8 @@ from stochlin.kernels.linearization.grounds import Soil, forcing_of
 
 ELASTIC = 1e-18  # slip and relaxation over w below which the structure is taken as elastic
 CLOSE, MOST = 1e-10, 200  # Newton's step at the end, and the number of steps
-# The formulas of these modules take numbers and arrays, and are compiled for numbers.
-for _module in (covariance, grounds, balance):
-    for _formula in filter(isfunction, vars(_module).values()):
-        if _formula.__module__ == _module.__name__:
-            called_often(_formula)
+for _formula in (*covariance.FORMULAS, *grounds.FORMULAS, *balance.FORMULAS):
+    called_often(_formula)
 
 
 class PairResponse(NamedTuple):

@@ -141,6 +141,10 @@ def settled(
     return v, z, most, norm, False
 
 
+# The formulas that are also compiled for numbers.
+FORMULAS = cubic, interpolated_number, newton_step, response_of, settled
+
+
 class BalancedStructures(NamedTuple):
     """Structures of a bilinear law on their grounds, in n cells."""
 

@@ -201,3 +201,18 @@ def pair_covariance(first: Motion, second: Motion) -> Array:
     change with their order.
     """
     return displacement_covariance(first, second, residues(first, second))
+
+
+# The formulas that are also compiled for numbers.
+FORMULAS = (
+    characteristic,
+    hurwitz,
+    stable,
+    linear_system,
+    own_covariance,
+    motion_of,
+    residues,
+    displacement_covariance,
+    velocity_covariance,
+    pair_covariance,
+)

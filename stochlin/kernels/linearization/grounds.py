@@ -143,3 +143,17 @@ def forcing_of(system: Any, soil: Soil) -> Forcing:
     elif soil.oscillators == 2:
         signal, _, _ = clough_penzien(system, ground)
     return Forcing(signal[0], signal[1], signal[2])
+
+
+# The formulas that are also compiled for numbers.
+FORMULAS = (
+    _apply,
+    _divide,
+    _resolved,
+    _driven,
+    driven_rows,
+    _sylvester,
+    kanai_tajimi,
+    clough_penzien,
+    forcing_of,
+)
