@@ -137,6 +137,16 @@ class HazardCurve(Hazard):
     frequencies: tuple[float, ...]
     source: str = field(default="", kw_only=True, compare=False)
 
+    def doubts(self) -> Iterator[str]:
+        """Texts of `Hazard`, and on a point that gives the curve a level part between steep ones."""
+        yield from super().doubts()
+        slopes = -np.diff(np.log(self.frequencies)) / np.diff(np.log(self.intensities))
+        kinks = slopes[1:-1] / np.minimum(slopes[:-2], slopes[2:])
+        if text := PLAUSIBLE["kink of a hazard"].doubt(kinks.min(initial=1.0)):
+            flat = int(np.argmin(kinks)) + 1
+            ends = " to ".join(f"{value:.3g}" for value in self.intensities[flat : flat + 2])
+            yield f"its slope from {ends} is {kinks.min():.2g} of those beside it; {text}"
+
     def __post_init__(self) -> None:
         super().__post_init__()
         for name in ("intensities", "frequencies"):
@@ -182,7 +192,9 @@ class HazardCurve(Hazard):
         value, ends = _of(at, name), (axis[0] * (1 - _ROUNDING), axis[-1] * (1 + _ROUNDING))
         if isinstance(value, float) and not ends[0] <= value <= ends[1]:
             covered = f"{axis[0]:.4g} to {axis[-1]:.4g}"
-            raise ValueError(f"{name} = {value:g} is beyond the hazard curve; allowed: {covered}")
+            what = f"{name} = {value:g} is beyond the hazard curve; allowed: {covered}"
+            early = name == "return_period" and axis[-1] < OF_DESIGN
+            raise ValueError(what + ", or, if its frequencies are probabilities, annual ones" * early)
 
         def interpolated(at: Array) -> Array:
             result = np.exp(np.interp(np.log(at), np.log(axis), np.log(values)))

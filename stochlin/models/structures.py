@@ -98,9 +98,9 @@ class Structure(Model, base=True):
         each = {"period": period, "yield_displacement": displacement}
         if all(PLAUSIBLE[name].holds(value) for name, value in each.items()):
             acceleration = (2 * np.pi / period) ** 2 * displacement
-            if text := PLAUSIBLE["acceleration at yield"].doubt(acceleration):
+            if text := doubt_of_strength(acceleration):
                 both = f"{displacement:.3g} m with a period of {period:.3g} s"
-                yield f"yield_displacement = {both} is {acceleration / g:.3g} g; {text}"
+                yield f"yield_displacement = {both} is {text}"
 
     def moves_as(self, other: object) -> bool:
         """Whether it is the same oscillator, also with another mass."""
@@ -272,3 +272,9 @@ class Gap(Model):
     of_arguments = True
 
     gap: Parameter = parameter("m", "gap between the structures", POSITIVE)
+
+
+def doubt_of_strength(acceleration: float) -> str:
+    """Text on a strength over the mass [m/s^2]; empty if it is plausible."""
+    text = PLAUSIBLE["acceleration at yield"].doubt(acceleration)
+    return text and f"{acceleration / g:.3g} g; {text}"

@@ -52,6 +52,7 @@ def test_asce_41_by_hand(pushed: xr.DataArray, force: float, displacement: float
     np.testing.assert_allclose(ideal.idealized_displacement[1:], [displacement, pushed[NAME][-1]])
 
 
+@pytest.mark.filterwarnings("ignore:.*does the curve end before")
 @given(st.lists(st.floats(0.05, 0.9), min_size=2, max_size=6), st.floats(1e-4, 1e3), st.floats(1, 1e9))
 def test_of_a_curve_that_flattens_all_conditions_hold(
     shares: list[float], width: float, stiffness: float

@@ -79,6 +79,21 @@ def spectrum(folder: Path, largest: float) -> Path:
     return folder / "site.csv"
 
 
+def bent(folder: Path, ratio: float) -> Path:
+    """A file of a bilinear pushover curve, by its hardening ratio, which its idealization has."""
+    (folder / "push.csv").write_text(
+        f"roof [m],base shear [N]\n0,0\n0.025,5e5\n0.05,1e6\n0.2,{1e6 * (1 + 3 * ratio)!r}\n",
+        encoding="utf-8",
+    )
+    return folder / "push.csv"
+
+
+def kinked(ratio: float) -> tuple[list[float], list[float]]:
+    """Intensities and frequencies of a hazard, by the slope of a part over those beside it."""
+    steps = np.cumsum([0.0, 2.0, 2.0 * ratio, 2.0])
+    return [0.5, 1.0, 2.0, 4.0], [float(0.02 * 2.0**-step) for step in steps]
+
+
 def storeys(drifts: list[float]) -> sl.ShearBuilding:
     return sl.ShearBuilding([1e5] * 2, [1e8] * 2, [3.0] * 2, 0.05, 0.05, yield_drifts=drifts)
 
@@ -150,6 +165,14 @@ PYTHON: dict[str, Callable[[float, Path], object]] = {
     "mean height of three storeys": lambda x, _: sl.code_gaps(0.1, 0.1, height_1=3 * x, storeys_1=3),
     "pga of 10 years": lambda x, _: sl.HazardCurve([0.5 * x, x, 6.0], [0.2, 0.1, 1 / 475]),
     "contact stiffness": lambda x, _: sl.LinearSpring(x),
+    "stiffness over its neighbours": lambda x, _: sl.ShearBuilding(
+        [1e5] * 3, [1e8, x * 1e8, 1e8], [3.0] * 3, 0.05
+    ),
+    "largest z": lambda x, _: sl.BoucWen(1.0, 0.05, 0.05, 0.05, beta=0.5 / x, gamma=0.5 / x),
+    "hardening of a pushover": lambda x, folder: sl.bilinear_of(
+        sl.read_pushover(bent(folder, x)), target_displacement=0.2
+    ),
+    "kink of a hazard": lambda x, _: sl.HazardCurve(*kinked(x)),
     "damper over critical": lambda x, _: storey(dampers=x * 2 * np.sqrt(1e5 * stiffness(1e5, 3.0, 2.0))),
     "peak over other samples": lambda x, folder: sl.read_record(lone_peak(folder, x)),
     "end of the plateau": lambda x, folder: sl.read_spectrum(plateau(folder, x), elastic=True),
@@ -269,6 +292,19 @@ FILES: dict[str, Callable[[float, Path], dict[str, str]]] = {
     "pga of 10 years": lambda x, _: {
         "site": f'{FIRM_SITE}\n[site.hazard]\nmeasure = "pga"\nfrequencies = [0.2, 0.1, 0.002]\n'
         f'intensities = ["{0.5 * x!r} m/s^2", "{x!r} m/s^2", "6 m/s^2"]'
+    },
+    "stiffness over its neighbours": lambda x, _: oscillator(
+        'damping = 0.05\nstorey_height = "3 m"\nmasses = ["1e5 kg", "1e5 kg", "1e5 kg"]\n'
+        f'stiffnesses = ["1e8 N/m", "{x * 1e8!r} N/m", "1e8 N/m"]'
+    ),
+    "largest z": lambda x, _: {
+        "building_1": f"{OSCILLATOR}{YIELDS}yield_displacement = "
+        f'"5 cm"\nlaw = "bouc_wen"\nbeta = {0.5 / x!r}\ngamma = {0.5 / x!r}'
+    },
+    "hardening of a pushover": lambda x, folder: with_pushover(bent(folder, x)),
+    "kink of a hazard": lambda x, _: {
+        "site": f'{FIRM_SITE}\n[site.hazard]\nmeasure = "pga"\nfrequencies = {kinked(x)[1]}\n'
+        f"intensities = {[f'{each!r} m/s^2' for each in kinked(x)[0]]}"
     },
     "contact stiffness": lambda x, _: {"contact": f'model = "linear_spring"\nstiffness = "{x!r} N/m"'},
     "damper over critical": lambda x, _: oscillator(

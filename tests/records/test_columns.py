@@ -399,7 +399,7 @@ def test_decimal_commas_may_have_an_exponent(form, tmp_path):
     ("title", "says"),
     [
         ("Sa/R [g]", "not as it stands, since it says '/R'"),
-        ("Sd(T) [g]", "not as it stands, since it says 'Sd(T) [g'"),
+        ("Sd(T) [g]", "not as it stands, since it says 'Sd(T) [g]'"),
         ("Sa 2% [g]", "damping 0.02"),
     ],
 )

@@ -20,6 +20,7 @@ LINKS = {
 }
 
 
+@pytest.mark.extreme
 @pytest.mark.parametrize("link", LINKS.values(), ids=LINKS)
 def test_masses_and_lengths_have_no_scale(link):
     """A dashpot's constant goes with the length to one less its exponent."""

@@ -210,6 +210,9 @@ def bilinear_of(
     force, displacement, last = _idealized(u, v, float(np.trapezoid(v, u)))
     stiffness = force / displacement
     ratio = (last - force) / (end - displacement) / stiffness
+    if text := PLAUSIBLE["hardening of a pushover"].doubt(ratio):
+        what = f"bilinear_of: the hardening ratio of the curve is {ratio:.3g}"
+        warnings.warn(f"{what}; {text}", DoubtfulInput, stacklevel=3)
     beginning = BEGINNING * v.max()
     table = xr.Dataset(
         {

@@ -59,7 +59,7 @@ _ASIDE = re.compile(
     r"quantile|fractil|percentil|\d\s*(?:st|nd|rd|th)\b|sigma|σ|\bstd|deviation|\bcov\b|±|[+-]\s*1\b"
     r"|stor(?:e?y|ies)[\s_-]*(?:drift|shear|force|disp|defl)|entrepiso|interpiano|geschoss"
     r"|\bsrss\b|/\s*(?:pga|a_?gr?|r|q)\b|\b[rq]\s*=\s*\d|\bdesign\b"
-    r"|\bs_?d\b(?:\(t\))?\s*[\[(]\s*(?:m?g|gal|[cm]*m/s)"  # of Eurocode 8, divided by q
+    r"|\bs_?d\b(?:\(t\))?\s*[\[(]\s*(?:m?g\b|gal|[cm]*m/s)[^\])]*[\])]?"  # of Eurocode 8, divided by q
     r"|\bno[nt]?[\s_-].*ex[cz]e|(?<!damping )\bratio|normali[sz]|amplification|residual|\berror",
     re.IGNORECASE,
 )

@@ -100,7 +100,9 @@ def points_in(path: Path, request: AskedSpectrum) -> Points:
         ),
         Need("", None, (DAMPING,), optional=True),
     ]
-    abscissa, ordinate, damping = chosen(table, needs)
+    aside = any(column.said.aside for column in columns)
+    cure = ", and divided_by=4 if its ordinates are divided by R or q = 4" * aside
+    abscissa, ordinate, damping = chosen(table, needs, lambda: cure)
     assert abscissa is not None
     assert ordinate is not None  # only that of the damping is optional
     if request.column is None and titled_as_vertical(ordinate.column.title):

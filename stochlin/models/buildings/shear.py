@@ -37,7 +37,7 @@ from stochlin.models.parameters import (
     parameter,
 )
 from stochlin.models.plausible import PLAUSIBLE
-from stochlin.models.structures import DAMPING, HARDENING, Structure
+from stochlin.models.structures import DAMPING, HARDENING, Structure, doubt_of_strength
 from stochlin.models.uncertain import takes_uncertain
 
 if TYPE_CHECKING:
@@ -356,6 +356,12 @@ class ShearBuilding(MultistoreyBuilding):
         ):
             share = f"{drift:.3g} m, {drift / height:.2g} of its height"
             yield f"storey {worst + 1}, {height:g} m high, yields at {share}; {text}"
+        if self.yields and (text := doubt_of_strength(self._least_strength())):
+            yield f"the weakest storey yields under {text}"
+        inner = stiffnesses[1:-1] / np.minimum(stiffnesses[:-2], stiffnesses[2:])
+        if text := PLAUSIBLE["stiffness over its neighbours"].doubt(inner.min(initial=1.0)):
+            softest = f"storey {int(np.argmin(inner)) + 2} has {inner.min():.2g} of the stiffness"
+            yield f"{softest} of those above and below; {text}"
         ratios = drifts / heights
         growth = ratios[1:] / ratios[:-1] if self.yields else np.zeros(0)
         if text := PLAUSIBLE["yield drift upwards"].doubt(growth.max(initial=0.0)):
@@ -366,6 +372,11 @@ class ShearBuilding(MultistoreyBuilding):
         if text := PLAUSIBLE["damper over critical"].doubt(added.max()):
             strongest = f"the damper of storey {int(np.argmax(added)) + 1}"
             yield f"{strongest} is {added.max():.3g} times 2 sqrt(k m) of the storey; {text}"
+
+    def _least_strength(self) -> float:
+        """The least force at yield of a storey over the mass above it [m/s^2]."""
+        above = self._numbers("masses")[::-1].cumsum()[::-1]
+        return float((self._numbers("stiffnesses") * self._numbers("yield_drifts", 0.0) / above).min())
 
     def geometric_stiffness(self) -> Array:
         """Reduction of the stiffness of each storey by the P-delta effect [N/m], (storeys,).

@@ -17,10 +17,11 @@ from scipy.special import betainc, gamma
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.gaussian import Closure, ClosureValue, gaussian_covariance
 from stochlin.models.parameters import Parameter, Range, parameter
+from stochlin.models.plausible import PLAUSIBLE
 from stochlin.models.structures import GAUSSIAN, LAWS, Structure
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterator, Mapping
 
     import sympy
     import xarray as xr
@@ -107,6 +108,15 @@ class BoucWen(Structure):
         if not saturates.ndim and not saturates:
             what = f"BoucWen: gamma = {self.gamma:g} is out of range"
             raise ValueError(f"{what}; allowed: -beta < value, and beta is {self.beta:g}")
+
+    def doubts(self) -> Iterator[str]:
+        """Texts of `Structure`, and on a bound of z that makes the strength another one."""
+        yield from super().doubts()
+        largest = self.largest_z()
+        text = PLAUSIBLE["largest z"].doubt(float(largest)) if not largest.ndim else ""
+        if text:
+            both = f"beta = {self.beta} and gamma = {self.gamma}"
+            yield f"{both} bound z at {float(largest):.3g}, and so the strength; {text}"
 
     def valid(self) -> xr.DataArray:
         """True for the cells in which every parameter is in its range."""
