@@ -98,6 +98,13 @@ def storeys(drifts: list[float]) -> sl.ShearBuilding:
     return sl.ShearBuilding([1e5] * 2, [1e8] * 2, [3.0] * 2, 0.05, 0.05, yield_drifts=drifts)
 
 
+def cut_off(folder: Path, ratio: float) -> Path:
+    """A file of a record of 6 s, by its last second over its peak."""
+    samples = np.tile([2.0, 0.0, -2.0, 0.0], 75)
+    samples[-50:] *= ratio
+    return written(motion(samples), folder)
+
+
 def lone_peak(folder: Path, ratio: float) -> Path:
     """A file of a record, by its peak over all other samples."""
     samples = np.tile([2.0, 0.0, -2.0, 0.0], 50)
@@ -165,6 +172,7 @@ PYTHON: dict[str, Callable[[float, Path], object]] = {
     "mean height of three storeys": lambda x, _: sl.code_gaps(0.1, 0.1, height_1=3 * x, storeys_1=3),
     "pga of 10 years": lambda x, _: sl.HazardCurve([0.5 * x, x, 6.0], [0.2, 0.1, 1 / 475]),
     "contact stiffness": lambda x, _: sl.LinearSpring(x),
+    "last second over the peak": lambda x, folder: sl.read_record(cut_off(folder, x)),
     "stiffness over its neighbours": lambda x, _: sl.ShearBuilding(
         [1e5] * 3, [1e8, x * 1e8, 1e8], [3.0] * 3, 0.05
     ),
@@ -306,6 +314,7 @@ FILES: dict[str, Callable[[float, Path], dict[str, str]]] = {
         "site": f'{FIRM_SITE}\n[site.hazard]\nmeasure = "pga"\nfrequencies = {kinked(x)[1]}\n'
         f"intensities = {[f'{each!r} m/s^2' for each in kinked(x)[0]]}"
     },
+    "last second over the peak": lambda x, folder: with_record(cut_off(folder, x)),
     "contact stiffness": lambda x, _: {"contact": f'model = "linear_spring"\nstiffness = "{x!r} N/m"'},
     "damper over critical": lambda x, _: oscillator(
         f'{BY_STOREYS}masses = ["1e5 kg"]\n{stiffness_of()}\n'

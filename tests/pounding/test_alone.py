@@ -20,7 +20,7 @@ TOWER = sl.ShearBuilding.regular(
 FAR = 0.8
 CONTACT = sl.Kelvin(1e8, restitution=0.65)
 GROUND = sl.named_ground("firm", intensity=0.02)
-MOTIONS = sl.simulated_motions(GROUND, 8.0, paths=4, seed=1)
+MOTIONS = sl.simulated_motions(GROUND, 8.0, sl.AminAng(1.0, 5.0, 2.0), paths=4, seed=1)
 RECORD = MOTIONS.isel(path=0, drop=True)
 
 

@@ -17,7 +17,9 @@ pytestmark = [
 ]
 
 G = 9.80665
-MOTIONS = sl.simulated_motions(sl.named_ground("firm", 0.01), 15.0, paths=3, seed=8)
+MOTIONS = sl.simulated_motions(
+    sl.named_ground("firm", 0.01), 15.0, sl.AminAng(2.0, 11.0, 2.0), paths=3, seed=8
+)
 SUITE = dict(zip("abc", MOTIONS, strict=True))
 
 
