@@ -11,9 +11,10 @@ import runpy
 import string
 import tempfile
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
+from unittest.mock import patch
 
 import elastic_pairs
 import matplotlib as mpl
@@ -23,7 +24,7 @@ import xarray as xr
 from commands import answered
 from correlation import test_caution
 from correlation import test_claims as pairs
-from drift_pairs import DERIVED, FILE, SIMULATION, renewed
+from drift_pairs import DERIVED, FILE, MOMENTS, SIMULATION, renewed
 from reality_tables import tables_of
 from scipy.stats import gumbel_r
 
@@ -34,6 +35,7 @@ ROOT = Path(__file__).parents[2]
 GALLERY = FILE.parent
 CLAIMS = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
 LAKE_BED, FIRM = sl.KanaiTajimi(2.0, 0.05, intensity=0.01), sl.KanaiTajimi(0.42, 0.6, intensity=0.01)
+WITH_MAP, WITH_SIGNATURES = "with the map", "with signatures"  # parts of the drift closure
 CALCULATED = (  # period and R of both
     *((0.6, 4, 1.0, 4), (1.0, 6, 1.2, 2), (1.2, 5, 1.22, 4.4)),
     *((1.1, 3, 1.9, 5), (1.3, 5, 1.5, 3), (1.7, 4, 2.0, 2)),
@@ -194,11 +196,14 @@ def closures() -> dict[str, Any]:
     """Every closure against the simulated pairs of the gallery, and its errors where regions differ."""
     table = xr.load_dataset(FILE, engine="scipy")
     xr.testing.assert_allclose(table, renewed(table), rtol=1e-6)
+    table = xr.concat([table, *_parts(table)], "closure", data_vars="minimal")
     white, soil = table.white.values.astype(bool), ~table.white.values.astype(bool)
     shown = {
         "Gaussian": ("gaussian", white | soil),
         "clipped": ("clipped", white | soil),
         "drift as derived, (1) to (8)": (DERIVED, white | soil),
+        "the same with the map of $\\sigma$": (WITH_MAP, white | soil),
+        "the same with signatures, (11)": (WITH_SIGNATURES, white | soil),
         "**drift**": ("drift", white | soil),
         "drift, Kanai-Tajimi": ("drift", soil),
         "drift, white noise": ("drift", white),
@@ -215,6 +220,17 @@ def closures() -> dict[str, Any]:
     std, rho, apart = _errors(table, "drift")
     usual = {"std": 100 * std, "rho": rho, "apart": 100 * abs(apart), "percentile": np.percentile}
     return {**results, **usual, "table": rows(lines), "white": white.sum()}
+
+
+def _parts(table: xr.Dataset) -> Iterator[xr.Dataset]:
+    """The drift closure with some of its corrections, along ``closure``."""
+    by_closure = table[list(MOMENTS)]
+    derived = by_closure.rho.sel(closure=[DERIVED])
+    corrected = by_closure.sel(closure=["drift"]).assign_coords(closure=[WITH_MAP])
+    yield corrected.assign(rho=derived.assign_coords(closure=[WITH_MAP]))
+    with patch("stochlin.kernels.correlation.pairs.by_nearness", lambda rho, *_: (rho, 0 * rho)):
+        without = renewed(table)[list(MOMENTS)]
+    yield without.sel(closure=["drift"]).assign_coords(closure=[WITH_SIGNATURES])
 
 
 def _errors(table: xr.Dataset, closure: str) -> tuple[Any, ...]:
