@@ -110,7 +110,8 @@ def period_ratio_chart(
     times = "" if frequency_ratio == 1 else f"{frequency_ratio:g} "
     title = f"Stationary correlation of bilinear structures, ω2 = {times}ωg"
     where = f"; T2 = {second_period:.3g} s"
-    chart.attrs |= words(settings, ground, title, where, chart="curves", comparison="compared_curves")
+    pictures = {"chart": "curves", "comparison": "compared_curves", "beside": "rho_drift"}
+    chart.attrs |= words(settings, ground, title, where, **pictures)
     return with_errors(chart, "rho", [SIMULATED, IN_MOTIONS], settings)
 
 
@@ -200,13 +201,22 @@ def with_errors(
     for method, values in (("linearized", chart[name]), ("drift closure", chart[f"{name}_drift"])):
         off = abs(values - simulated) / (1.0 if of_rho else simulated)
         each = (np.atleast_1d(of(simulated.dims[-2:])) for of in (off.mean, off.max))
-        of_grounds = (f"{mean:.2g} ({most:.2g})" for mean, most in zip(*each, strict=True))
-        texts.append(f"{method} {' and '.join(of_grounds)}")
+        of_grounds = zip(_bands(chart), *each, strict=True)
+        shown = (f"{band}{mean:.2g} ({most:.2g})" for band, mean, most in of_grounds)
+        texts.append(f"{method} {', '.join(shown)}")
     comment = (
         f"Mean (largest) {'' if of_rho else 'relative '}error against simulation on {settings.paths} "
-        f"paths, where plastic drifts relax within {chart.longest_memory_s:.3g} s: {'; '.join(texts)}."
+        f"paths, where plastic drifts relax within {chart.longest_memory_s:.3g} s: {'; '.join(texts)}. "
+        "Bars: 95 % intervals."
     )
     return chart.assign_attrs(comment=comment)
+
+
+def _bands(chart: xr.Dataset) -> list[str]:
+    """The grounds of a chart in a word each, before a number; nothing for one ground."""
+    if "ground" not in chart.dims:
+        return [""]
+    return [f"{str(name).partition(',')[0]} " for name in chart.ground.values]
 
 
 def ground_period(ground: Ground) -> float:
@@ -234,7 +244,12 @@ def words(
     settings: ChartSettings, ground: Ground, title: str, where: str = "", **pictures: str
 ) -> dict[str, str]:
     """Words and pictures of a chart of linearized structures, which is the same for any intensity."""
-    stated = ", ".join(text for text in ground.stated() if not text.startswith("intensity"))
+    values = {name: np.unique(array) for name, array in ground.cells().items() if name != "intensity"}
+    stated = ", ".join(
+        f"{name.replace('_', ' ')} {' and '.join(f'{value:.3g}' for value in several)}"
+        f"{' s' * (ground.units(name) == 's')}"
+        for name, several in values.items()
+    )
     caption = (
         f"{ground.name} ground, {stated}{where}\nBilinear structures: ξ = {settings.damping:g}, "
         f"α = {settings.hardening:g}, R = 3 σel/uy; linearized, Gaussian closure"

@@ -47,7 +47,8 @@ NOTE_WIDTH, LABEL_WIDTH = 120, 30  # characters
 AMPLE, LINE, APART = 4.0, 0.14, 0.06  # inches: more than any legend, a line of notes, around panels
 SYMBOLS = {"damping": r"$\xi$", "reduction_factor": "R"}
 MEMORY = "drift_memory"  # variable with the memory of plastic drifts [s]
-MARKERS = "os^Dvp", "xXP*14"  # of the simulated points of each curve, and of those in finite motions
+MARKERS = "os^Dvp", "xxxxxx"  # of the simulated points of each curve, and of those in finite motions
+THIN = 0.8  # line width of other results
 TWICE = 1.96  # half a 95 % interval, in standard errors
 POINT: Any = {"ms": 3.6, "mew": 0.8, "elinewidth": 0.8, "zorder": 4}
 OPEN = "simulated, slow drift"  # label of open points
@@ -195,6 +196,7 @@ def draw_curves(figure: Figure, dataset: xr.Dataset) -> None:
     """A panel for each ground, a curve for each strength, and the points that ``points`` names."""
     table = shown(dataset)
     points = [dataset[name] for name in dataset.attrs.get("points", "").split()]
+    beside = dataset.attrs.get("beside", "").split()  # other results, as thin lines
     grounds = list(places(table, 2))
     every = in_a_row(figure, len(grounds), PANEL if len(grounds) > 1 else WIDE_PANEL, shared=True)
     for axes, (title, place) in zip(every, grounds, strict=True):
@@ -210,9 +212,14 @@ def draw_curves(figure: Figure, dataset: xr.Dataset) -> None:
             for values, marker, all_markers in zip(points, markers, MARKERS, strict=False):
                 draw_points(axes, dataset.sel({**place, **along}), values, marker, color, all_markers[0])
             axes.plot(row[row.dims[-1]], row, **style)
+            for name in beside:
+                other = dataset[name].sel({**place, **along})
+                axes.plot(other[other.dims[-1]], other, color=color, lw=THIN)
     set_axes(every, table, [table, *points])
     if points:
         every[0].plot([], [], color="0.1", label=curve_label(table))
+    for name in beside:
+        every[0].plot([], [], color="0.1", lw=THIN, label=curve_label(dataset[name]))
 
 
 @PICTURES.register("compared_curves")
