@@ -207,7 +207,7 @@ def with_errors(
     comment = (
         f"Mean (largest) {'' if of_rho else 'relative '}error against simulation on {settings.paths} "
         f"paths, where plastic drifts relax within {chart.longest_memory_s:.3g} s: {'; '.join(texts)}. "
-        "Bars: 95 % intervals."
+        f"{'Bars: 95 % intervals' if 'reduction_factor' in chart.dims else 'White: slower ones'}."
     )
     return chart.assign_attrs(comment=comment)
 

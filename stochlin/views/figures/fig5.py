@@ -91,7 +91,8 @@ def period_plane_chart(settings: ChartSettings = USUAL, ground: Ground | None = 
     places = [{f"period_ratio_{n}": slice(None, None, step) for n in (1, 2)}] if step else []
     chart = with_truth(chart, (first, second), ground, settings, places)
     title = f"Stationary correlation of bilinear structures, R = {factor:g}"
-    chart.attrs |= words(settings, ground, title, chart="plane", comparison="compared_planes")
+    picture = "plane_and_simulation" if SIMULATED in chart else "plane"
+    chart.attrs |= words(settings, ground, title, chart=picture, comparison="compared_planes")
     return with_errors(chart, "rho", [SIMULATED], settings)
 
 

@@ -292,6 +292,12 @@ def draw_plane(figure: Figure, dataset: xr.Dataset) -> None:
     planes(figure, in_a_row(figure, len(named), SQUARE, shared=True), named, contour_levels(table))
 
 
+@PICTURES.register("plane_and_simulation")
+def draw_plane_and_simulation(figure: Figure, dataset: xr.Dataset) -> None:
+    """The planes of linearization and of simulation, in a column for each ground."""
+    compare_planes(figure, dataset.drop_vars("rho_drift"))
+
+
 @PICTURES.register("compared_planes")
 def compare_planes(figure: Figure, dataset: xr.Dataset) -> None:
     """A column of planes for each ground; that of simulation is white where the drift is slow."""
