@@ -31,8 +31,8 @@ if TYPE_CHECKING:
 LOOP_RESTITUTION, HISTORY_DAMPING = 0.65, 0.5  # of Fig. 6, and of Fig. 7, that of the paper
 METHOD: Any = {"method": "DOP853", "rtol": 1e-13, "atol": 1e-15}
 SCALES = (
-    "Two free masses of reduced mass m meet at velocity v0. Scales: τ = (m v0^(1-n)/k)^(1/(n+1)), v0 τ, "
-    "k (v0 τ)^n;\nn = 1.5 for Hertz, Hertz-damp and Jankowski; n = 1 for linear springs."
+    "Two free masses of reduced mass m meet at velocity v0. Scales, with n = 1 of linear springs: "
+    "τ = √(m/k), v0 τ and k v0 τ."
 )
 DIFFERENCES = (
     "The available text of the paper has the dashpot's sign reversed in eqs. (14) and (16), and no "
@@ -141,7 +141,7 @@ def restitution_chart(settings: ChartSettings = USUAL) -> xr.Dataset:
     [0.163, 0.2984, 0.5463, 0.5749]
     """
     along = np.linspace(0, 1, settings.fine_points)
-    ratio = labels.axis("damping_ratio", "damping ratio of the contact", along)
+    ratio = labels.axis("damping_ratio", "damping ratio ξ of the contact", along)
     kinds = _with_ratio()
     axis = labels.axis(*ELEMENT, [kind.__name__ for kind in kinds], units=None)
     chart = xr.Dataset({"restitution": xr.concat([kind.restitution(ratio) for kind in kinds], axis)})
@@ -222,6 +222,8 @@ def draw_restitution(figure: Figure, dataset: xr.Dataset) -> None:
     """Coefficient of restitution over the damping ratio."""
     [axes] = in_a_row(figure, 1, 3.4)
     _curves(axes, dataset, "damping_ratio", "restitution")
+    of_loops: Any = {"color": "0.4", "lw": 0.8, "linestyle": ":"}
+    axes.axhline(LOOP_RESTITUTION, label=f"e = {LOOP_RESTITUTION:g}, as in Fig. 6", **of_loops)
     axes.set(xlim=(0, 1), ylim=(0, 1))
 
 

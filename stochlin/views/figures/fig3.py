@@ -90,7 +90,7 @@ def effective_rules_chart(
         Number of period ratios, from 1/4 to 4.
     rules : list of str or EffectiveRule, optional
         Names of `stochlin.rules.effective_rule_names` or of unverified rules, or rule objects. The
-        default is that of the paper and all verified rules.
+        default is all verified rules, and that of the paper last.
 
     Returns
     -------
@@ -115,7 +115,7 @@ def effective_rules_chart(
     >>> chart.rule.values.tolist()
     ['iwan_1980', 'secant']
     """
-    chosen = [effective_rule(rule) for rule in rules or (OF_PAPER, *effective_rule_names())]
+    chosen = [effective_rule(rule) for rule in rules or (*effective_rule_names(), OF_PAPER)]
     ratio = ratio_axis(points, "elastic period ratio T1/T2")
     both = {"damping": damping, "hardening": hardening, "ductility": ductility}
     pair = {f"{name}_{n}": value for name, value in both.items() for n in (1, 2)}

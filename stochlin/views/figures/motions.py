@@ -22,6 +22,7 @@ from stochlin.views.shared.words import roles_in_words
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+OF_RATIO = 0.5, 0.7, 0.8, 0.9, 1.0, 1.1, 1.25, 1.5, 2.0, 3.0  # levels, of which those below 1 are unsafe
 POINTS_PER_PERIOD = 32  # for a smooth phase portrait
 MOST_POINTS = 61  # along an axis of Fig. 2, which needs the response to the record for each
 PERIODS = (0.1, 5.0)  # first and last period of an axis [s]
@@ -38,7 +39,8 @@ VARIABLES = {
 
 @register_chart("fig1", place=11)
 def _fig1(settings: ChartSettings) -> xr.Dataset:
-    return portrait_chart(settings.motion, settings.ground_period, settings.damping)
+    # Away from the period of the ground the radius is more than the displacement.
+    return portrait_chart(settings.motion, settings.ground_period / 2, settings.damping)
 
 
 @register_chart("fig1b", place=12)
@@ -95,8 +97,8 @@ def portrait_chart(record: xr.DataArray, period: float, damping: float) -> xr.Da
     return labels.label(chart, VARIABLES).assign_attrs(
         chart="portrait",
         title=f"Pseudo energy radius of {source_of(record)}",
-        caption=f"Elastic structure: T = {period:.3g} s, ξ = {damping:.3g}; r_PER = {float(peak):.3g} m"
-        f"{about(record)}",
+        caption=f"Elastic structure: T = {period:.3g} s, ξ = {damping:.3g}; "
+        f"r_PER = {100 * float(peak):.3g} cm{about(record)}",
     )
 
 
@@ -108,11 +110,11 @@ def draw_portrait(figure: Figure, dataset: xr.Dataset) -> None:
     plane, history = in_a_row(figure, 2, SQUARE)
     states = [in_cm(dataset[name]) for name in ("displacement", "velocity_over_frequency")]
     radius, largest = in_cm(dataset.radius), in_cm(dataset.pseudo_energy_radius)
-    plane.plot(*states, **TRACE)
+    plane.plot(*states, label="motion", **TRACE)
     plane.add_patch(Circle((0, 0), float(largest), fill=False, lw=1.6, **PEAK))
     plane.set_aspect("equal", adjustable="datalim")
     plane.set(xlabel=quantity(states[0]), ylabel=quantity(states[1]))
-    history.plot(dataset.time, radius, label=quantity(radius), **TRACE)
+    history.plot(dataset.time, radius, label=quantity(radius), color="0.1", lw=1.0)
     history.axhline(float(largest), label=quantity(largest), **PEAK)
     history.set(xlim=(float(dataset.time[0]), float(dataset.time[-1])), ylim=(0, 1.06 * float(largest)))
     history.set(xlabel=quantity(dataset.time), ylabel=quantity(radius))
@@ -266,22 +268,22 @@ def recorded_gap_chart(record: xr.DataArray, damping: float, points: Points = 61
     return chart.assign_attrs(
         chart="critical_gap",
         title=f"Critical gap in {source_of(record)}",
-        caption=f"Elastic structures: ξ = {damping:.3g}; the largest u1 - u2, and eqs. (3) and (4)"
-        f"{about(record)}",
+        caption=f"Elastic structures: ξ = {damping:.3g}; the largest u1 - u2, and eqs. (3) "
+        f"and (4) over it (below 1 unsafe){about(record)}",
     )
 
 
 @PICTURES.register("critical_gap")
 def draw_critical_gap(figure: Figure, dataset: xr.Dataset) -> None:
-    """Peak of ``u_1 - u_2`` in the record, and eqs. (3) and (4), over the periods."""
-    shown = {"separation": "largest u1 - u2", "critical_gap": "eqs. (3) and (4)"}
+    """Peak of ``u_1 - u_2`` in the record, and eqs. (3) and (4) over it, over the periods."""
     over = "period_1", "period_2"
-    tables = [
-        (typeset(title), in_cm(dataset[name].assign_attrs(dataset.critical_gap.attrs)).transpose(*over))
-        for name, title in shown.items()
-    ]
-    highest = max(float(table.max()) for _, table in tables)
-    planes(figure, in_a_row(figure, 2, SQUARE, shared=True), tables, _levels(highest))
+    largest = in_cm(dataset.separation.assign_attrs(dataset.critical_gap.attrs)).transpose(*over)
+    ratio = dataset.critical_gap / dataset.separation.where(dataset.separation > 0)
+    ratio = ratio.assign_attrs(units="1", long_name="eqs. (3) and (4) over the largest u1 - u2")
+    left, right = in_a_row(figure, 2, SQUARE, shared=True)
+    planes(figure, [left], [(typeset("largest u1 - u2"), largest)], _levels(float(largest.max())))
+    shown = ratio.rename("ratio").transpose(*over).clip(OF_RATIO[0], OF_RATIO[-1], keep_attrs=True)
+    planes(figure, [right], [("formula over record", shown)], np.array(OF_RATIO))
 
 
 def _levels(highest: float) -> np.ndarray:
