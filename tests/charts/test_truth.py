@@ -2,9 +2,12 @@
 
 import re
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
+from commands import answered, refused
 
 import stochlin as sl
 
@@ -151,3 +154,15 @@ def test_the_comparison_of_fig5a_is_white_where_the_drift_is_slow(fig5a):
     titles = [axes.get_title("left") for axes in figure.axes if axes.get_title("left")]
     assert titles == ["linearized", "drift closure", "simulated"]
     assert len(sl.charts.draw(fig5a).axes) == 2  # the linearized plane, and the bar of its shades
+
+
+def test_the_charts_of_a_motion_are_those_of_a_record(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("record.at2").write_text(answered("gap", "--example-record").output, encoding="utf-8")
+    assert "1 charts" in answered("charts", "fig2", "--record", "record.at2", "--points", "5").output
+    record = sl.read_record("record.at2")
+    with xr.open_dataset("figures/fig2.nc") as chart:
+        expected = sl.charts.recorded_gap_chart(record, 0.05, 5)
+        # Files of charts have six digits.
+        np.testing.assert_allclose(chart.critical_gap, expected.critical_gap, rtol=1e-5)
+    assert "--units or --dt is given without --record" in refused("charts", "fig2", "--units", "g")

@@ -81,6 +81,9 @@ class ChartSettings(metaclass=Named):
     curves : tuple of str, optional
         Effective rules in Fig. 3b: names of `stochlin.rules.effective_rule_names` or of unverified
         rules. The default is all verified rules and that of the paper.
+    record : DataArray, optional
+        Record [m/s^2] over ``time`` [s] for Figs. 1 and 2, as from `read_record`. The default is a
+        simulated motion.
 
     Raises
     ------
@@ -109,6 +112,7 @@ class ChartSettings(metaclass=Named):
     seed: Seed = 0
     simulated_points: Annotated[int, Whole(0)] | None = None
     curves: tuple[str, ...] | None = None
+    record: xr.DataArray | None = None
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -130,7 +134,9 @@ class ChartSettings(metaclass=Named):
 
     @property
     def motion(self) -> xr.DataArray:
-        """A simulated motion of the first ground, as strong as that of Mexico City in 1985."""
+        """The record, or a simulated motion of the first ground, as strong as Mexico City in 1985."""
+        if self.record is not None:
+            return self.record
         duration, envelope = design_motion(self.ground_period)
         ground = KanaiTajimi(self.ground_period, self.ground_dampings[0], SIMULATED_INTENSITY)
         chosen: Any = {"paths": 2, "seed": self.seed, "step": SIMULATED_STEP}

@@ -43,22 +43,34 @@ COMPARISON = "Draw a second picture of Figs. 4 and 5, with linearization, drift 
 )
 @click.argument("name", required=False)
 @click.option("--comparison", is_flag=True, help=COMPARISON)
-def charts(name: str | None, comparison: bool, **options: Any) -> None:
+@click.option("--record", type=click.Path(path_type=Path), help="File of a record for Figs. 1 and 2.")
+@click.option("--units", help="Units of the record, such as g, if its file does not state them.")
+@click.option("--dt", type=SECONDS, help="Its time step [s], likewise.")
+def charts(
+    name: str | None,
+    comparison: bool,
+    record: Path | None,
+    units: str | None,
+    dt: float | None,
+    **options: Any,
+) -> None:
     """Draw all design charts, or the one called NAME, and save the dataset of each beside it (.nc).
 
     \b
-    Of a simulated motion fig1 (pseudo energy radius), fig1b (beside energies) and fig2 (critical gap);
+    Of a record or a simulated motion fig1 (pseudo energy radius), fig1b (energies), fig2 (critical gap);
     fig3a, fig3b; with a panel for each ground fig4a, fig4b, fig4c, fig5a, fig5b; of contact elements
-    fig6, fig7, fig8. Those of a record are functions of stochlin.charts.
+    fig6, fig7, fig8.
 
     \b
     Examples:
       stochlin charts
       stochlin charts fig4b --comparison
+      stochlin charts fig2 --record record.at2
       stochlin charts fig3b --curves jeng_kasai_maison_1992_unverified,iwan_1980
       stochlin charts fig4b --print-width 84mm --format pdf --out out
       stochlin charts fig5a --damping 0.02 --hardening 0.1 --format pdf --out out
     """
+    from stochlin.applications.records.records import read_record
     from stochlin.registry import as_key
     from stochlin.views.figures.charts import CHARTS, ChartSettings, chart_functions
     from stochlin.views.figures.pictures import width_in_print
@@ -67,6 +79,10 @@ def charts(name: str | None, comparison: bool, **options: Any) -> None:
         chosen = {key: options[key] for key in options if key in ChartSettings.__dataclass_fields__}
         if options["curves"] is not None:
             chosen["curves"] = options["curves"].split(",")
+        if record is not None:
+            chosen["record"] = read_record(record, units=units, dt=dt)
+        elif (units, dt) != (None, None):
+            raise ValueError("--units or --dt is given without --record; allowed: with it")
         functions = chart_functions(ChartSettings(**chosen))
         names = [*functions] if name is None else [as_key(name)]
         CHARTS.named(names[0], "NAME")
