@@ -153,7 +153,8 @@ def test_the_comparison_of_fig5a_is_white_where_the_drift_is_slow(fig5a):
     figure = sl.charts.draw(fig5a, comparison=True)
     titles = [axes.get_title("left") for axes in figure.axes if axes.get_title("left")]
     assert titles == ["linearized", "drift closure", "simulated"]
-    assert len(sl.charts.draw(fig5a).axes) == 2  # the linearized plane, and the bar of its shades
+    # The planes of linearization and of simulation, and the bar of their shades.
+    assert len(sl.charts.draw(fig5a).axes) == 3
 
 
 def test_the_charts_of_a_motion_are_those_of_a_record(tmp_path, monkeypatch):

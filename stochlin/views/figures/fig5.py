@@ -159,7 +159,8 @@ def amplification_chart(settings: ChartSettings = USUAL, ground: Ground | None =
             chart[name].attrs["ancillary_variables"] = f"{name}_standard_error{beside}"
     chart.amplification.attrs["curve_label"] = "D of standard deviations, linearized"
     title = "Amplification by yielding: of stationary standard deviations, and of maxima in a motion"
-    chart.attrs |= words(settings, ground, title, chart="curves", comparison="compared_curves")
+    pictures = {"chart": "curves", "comparison": "compared_curves", "beside": "amplification_drift"}
+    chart.attrs |= words(settings, ground, title, **pictures)
     chart.attrs["caption"] += f"\nMaxima: {duration:.3g} s of motion, {envelope.describe()}"
     chart.attrs["longest_memory_s"] = LONGEST_MEMORY * period
     return with_errors(chart, "amplification", [OF_PEAKS], settings)
