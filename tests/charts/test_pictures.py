@@ -1,5 +1,7 @@
 """Which picture a chart dataset becomes: the one its attribute names."""
 
+from dataclasses import replace
+
 import matplotlib as mpl
 import numpy as np
 import pytest
@@ -19,6 +21,7 @@ SETTINGS = sl.charts.ChartSettings(points=5, paths=4, simulated_points=3, reduct
 @pytest.mark.slow
 def test_every_kind_of_picture_belongs_to_a_chart():
     charts = [compute() for compute in sl.charts.chart_functions(SETTINGS).values()]
+    charts.append(sl.charts.chart_functions(replace(SETTINGS, simulated_points=0))["fig5a"]())
     kinds = {
         chart.attrs[key] for chart in charts for key in ("chart", "comparison") if key in chart.attrs
     }
