@@ -1,6 +1,7 @@
 """Units and long names of the variables of all tables, which are in `variables.toml`."""
 
 from collections.abc import Mapping
+from functools import cache
 
 from stochlin.data_files import data_of
 
@@ -19,6 +20,15 @@ def unit_and_long_name(name: str, special: Variables = NONE) -> tuple[str, str] 
     structure, or begin with ``record_``, also in several ways at once. The rest has ``special``
     words only where `VARIABLES` has none for it.
     """
+    return _described(name, special) if special else _usual(name)
+
+
+@cache
+def _usual(name: str) -> tuple[str, str] | None:
+    return _described(name, NONE)
+
+
+def _described(name: str, special: Variables) -> tuple[str, str] | None:
     if known := special.get(name) or VARIABLES.get(name):
         return known
     rest, text = name.removeprefix(RECORD), "{}, in the record"

@@ -84,27 +84,27 @@ def interpolated_number(functions: Array, number: int, place: float) -> tuple[An
 
 
 def newton_step(
-    v: Any, z: Any, number: int, of_slip: Any, of_relaxation: Any, of_z: Any, structure: Any, soil: Soil
+    v: Any, z: Any, number: int, closed: Any, structure: Any, soil: Soil
 ) -> tuple[Any, Any, Any, Any]:
     """Steps in ``v = log sv`` and ``z = log sz``, the larger one, and the norm of the mismatch.
 
-    It is the step of this ``number``, from ``(c |F| - dF/dy) step = F``. ``of_slip``, ``of_relaxation``
-    and ``of_z`` are the values and the slopes of the functions.
+    It is the step of this ``number``, from ``(c |F| - dF/dy) step = F``. ``closed`` are ``1 + c_e``,
+    ``k_e`` and ``log Var z`` by the closure, and the slopes of the functions.
     """
-    slip, relaxation = np.exp(of_slip[0]), np.exp(of_relaxation[0] + v)
+    slip, relaxation, log_z_z, slip_by_z, relaxation_by_z, z_z_by_z = closed
     response = response_of(structure, soil, slip, relaxation)
     after_v = response_of(structure, soil, slip, relaxation * (1 + ALONG))
-    more = slip * (1 + ALONG * of_slip[1])
-    after_z = response_of(structure, soil, more, relaxation * (1 + ALONG * of_relaxation[1]))
+    more = slip * (1 + ALONG * slip_by_z)
+    after_z = response_of(structure, soil, more, relaxation * (1 + ALONG * relaxation_by_z))
     off_v = 0.5 * np.log(response.v_v) - v
-    off_z = 0.5 * (np.log(response.z_z) - of_z[0])
+    off_z = 0.5 * (np.log(response.z_z) - log_z_z)
     v_by_v = 0.5 / ALONG * (after_v.v_v / response.v_v - 1)
     z_by_v = 0.5 / ALONG * (after_v.z_z / response.z_z - 1)
     v_by_z = 0.5 / ALONG * (after_z.v_v / response.v_v - 1)
     z_by_z = 0.5 / ALONG * (after_z.z_z / response.z_z - 1)
     norm = np.sqrt(off_v * off_v + off_z * off_z)
     push = (DAMPING if number <= ENOUGH else LATER) * norm
-    a, d = 1 + push - v_by_v, 0.5 * of_z[1] + push - z_by_z
+    a, d = 1 + push - v_by_v, 0.5 * z_z_by_z + push - z_by_z
     determinant = a * d - v_by_z * z_by_v
     step_v = (d * off_v + v_by_z * off_z) / determinant
     step_z = (a * off_z + z_by_v * off_v) / determinant
@@ -130,11 +130,13 @@ def settled(
     for number in range(1, most + 1):
         if not (math.isfinite(v + z) and z < LAST):
             return v, z, number, norm, False
-        of_slip = interpolated_number(functions, 0, z)
-        of_relaxation = interpolated_number(functions, 1, z)
-        of_z = interpolated_number(functions, 2, z)
-        steps = newton_step(v, z, number, of_slip, of_relaxation, of_z, structure, soil)
-        step_v, step_z, change, norm = steps
+        slip, slip_by_z = interpolated_number(functions, 0, z)
+        relaxation, relaxation_by_z = interpolated_number(functions, 1, z)
+        z_z, z_z_by_z = interpolated_number(functions, 2, z)
+        slopes = slip_by_z, relaxation_by_z, z_z_by_z
+        # Numbers of Python, as those of numpy take twice the time, by numpy's exponential, as in arrays.
+        closed = float(np.exp(slip)), float(np.exp(relaxation + v)), z_z, *slopes
+        step_v, step_z, change, norm = newton_step(v, z, number, closed, structure, soil)
         v, z = float(v + step_v), float(z + step_z)
         if change <= rtol and norm <= LARGEST_MISMATCH:
             return v, z, number, norm, True
@@ -161,10 +163,10 @@ class BalancedStructures(NamedTuple):
     def step(self, unknowns: Array, number: int) -> tuple[Array, Array, Array]:
         """Step (2, n) from these unknowns, norm of their mismatch, and whether they are a solution."""
         v, z = unknowns
-        of_slip, of_relaxation, of_z = zip(*interpolated(self.functions[:, :3], z), strict=True)
+        (slip, relaxation, z_z), slopes = interpolated(self.functions[:, :3], z)
+        closed = np.exp(slip), np.exp(relaxation + v), z_z, *slopes
         soil = Soil(tuple(self.ground), self.oscillators)
-        steps = newton_step(v, z, number, of_slip, of_relaxation, of_z, self.structure, soil)
-        step_v, step_z, change, norm = steps
+        step_v, step_z, change, norm = newton_step(v, z, number, closed, self.structure, soil)
         done = (change <= self.rtol) & (norm <= LARGEST_MISMATCH)
         return np.array([step_v, step_z]), np.where(z < LAST, norm, np.nan), done
 

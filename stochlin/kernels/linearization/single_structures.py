@@ -114,7 +114,8 @@ def solve_structures(
     cells = np.flatnonzero(one_solution)
     if problem.closure in UNIVERSAL and cells.size and problem.ground.in_closed_form:
         limited = elastic_limit(elastic[:, cells], 1)
-        add(solution, cells, balanced(problem.at(cells), limited, max_iterations))
+        part = problem.at(cells) if cells.size < one_solution.size else problem
+        add(solution, cells, balanced(part, limited, max_iterations))
         cells = np.flatnonzero(one_solution & ~solution.converged)
     if cells.size:
         limited = elastic_limit(elastic[:, cells], 1)

@@ -162,6 +162,9 @@ class Solved(NamedTuple):
         for number, law in enumerate(laws):  # single cells of one closure are solved together
             groups.setdefault(law and law.closure if single else number, []).append(number)
         values, count = dict[str, Array](), self.oscillators.period.size
+        if len(groups) == 1:
+            values = solve_oscillators(self.oscillators, joined(laws), self.ground, tolerance)
+            groups.clear()
         for numbers in groups.values():
             at = np.concatenate([np.arange(count)[self.parts[number]] for number in numbers])
             law = joined([laws[number] for number in numbers])
@@ -241,6 +244,8 @@ def solve_oscillators(
         return _solved(cells.at(at), law and law.at(at), ground, tolerance)
 
     parts = in_ranges(part, cells.period.size)
+    if len(parts) == 1:
+        return parts[0]
     return {name: np.concatenate([each[name] for each in parts], axis=-1) for name in parts[0]}
 
 
