@@ -5,7 +5,7 @@ import mpmath
 import numpy as np
 import pytest
 from mpmath import mpf
-from sixty_digits import DIGITS, exact_covariance, with_law
+from sixty_digits import DIGITS, exact_covariance, exact_lyapunov, with_law
 
 import stochlin as sl
 from stochlin.kernels.linearization.covariance import (
@@ -14,6 +14,7 @@ from stochlin.kernels.linearization.covariance import (
     own_covariance,
     pair_covariance,
 )
+from stochlin.kernels.linearization.drift import HALF_CYCLES, factors, half_cycles
 from stochlin.kernels.linearization.filters import Filter
 
 pytestmark = pytest.mark.oracle
@@ -245,3 +246,54 @@ def test_solutions_are_those_of_60_digits(law, soil):
             for sigma, true in zip(sigmas, exact, strict=True):
                 assert abs(sigma / true - 1) < worst
             assert abs(rho - x(0, 3) / (exact[0] * exact[1])) < worst
+
+
+@pytest.mark.parametrize(
+    ("filters", "close"),
+    [
+        ((), 1e-12),
+        ((4.8, 0.2), 1e-11),
+        ((3.1, 0.03), 1e-11),
+        ((4.8, 0.2, 0.6, 0.6), 1e-11),
+        ((3.0, 0.6, 3.0, 0.6), 1e-8),  # equal oscillators, for which the matrix exponential is taken
+    ],
+)
+def test_half_cycles_are_those_of_the_exponential(filters, close):
+    """Also where the structure hardly yields, slips almost freely, or has a pole of the soil."""
+    rng, extremes = np.random.default_rng(29), [(1e-14, 1e-14), (0.9997, 0.1), (0.999, 0.5)]
+    systems = [draw(rng, slip, relaxation) for slip, relaxation in extremes]
+    systems += [draw(rng, rng.uniform(0.01, 0.9), cases.log_uniform(rng, (1e-4, 2.0))) for _ in range(4)]
+    if filters:
+        w, xi = filters[:2]
+        systems += [EquivalentSystem(w * w, 2 * xi * w, 0.9 * w * w, e, e * w) for e in (1e-12, 1e-6)]
+    cells = EquivalentSystem(*np.array(systems).T)
+    ground = Filter.kanai_tajimi(1.0, *filters[:2]) if filters else Filter(1.0)
+    found = half_cycles(cells, ground.clough_penzien(*filters[2:]) if filters[2:] else ground)
+    for n, system in enumerate(systems):
+        with mpmath.workdps(DIGITS):
+            matrix, noise = cases.augmented_system([with_law(system)], list(map(mpf, filters)))
+            covariance, states = exact_lyapunov(matrix, noise), range(len(matrix))
+            state = mpmath.matrix([covariance(i, 2) for i in states])
+            variance, rate = state[2], mpmath.matrix([matrix[2]])
+            whole = mpmath.matrix([[covariance(i, j) for j in states] for i in states])
+            time = mpmath.pi * mpmath.sqrt(variance / (rate * whole * rate.T)[0])
+            step, exact = mpmath.expm(mpmath.matrix(matrix) * time), []
+            for _ in range(HALF_CYCLES):
+                state = step * state
+                exact.append(float(state[2] / variance))
+        np.testing.assert_allclose(found.time[n], float(time), rtol=1e-11)
+        np.testing.assert_allclose(found.memory[:, n], exact, rtol=0, atol=close)
+
+
+def test_cubics_are_factored_with_relative_errors_of_their_coefficients():
+    """Of poles of one structure from a creep of 1e-8 to a relaxation of 1e6."""
+    rng = np.random.default_rng(31)
+    real, b1, b0 = 10 ** rng.uniform([[-8], [-3], [-3]], [[6], [1], [1]], (3, 200))
+    root, linear, constant = factors(real + b1, b0 + real * b1, real * b0)
+    for n in range(root.size):
+        with mpmath.workdps(DIGITS):
+            s, b, c = (mpf(float(x[n])) for x in (root, linear, constant))
+            product = b - s, c - s * b, -s * c
+            a2, a1, a0 = (mpf(x) for x in (real[n] + b1[n], b0[n] + real[n] * b1[n], real[n] * b0[n]))
+            errors = [abs(x / y - 1) for x, y in zip(product, (a2, a1, a0), strict=True)]
+        assert max(errors) < 8e-15

@@ -15,10 +15,11 @@ import numpy as np
 from numpy.polynomial.laguerre import laggauss, lagvander
 from scipy.special import erf, factorial
 
-from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.arrays import Array, on_arrays
 from stochlin.kernels.linearization.covariance import (
     EquivalentSystem,
     Motion,
+    characteristic,
     displacement_covariance,
     own_covariance,
     residues,
@@ -26,6 +27,7 @@ from stochlin.kernels.linearization.covariance import (
 )
 from stochlin.kernels.linearization.filters import Filter
 from stochlin.kernels.linearization.gaussian import SlipQuadrant, slip_quadrant
+from stochlin.kernels.linearization.grounds import followed
 
 ORDERS = 12  # orders of the Laguerre series; the rest counts as one more order
 NODES = 40  # nodes of the quadrature over amplitudes
@@ -33,6 +35,7 @@ HALF_CYCLES = 40  # summed in eq. (3); even, so that with Bartlett's window (-1)
 MOTION = 1e6  # time over which the drift can grow from rest, in elastic periods
 DOUBLINGS = 3  # half-cycles are followed one by one up to 2^3, and then by steps of these
 TAYLOR = 1 / factorial(np.arange(13))  # coefficients of the series of an exponential
+LARGEST_MODE = 1e4  # over the variance of z, up to which modes are summed
 SMALL = 0.5  # largest rate of a matrix to which the series is applied
 
 _EXCESS, _WEIGHT = laggauss(NODES)
@@ -133,20 +136,95 @@ def half_cycles(system: EquivalentSystem, ground: Filter) -> HalfCycles:
     """Mean time between zero crossings of ``z`` (Rice 1945), and the autocorrelation of ``z`` there.
 
     The autocorrelation follows from the free motion of structure and filter together, which starts from
-    the covariances of their states with ``z``.
+    the covariances of their states with ``z``. It is a sum of modes, or follows from the exponential of
+    the matrix where modes nearly cancel, as the poles of structure and ground nearly agree.
     """
-    w2, d, h, p, k = system
-    own, soil = own_covariance(system, ground.forcing(system)), ground.arrays
+    _, _, _, p, k = system
+    own = own_covariance(system, ground.forcing(system))
     with_mu, _, with_slip = ground.correlations(system)
     with_soil = with_mu - with_slip
-    size = 3 + with_soil.shape[1]
+    # The variance of z' = (1 - p) v - k z follows with E[z z'] = 0.
+    time = np.pi * np.sqrt(own.z_z / ((1 - p) ** 2 * own.v_v - k**2 * own.z_z))
+    memory, largest = np.empty((HALF_CYCLES, time.size)), np.full(time.size, np.inf)
+    if ground.in_closed_form:
+        memory, largest = _by_modes(system, ground.oscillators, with_soil.T / own.z_z, time)
+    left = np.flatnonzero(~(largest < LARGEST_MODE))
+    if left.size:
+        some, moments = (on_arrays(lambda row: row[left], cells) for cells in (system, own))
+        own_states = moments.mu_z, moments.v_z, moments.mu_z - moments.z_z
+        with_z = np.column_stack([*own_states, with_soil[left]])
+        memory[:, left] = _by_exponentials(some, ground.at(left), with_z, time[left]) / moments.z_z
+    return HalfCycles(time, np.clip(memory, -1, 1))
+
+
+def _by_modes(
+    system: EquivalentSystem, oscillators: Any, with_soil: Any, time: Array
+) -> tuple[Array, Array]:
+    """Autocorrelation of ``z`` after each half-cycle, and the largest of the modes that it consists of.
+
+    One mode follows each oscillator of the ground, and those of the structure take what is left of the
+    value 1, the rate 0 and the curvature at first.
+    """
+    parts = followed(system, oscillators, with_soil)
+    value, rate, bend = np.ones_like(time), np.zeros_like(time), -((np.pi / time) ** 2)
+    for stiffness, damping, of_value, of_rate in parts:
+        value, rate = value - of_value, rate - of_rate
+        bend = bend + stiffness * of_value + damping * of_rate
+    root, b1, b0 = factors(*characteristic(*system))
+    single = (bend + b1 * rate + b0 * value) / (root * root + b1 * root + b0)
+    parts.append((b0, b1, value - single, rate - root * single))
+    rows = zip(*parts, strict=True)
+    wide = ([np.broadcast_to(entry, time.shape) for entry in row] for row in rows)
+    stiffness, damping, value, rate = map(np.array, wide)
+    half = 0.5 * damping * time
+    beyond = half * half - stiffness * time * time
+    angle, decays = np.sqrt(np.abs(beyond)), beyond > 0
+    growth = np.where(decays, angle, 0.0)
+    least, slower = np.expm1(-2 * growth), np.exp(growth - half)
+    cosine = slower * np.where(decays, 1 + 0.5 * least, np.cos(angle))
+    sine = slower * np.where(decays, -0.5 * least, np.sin(angle))
+    after = value * cosine + (rate * time + half * value) * np.where(angle > 0, sine / angle, slower)
+    # x(n + 1) = twice x(n) - square x(n - 1); the last mode is that of the single root.
+    factor = np.exp(root * time)
+    twice, square = np.vstack([2 * cosine, factor]), np.vstack([np.exp(-2 * half), 0 * factor])
+    before, now = np.vstack([value, single]), np.vstack([after, single * factor])
+    largest = np.abs([*before, *(rate * time)]).max(axis=0)
+    memory = np.empty((HALF_CYCLES, time.size))
+    for row in memory:
+        row[:] = sum(now)
+        before *= -square
+        before += twice * now
+        before, now = now, before
+    return memory, largest
+
+
+def factors(a2: Array, a1: Array, a0: Array) -> tuple[Array, Array, Array]:
+    """A real root of ``s^3 + a2 s^2 + a1 s + a0``, and ``b1``, ``b0`` of its factor ``s^2 + b1 s + b0``.
+
+    By Cardano it is the root farthest from the others, which two of Newton's steps then make exact.
+    """
+    third = a2 / 3
+    p, q = a1 / 3 - third * third, 0.5 * (a0 - third * a1) + third**3
+    beyond, m = q * q + p**3, np.sqrt(np.abs(p))
+    u = np.cbrt(np.abs(q) + np.sqrt(np.maximum(beyond, 0)))
+    angle = np.arccos(np.minimum(np.abs(q) / m**3, 1)) / 3
+    root = -np.copysign(np.where(beyond < 0, 2 * m * np.cos(angle), u - p / u), q) - third
+    for _ in range(2):
+        root = root - (((root + a2) * root + a1) * root + a0) / ((3 * root + 2 * a2) * root + a1)
+    # Division by the root from the constant on where it is large, and otherwise from the cube on.
+    large = np.abs(root) ** 3 > np.abs(a0)
+    b0 = np.where(large, -a0 / root, a1 + root * (a2 + root))
+    return root, np.where(large, (b0 - a1) / root, a2 + root), b0
+
+
+def _by_exponentials(system: EquivalentSystem, ground: Filter, with_z: Array, time: Array) -> Array:
+    """Covariance of ``z`` after each half-cycle, from those of all states ``with_z`` (n, states)."""
+    (w2, d, h, p, k), soil = system, ground.arrays
+    size = with_z.shape[1]
     a = np.zeros((w2.size, size, size))
     a[:, 0, 1], a[:, 1, 0], a[:, 1, 1], a[:, 1, 2] = 1, -w2, -d, h
     a[:, 2, 0], a[:, 2, 1], a[:, 2, 2] = k, p, -k
     a[:, 1, 3:], a[:, 3:, 3:] = soil.output, soil.matrix
-    with_z = np.column_stack([own.mu_z, own.v_z, own.mu_z - own.z_z, with_soil])
-    # The variance of z' = (1 - p) v - k z follows with E[z z'] = 0.
-    time = np.pi * np.sqrt(own.z_z / ((1 - p) ** 2 * own.v_v - k**2 * own.z_z))
     both_ways = np.abs(soil.matrix * soil.matrix.swapaxes(-2, -1))
     rates = np.sqrt(w2) + d + k + np.sqrt(h * p) + np.sqrt(both_ways).sum(axis=(-2, -1))
     step = _exponentials(a * time[:, None, None], rates * time)
@@ -155,8 +233,7 @@ def half_cycles(system: EquivalentSystem, ground: Filter) -> HalfCycles:
         rows, step = np.concatenate([rows, rows @ step], axis=1), step @ step
     while rows.shape[1] * len(columns) < HALF_CYCLES:  # the states before, and after all of these
         columns.append(step @ columns[-1])
-    later = (rows @ np.concatenate(columns, axis=2)).transpose(2, 1, 0).reshape(HALF_CYCLES, w2.size)
-    return HalfCycles(time, np.clip(later / own.z_z, -1, 1))
+    return (rows @ np.concatenate(columns, axis=2)).transpose(2, 1, 0).reshape(HALF_CYCLES, w2.size)
 
 
 def _exponentials(matrices: Array, rates: Array) -> Array:

@@ -71,6 +71,35 @@ def driven_rows(system: Any, soil: Any, ends: tuple[Pair, Pair]) -> Rows:
     return mu, (-back[0], -back[1]), (k * g[0] - p * moved[0], k * g[1] - p * moved[1])
 
 
+def followed(system: Any, oscillators: Any, states: Any) -> list[tuple[Any, Any, Any, Any]]:
+    """Parts of the free motion of ``z`` that follow one oscillator of the ground each.
+
+    ``states`` are those of the oscillators. A part has the stiffness and the damping of its oscillator,
+    its value and its rate. They follow from ``D(s) z = (1 - p) s f`` with the structure's characteristic
+    polynomial ``D``. The high-pass filter is divided into what follows the soil, and its own motion.
+    """
+    if not oscillators:
+        return []
+    soil, *layers = zip(oscillators[::2], oscillators[1::2], strict=True)
+    moving = [(soil, states[:2])]
+    if layers:
+        layer = layers[0]
+        place = _divide(soil, layer[0] - soil[0], layer[1] - soil[1], states[:2])
+        rate = _apply(soil, place)
+        change = _apply(soil, rate)
+        moving = [(soil, change), (layer, (-rate[1] - states[2], -change[1] - states[3]))]
+    parts = []
+    for oscillator, (place, rate) in moving:
+        stiffness, damping = oscillator
+        # Backwards in time, where the matrix of the oscillator is -F.
+        back = _resolved(system, (stiffness, -damping), (place, -rate))
+        moved = _apply(oscillator, (back[0], -back[1]))
+        again = _apply(oscillator, moved)
+        value = (system.slip - 1) * again[1]
+        parts.append((stiffness, damping, value, (system.slip - 1) * _apply(oscillator, again)[1]))
+    return parts
+
+
 def _sylvester(system: Any, oscillator: Any, r_mu: Any, r_v: Any, r_y: Any) -> Rows:
     """Rows of ``C`` from the rows ``r_mu``, ``r_v``, ``r_y`` of ``R``."""
     _, d, h, p, k = system
