@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import scipy.interpolate
 
-from stochlin.solver.tables.interpolation import Grid
+from stochlin.solver.tables.interpolation import Grid, linear
 
 pytestmark = pytest.mark.oracle
 
@@ -34,6 +34,17 @@ def test_interpolation_is_by_splines_along_each_axis(dimensions):
     expected = [by_splines(axes, values, point) for point in points.T]
     found = Grid.of(axes, values).at(points)
     np.testing.assert_allclose(found.T, expected, rtol=0, atol=1e-12)
+
+
+def test_linear_interpolation_is_that_of_scipy():
+    rng = np.random.default_rng(11)
+    axes = [np.cumsum(rng.uniform(0.1, 1, size)) for size in (2, 6, 4)]
+    values = rng.standard_normal((2, 6, 4, 2))
+    points = np.array([rng.uniform(axis[0], axis[-1], 60) for axis in axes])
+    points[:, :20] = np.array([rng.choice(axis, 20) for axis in axes])
+    expected = scipy.interpolate.interpn(axes, values, points.T)
+    found = Grid.of(axes, values, linear).at(points)
+    np.testing.assert_allclose(found.T, expected, rtol=0, atol=1e-13)
 
 
 @pytest.mark.parametrize("wrong", [np.nan, -0.1, 2.1])

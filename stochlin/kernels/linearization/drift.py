@@ -173,9 +173,11 @@ def _by_modes(
     root, b1, b0 = factors(*characteristic(*system))
     single = (bend + b1 * rate + b0 * value) / (root * root + b1 * root + b0)
     parts.append((b0, b1, value - single, rate - root * single))
-    rows = zip(*parts, strict=True)
-    wide = ([np.broadcast_to(entry, time.shape) for entry in row] for row in rows)
-    stiffness, damping, value, rate = map(np.array, wide)
+    table = np.empty((4, len(parts), time.size))
+    for number, part in enumerate(parts):
+        for row, entry in zip(table[:, number], part, strict=True):
+            row[:] = entry
+    stiffness, damping, value, rate = table
     half = 0.5 * damping * time
     beyond = half * half - stiffness * time * time
     angle, decays = np.sqrt(np.abs(beyond)), beyond > 0
@@ -191,7 +193,7 @@ def _by_modes(
     largest = np.abs([*before, *(rate * time)]).max(axis=0)
     memory = np.empty((HALF_CYCLES, time.size))
     for row in memory:
-        row[:] = sum(now)
+        np.add.reduce(now, axis=0, out=row)
         before *= -square
         before += twice * now
         before, now = now, before

@@ -19,18 +19,17 @@ computes the map.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import cache, lru_cache
 from importlib.resources import files
 
 import numpy as np
 import xarray as xr
-from scipy.ndimage import map_coordinates
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import DRIFT, GAUSSIAN, Structure
-from stochlin.solver.tables.interpolation import Grid
+from stochlin.solver.tables.interpolation import Grid, linear
 
 FILE = "drift_map.nc"
 # R/p is the standard deviation of the elastic displacement over the yield displacement. Below this value
@@ -56,7 +55,7 @@ BEYOND = 2.0
 # map, and this share of the scatter of the points around.
 LEAST_BEYOND, BY_SPREAD = 0.03, 0.45
 ROUNDING = 1e-9
-DAMPING_AXIS = 3  # of the map, that of the damping ratio of the ground
+DAMPING_AXIS, OTHER_AXES = 3, [0, 1, 2, 4]  # of the map: the damping ratio of the ground, and the others
 SECTIONS = 64  # number of sections of the map at one damping ratio of the ground that are kept
 
 
@@ -130,18 +129,23 @@ def hold_at_ends(name: str, ground: Ground, point: Array) -> Array:
 
     Outside the map they are those at its boundary. There is a column for each entry of the variable.
     """
-    places = _inside(_grid(name), point)
+    return _held(_grid, name, ground, point)
+
+
+def _held(grid_of: Callable[[str], Grid], name: str, ground: Ground, point: Array) -> Array:
+    """`hold_at_ends` by one of the grids of the variable."""
+    places = _inside(grid_of(name), point)
     soil = ground.calibration and ground.calibration.soil
     if soil and places.size and not ground.over_cells()[soil[1]].ndim:
         # All places have one damping ratio of the soil, and a quarter of the neighbours in a section.
-        section = _section(name, float(places[DAMPING_AXIS, 0]))
-        return section.at(np.delete(places, DAMPING_AXIS, axis=0))
-    return _grid(name).at(places)
+        section = _section(grid_of, name, float(places[DAMPING_AXIS, 0]))
+        return section.at(places[OTHER_AXES])
+    return grid_of(name).at(places)
 
 
 @lru_cache(maxsize=SECTIONS)
-def _section(name: str, damping: float) -> Grid:
-    return _grid(name).section(DAMPING_AXIS, damping)
+def _section(grid_of: Callable[[str], Grid], name: str, damping: float) -> Grid:
+    return grid_of(name).section(DAMPING_AXIS, damping)
 
 
 @cache
@@ -163,18 +167,16 @@ def _held_with_spread(name: str, ground: Ground, point: Array) -> tuple[Array, A
 
     The standard deviations have the weights of linear interpolation.
     """
-    grid = _grid(name)
-    inside = _inside(grid, point)
-    # Places as numbers of points along each axis, between which they are linear.
-    place = [np.interp(x, axis, np.arange(axis.size)) for x, axis in zip(inside, grid.axes, strict=True)]
-    mean, square = (map_coordinates(v, place, order=1, cval=np.nan) for v in _with_squares(name))
+    mean, square = _held(_with_squares, name, ground, point)
     return hold_at_ends(name, ground, point)[0], np.sqrt(np.maximum(square - mean**2, 0))
 
 
 @cache
-def _with_squares(name: str) -> tuple[Array, Array]:
-    values = _grid(name).values[..., 0]
-    return values, values**2
+def _with_squares(name: str) -> Grid:
+    """The map of a variable, and a column for its square, which are linear between the points."""
+    smooth = _grid(name)
+    values = np.concatenate([smooth.values, smooth.values**2], axis=-1)
+    return Grid.of([axis.points for axis in smooth.axes], values, linear)
 
 
 @np.errstate(all="ignore")  # R/p of elastic structures is 0; failed cells are NaN

@@ -281,8 +281,9 @@ def _solved(
     status = np.where(physical, status, labels.NOT_PHYSICAL)
     lost = np.where(ratio > STRONG, labels.TOO_STRONG, labels.NOT_CONVERGED)
     status = np.where(ended.converged, status, lost).astype(np.int8)
-    for row in values.values():
-        row[..., status >= labels.NOT_CONVERGED] = np.nan
+    if (failed := status >= labels.NOT_CONVERGED).any():
+        for row in values.values():
+            row[..., failed] = np.nan
     counts = {"iterations": ended.iterations, "residual": ended.residual, "status": status}
     return values | counts | {STRENGTH_RATIO: ratio}
 
