@@ -31,7 +31,7 @@ from stochlin.kernels.linearization.iteration import (
 UNIVERSAL = (gaussian, clipped)  # closures of one law without parameters
 # Range of log sz: below it slip has no effect on the response in double precision, above it the shaking
 # is a thousand times too strong for the structure; and points between which the functions are cubic.
-FIRST, LAST, POINTS = np.log(0.04), np.log(400.0), 4096
+FIRST, LAST, POINTS = float(np.log(0.04)), float(np.log(400.0)), 4096
 WIDTH = (LAST - FIRST) / (POINTS - 1)
 SOLVING = 12  # Newton's steps for the correlations
 # The damping c, with which cells need 4 to 6 steps on average; and that after so many steps, for cells
@@ -70,7 +70,7 @@ def interpolated(functions: Array, place: Array) -> tuple[Array, Array]:
     return cubic(functions.take(piece, axis=2, mode="clip"), place - (FIRST + WIDTH * piece))
 
 
-def cubic(coefficients: Array, x: Array) -> tuple[Array, Array]:
+def cubic(coefficients: Any, x: Any) -> tuple[Any, Any]:
     """Value and slope of cubic polynomials, whose coefficients begin with that of the highest power."""
     c3, c2, c1, c0 = coefficients[0], coefficients[1], coefficients[2], coefficients[3]
     return ((c3 * x + c2) * x + c1) * x + c0, (3 * c3 * x + 2 * c2) * x + c1
@@ -79,8 +79,9 @@ def cubic(coefficients: Array, x: Array) -> tuple[Array, Array]:
 def interpolated_number(functions: Array, number: int, place: float) -> tuple[Any, Any]:
     """`interpolated` of one of the functions, at a number."""
     piece = int(min(max((place - FIRST) / WIDTH, 0.0), POINTS - 2.0))
-    value, slope = cubic(functions[:, number, piece], place - (FIRST + WIDTH * piece))
-    return float(value), float(slope)
+    row = functions[:, number, piece]
+    coefficients = float(row[0]), float(row[1]), float(row[2]), float(row[3])
+    return cubic(coefficients, place - (FIRST + WIDTH * piece))
 
 
 def newton_step(
