@@ -35,6 +35,7 @@ def models(ground, structures):
 
 
 @pytest.mark.slow
+@pytest.mark.extreme
 @pytest.mark.parametrize("family", ["equal", "ridge", "damping", "strong"])
 def test_hard_pairs_meet_another_simulation(family):
     """Other motions; four standard errors of both simulations, each of which has about the same."""
