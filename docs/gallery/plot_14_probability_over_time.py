@@ -8,6 +8,8 @@ of motions that end at each of the points, with its 95 % interval. The grey shap
 of the motion. Linearization loses the plastic drift and is unsafe.
 """
 
+import warnings
+
 import matplotlib.pyplot as plt
 import numpy as np
 import xarray as xr
@@ -16,6 +18,7 @@ import stochlin as sl
 from stochlin.charts import CURVES, STYLE
 
 plt.rcParams.update(STYLE)
+warnings.filterwarnings("ignore", message=".*the motion ends in its strong part")  # as it is to here
 one, two = (sl.Bilinear(T, 0.05, 0.05, reduction_factor=4) for T in (0.6, 1.0))
 ground = sl.KanaiTajimi(period=2 * np.pi / 15, damping=0.6, intensity=0.01)
 motion = sl.AminAng(rise_end=4, strong_end=15, decay=0.35)

@@ -202,7 +202,7 @@ def oscillators(kind: Any, **law: Any) -> tuple[Any, Any]:
 
 
 def shear(law: Any) -> tuple[Any, Any]:
-    strength = {"hardening": 0.5, "yield_drifts": 0.001, "law": law}
+    strength = {"hardening": 0.3, "yield_drifts": 0.001, "law": law}
     first, second = (
         sl.ShearBuilding([1e5] * n, [1e9] * n, [3.0] * n, 0.05, **strength)  # type: ignore[arg-type]
         for n in (2, 3)
@@ -215,7 +215,7 @@ def by_modes(storeys: int) -> sl.ModalBuilding:
     phase = (2 * np.arange(1, storeys + 1) - 1) * np.pi / (4 * storeys + 2)
     shapes = np.sin(2 * phase[:, None] * np.arange(1, storeys + 1))
     chain = np.pi / (100 * np.sin(phase)), shapes, [1e5] * storeys, [3.0] * storeys
-    return sl.ModalBuilding(*chain, 0.05, hardening=0.5, yield_displacements=0.001)
+    return sl.ModalBuilding(*chain, 0.05, hardening=0.3, yield_displacements=0.001)
 
 
 @cache

@@ -356,7 +356,7 @@ class ShearBuilding(MultistoreyBuilding):
         ):
             share = f"{drift:.3g} m, {drift / height:.2g} of its height"
             yield f"storey {worst + 1}, {height:g} m high, yields at {share}; {text}"
-        if self.yields and (text := doubt_of_strength(self._least_strength())):
+        elif self.yields and (text := doubt_of_strength(self._least_strength())):
             yield f"the weakest storey yields under {text}"
         inner = stiffnesses[1:-1] / np.minimum(stiffnesses[:-2], stiffnesses[2:])
         if text := PLAUSIBLE["stiffness over its neighbours"].doubt(inner.min(initial=1.0)):
