@@ -98,17 +98,6 @@ def storeys(drifts: list[float]) -> sl.ShearBuilding:
     return sl.ShearBuilding([1e5] * 2, [1e8] * 2, [3.0] * 2, 0.05, 0.05, yield_drifts=drifts)
 
 
-def three(folder: Path, ratio: float) -> Path:
-    """A folder of three records, by the peak of one over those of the others, between 0.02 and 1.5 g."""
-    (folder / "suite").mkdir(exist_ok=True)
-    peak = 1.8 if ratio > 1 else 4.0
-    for number, size in enumerate((1.0, 1.0, ratio)):
-        shape = np.sin(np.arange(200) * np.pi / (3 + number))
-        record = motion(peak * size * shape / np.abs(shape).max())
-        write_at2(record, folder / "suite" / f"{number}.at2")
-    return folder / "suite"
-
-
 def cut_off(folder: Path, ratio: float) -> Path:
     """A file of a record of 6 s, by its last second over its peak."""
     samples = np.tile([2.0, 0.0, -2.0, 0.0], 75)
@@ -183,7 +172,6 @@ PYTHON: dict[str, Callable[[float, Path], object]] = {
     "mean height of three storeys": lambda x, _: sl.code_gaps(0.1, 0.1, height_1=3 * x, storeys_1=3),
     "pga of 10 years": lambda x, _: sl.HazardCurve([0.5 * x, x, 6.0], [0.2, 0.1, 1 / 475]),
     "contact stiffness": lambda x, _: sl.LinearSpring(x),
-    "peak over those of the suite": lambda x, folder: sl.read_records(three(folder, x)),
     "last second over the peak": lambda x, folder: sl.read_record(cut_off(folder, x)),
     "stiffness over its neighbours": lambda x, _: sl.ShearBuilding(
         [1e5] * 3, [1e8, x * 1e8, 1e8], [3.0] * 3, 0.05
@@ -461,7 +449,7 @@ FILES: dict[str, Callable[[float, Path], dict[str, str]]] = {
 # contacts are those of `stochlin pound`.
 OF_PYTHON = {
     *("gap of a result", "gaps", "peak", "peak_factor", "penetration", "years"),
-    *("damping_constant", "importance", "peak over those of the suite"),
+    *("damping_constant", "importance"),
 }
 OF_FILES = {"peak over that of the site", "importance_factor"}
 FITTED = {

@@ -128,7 +128,7 @@ def read_records(
     >>> import tempfile, pathlib
     >>> import stochlin as sl
     >>> folder = pathlib.Path(tempfile.mkdtemp())
-    >>> for name, motion in zip("ab", sl.simulated_motions(sl.WhiteNoise(0.01), 5.0, paths=2)):
+    >>> for name, motion in zip("ab", sl.simulated_motions(sl.WhiteNoise(0.01), 4.0, paths=2)):
     ...     motion.to_series().to_csv(folder / f"{name}.csv")
     >>> list(sl.read_records(folder, units="m/s^2"))
     ['a.csv', 'b.csv']
@@ -244,11 +244,6 @@ def _alike(suite: Suite) -> Iterator[str]:
             lengths.setdefault((time.size, *np.round(time[:2], 6)), []).append(labels[0])
     if crowded := next((labels for labels in of_events.values() if len(labels) > 2), []):
         yield f"{listed(crowded)} are of one earthquake and station; is one of them vertical?"
-    peaks = [float(np.abs(record).max()) for record in suite.values()]
-    for name, peak in zip(names, peaks, strict=True):
-        ratio = peak / float(np.median(peaks))
-        if text := PLAUSIBLE["peak over those of the suite"].doubt(ratio):
-            yield f"{name} has {ratio:.2g} of the median of the peaks; {text}"
     for first, later in copies([record.to_numpy() for record in suite.values()]):
         if events[first] != events[later]:
             both = f"{names[first]} and {names[later]}"
