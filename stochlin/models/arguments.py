@@ -249,8 +249,8 @@ def _doubts(values: dict[str, Any], in_metres: InMetres) -> Iterator[str]:
             yield f"hardening = {brief(structure.hardening)} has no effect without {strength}"
     envelope, end = values.get("envelope"), values.get("duration")
     described = median_of(values.get("ground"))
-    if is_number(end) and hasattr(described, "doubts_of_motion"):
-        yield from described.doubts_of_motion(end, envelope, _longest_period(values))
+    if is_number(end) and hasattr(described, "doubts_of_use"):
+        yield from described.doubts_of_use(end, envelope, _longest_period(values))
     if envelope is not None and end is not None and (warning := envelope.doubt(end)):
         yield f"duration = {end:g}: {warning}"
 

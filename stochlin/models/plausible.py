@@ -44,7 +44,7 @@ OF_A_ROW = "gaps"  # of which a list is no scan either
 FAR = sys.float_info.max  # beyond it numbers are refused
 UNQUESTIONED: ContextVar[bool] = ContextVar("UNQUESTIONED", default=False)
 ANY = Plausible(-inf, inf, "", "")
-SEVERAL = 3
+SEVERAL = 3  # storeys of a building that is no hall with a gallery
 STOREY = 3.0  # m, height of a storey if that of the building is not known; ASCE 7-16, 12.8.2.1
 
 

@@ -112,28 +112,29 @@ def lone_peak(folder: Path, ratio: float) -> Path:
     return written(motion(samples), folder)
 
 
-def plateau(folder: Path, end: float) -> Path:
-    """A file of a spectrum, by the period at which its plateau ends."""
-    rows = [(0.0, 2.0), (0.1, 5.0), (end, 5.0), (2 * end, 2.5), (4 * end, 1.25)]
+def spectrum_through(folder: Path, rows: list[tuple[float, float]]) -> Path:
+    """A file of a spectrum through these periods and ordinates."""
     text = "\n".join(f"{period!r},{ordinate!r}" for period, ordinate in rows)
     (folder / "site.csv").write_text(f"period,Sa [m/s^2]\n{text}\n", encoding="utf-8")
     return folder / "site.csv"
 
 
+def plateau(folder: Path, end: float) -> Path:
+    """A file of a spectrum, by the period at which its plateau ends."""
+    rows = [(0.0, 2.0), (0.1, 5.0), (end, 5.0), (2 * end, 2.5), (4 * end, 1.25)]
+    return spectrum_through(folder, rows)
+
+
 def jumping_spectrum(folder: Path, jump: float) -> Path:
     """A file of a spectrum, by how much an ordinate is less than that before and the periods allow."""
     rows = [(0.0, 2.0), (0.2, 5.0), (0.4, 5.0), (0.5, 5.0 / jump / 1.25**2), (0.6, 1.0)]
-    text = "\n".join(f"{period},{ordinate!r}" for period, ordinate in rows)
-    (folder / "site.csv").write_text(f"period,Sa [m/s^2]\n{text}\n", encoding="utf-8")
-    return folder / "site.csv"
+    return spectrum_through(folder, rows)
 
 
 def far_spectrum(folder: Path, displacement: float) -> Path:
     """A file of a spectrum, by its displacement at 10 s."""
     rows = [(0.0, 3.0), (0.5, 6.0), (1.0, 6.0), (2.0, 4.0), (10.0, displacement * (2 * np.pi / 10) ** 2)]
-    text = "\n".join(f"{period},{ordinate!r}" for period, ordinate in rows)
-    (folder / "site.csv").write_text(f"period,Sa [m/s^2]\n{text}\n", encoding="utf-8")
-    return folder / "site.csv"
+    return spectrum_through(folder, rows)
 
 
 def pushover(folder: Path, displacement: float = 0.2, force: float = 1e6) -> Path:

@@ -130,7 +130,7 @@ def _with_scatter(
     name = f"gap, with the scatter of {OF_SPECTRUM.scatter:g} between earthquakes"
     columns = {
         f"{WITH_SCATTER}{end}": table[f"gap{end}"].reset_coords(drop=True).assign_attrs(long_name=name)
-        for end in ("", "_lower", "_upper")
+        for end in labels.VALUE_AND_ENDS
     }
     return simulated.assign(columns)
 

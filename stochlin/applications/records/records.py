@@ -34,8 +34,8 @@ _CURE = "correct it, or leave it out"
 _IN_BUILDING = re.compile(
     r"\b(?:roof|floor|stor(?:e?y|ies)|azotea|techo|piso|dach|toit|tetto)\b", re.IGNORECASE
 )
-# The last part of a record [s], and how many times as long a record is that is judged by it.
-ENDING, FEWEST = 1.0, 4.5
+ENDING = 1.0  # s, the last part of a record
+FEWEST = 4.5  # times as long is a record that is judged by it
 SAME_SHAPE = 1e-3  # difference over the peak, of digits that are left out in files
 SHORTEST_STEP = 1e-6  # s, of a file
 # Of any record, with room for all numbers of a response: of structures with periods from 1e-9 to 1e9 s
@@ -201,7 +201,8 @@ def _same_shape(motion: Array, other: Array) -> bool:
 def _doubts(record: xr.DataArray, series: Series) -> Iterator[str]:
     """Texts of warnings on an implausible record, each as a question."""
     yield from doubts_of_motion(record.to_numpy(), record.attrs["dt"])
-    samples, last = np.abs(record.to_numpy()), max(1, round(ENDING / record.attrs["dt"]))
+    samples = np.abs(record.to_numpy())
+    last = max(1, round(ENDING / record.attrs["dt"]))
     ratio = float(samples[-last:].max() / samples.max()) if samples.size >= FEWEST * last else 0.0
     if text := PLAUSIBLE["last second over the peak"].doubt(ratio):
         yield f"its last second reaches {ratio:.2g} of its peak; {text}"

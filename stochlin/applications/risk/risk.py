@@ -304,6 +304,12 @@ def simulated_at(hazard: Hazard) -> Array:
     return np.geomspace(ends[0], ends[-1], POINTS)
 
 
+def _with_both_errors(rates: Array, interpolation: float) -> tuple[float, float]:
+    """Mean of the rates of the motions, and its error together with that of the interpolation."""
+    mean, error = mean_with_error(rates)
+    return float(mean), float(np.hypot(error, interpolation))
+
+
 class SimulatedRisk(NamedTuple):
     """Separations in simulated motions of a site, from which the risk of any gap follows."""
 
@@ -331,8 +337,7 @@ class SimulatedRisk(NamedTuple):
 
         The latter is that of the motions together with `quadrature_error`.
         """
-        mean, error = mean_with_error(self.rates(gap).sum(axis=1))
-        return mean, float(np.hypot(error, self.quadrature_error(gap)))
+        return _with_both_errors(self.rates(gap).sum(axis=1), self.quadrature_error(gap))
 
     def quadrature_error(self, gap: float) -> float:
         """Error [1/yr] of the rate by the interpolation between intensities.
@@ -376,9 +381,9 @@ class SimulatedRisk(NamedTuple):
         """
         rates = self.rates(gap).sum(axis=1)
         stronger, weaker = self.unseen_rates(gap)
-        mean, error = self.rate(gap)
-        most, of_motions = mean_with_error(rates + stronger + weaker)
-        error_of_most = float(np.hypot(of_motions, self.quadrature_error(gap)))
+        interpolation = self.quadrature_error(gap)
+        mean, error = _with_both_errors(rates, interpolation)
+        most, error_of_most = _with_both_errors(rates + stronger + weaker, interpolation)
         ends = mean, max(mean - NORMAL * error, 0.0), most + NORMAL * error_of_most
         return dict(zip(labels.VALUE_AND_ENDS, ends, strict=True))
 
@@ -390,7 +395,8 @@ class SimulatedRisk(NamedTuple):
         stronger, weaker = self.unseen_rates(gap)
         # A table has the same intensities in all cells, also where others were added between them.
         step = (motions.intensity.size - 1) // (POINTS - 1)
-        shown, intervals = motions.intensity[::step], np.arange(1, motions.intensity.size, step)
+        shown = motions.intensity[::step]
+        intervals = np.arange(1, motions.intensity.size, step)
         by_interval = np.add.reduceat(
             self.rates(gap).mean(axis=0), [0, *intervals, motions.intensity.size]
         )

@@ -198,10 +198,12 @@ def columns_of(table: Table) -> list[Column]:
     Raises a ValueError if more than one column of numbers, which may be an index, has no title below
     others, as those of ``0,5`` between commas.
     """
-    columns, first_line = [], table.rows.index[0]
-    numbers, titled = table.sheet.columns_of_numbers(first_line), len(table.title_cells)
-    if titled and sum(n >= titled for n in numbers) > 1:
+    first_line = table.rows.index[0]
+    titled = len(table.title_cells)
+    untitled = sum(n >= titled for n in table.sheet.columns_of_numbers(first_line))
+    if titled and untitled > 1:
         table.sheet.check_width([first_line], titled)
+    columns = []
     for n, title in enumerate([*table.title_cells, *[""] * table.width][: table.width]):
         shown = "" if _OF_PANDAS.fullmatch(title) else title
         cells = table.rows[n]

@@ -117,7 +117,8 @@ def points_in(path: Path, request: AskedSpectrum) -> Points:
 def _doubts_of_remarks(table: Table, request: AskedSpectrum) -> Iterator[str]:
     """Texts on remarks of another damping ratio, or of the factor by which ordinates are divided."""
     for place, text in table.remarks():
-        damping, factor = damping_in_remark(text), divided_by_remark(text)
+        damping = damping_in_remark(text)
+        factor = divided_by_remark(text)
         if damping is not None and not np.isclose(damping, request.damping):
             yield f"{place}: {brief(text)}; is damping={damping:g}, and not {request.damping:g}?"
         if 1 < factor <= LARGEST_FACTOR and not request.divided:

@@ -235,7 +235,8 @@ def _alike(suite: Suite) -> Iterator[str]:
     """Sentences on records that may be a vertical component, a copy, or a component of another one."""
     of_events: dict[object, list[str]] = {}
     lengths: dict[object, list[str]] = {}
-    names, events = [*suite], events_of(suite, [*suite.values()])
+    names = [*suite]
+    events = events_of(suite, [*suite.values()])
     for event, label in zip(events, names, strict=True):
         of_events.setdefault(event, []).append(label)
     for labels in of_events.values():

@@ -90,7 +90,8 @@ def _structure(structure, ground, oscillators, functions):
     soil = Soil(ground, oscillators)
     elastic = EquivalentSystem(w * w, 2 * damping * w, 0.0 * w, 0.0 * w, w)
     own = own_covariance(elastic, forcing_of(elastic, soil))
-    v, z = math.log(math.sqrt(own.v_v) / uy), min(0.0, math.log(math.sqrt(own.mu_mu) / uy))
+    v = math.log(math.sqrt(own.v_v) / uy)
+    z = min(0.0, math.log(math.sqrt(own.mu_mu) / uy))
     over_uy = Soil((ground[0] / (uy * uy), ground[1], ground[2], ground[3], ground[4]), oscillators)
     yielding = w * w, 2 * damping * w, (1 - hardening) * w * w
     v, z, _, _, converged = settled(v, z, yielding, over_uy, functions, CLOSE, MOST)

@@ -345,33 +345,44 @@ class ShearBuilding(MultistoreyBuilding):
     def doubts(self) -> Iterator[str]:
         """Texts on what follows from the parameters and is implausible."""
         yield from super().doubts()
+        yield from self._doubts_of_stiffness()
+        yield from self._doubts_of_strength()
+        added = self._numbers("dampers", 0.0) / self._critical_damping()
+        if text := PLAUSIBLE["damper over critical"].doubt(added.max()):
+            strongest = f"the damper of storey {int(np.argmax(added)) + 1}"
+            yield f"{strongest} is {added.max():.3g} times 2 sqrt(k m) of the storey; {text}"
+
+    def _doubts_of_stiffness(self) -> Iterator[str]:
+        """Texts on storeys whose stiffness does not fit that of the others."""
         stiffnesses = self._numbers("stiffnesses")
         if self.storeys > 2:  # the first storey may be a soft one
             yield from doubt_of_order("stiffness", stiffnesses, stiffnesses[1])
-        heights, drifts = self._numbers("heights"), self._numbers("yield_drifts", 0.0)
-        worst = int(np.argmax(drifts / heights))
-        drift, height = drifts[worst], heights[worst]
-        if (text := PLAUSIBLE["yield drift"].doubt(drift / height)) and (
-            PLAUSIBLE["heights"].holds(height)
-        ):
-            share = f"{drift:.3g} m, {drift / height:.2g} of its height"
-            yield f"storey {worst + 1}, {height:g} m high, yields at {share}; {text}"
-        elif self.yields and (text := doubt_of_strength(self._least_strength())):
-            yield f"the weakest storey yields under {text}"
         inner = stiffnesses[1:-1] / np.minimum(stiffnesses[:-2], stiffnesses[2:])
         if text := PLAUSIBLE["stiffness over its neighbours"].doubt(inner.min(initial=1.0)):
             softest = f"storey {int(np.argmin(inner)) + 2} has {inner.min():.2g} of the stiffness"
             yield f"{softest} of those above and below; {text}"
+
+    def _doubts_of_strength(self) -> Iterator[str]:
+        """Texts on yield drifts, and on the strength that follows from them."""
+        heights, drifts = self._numbers("heights"), self._numbers("yield_drifts", 0.0)
         ratios = drifts / heights
+        worst = int(np.argmax(ratios))
+        drift, height = drifts[worst], heights[worst]
+        text = PLAUSIBLE["yield drift"].doubt(ratios[worst])
+        if text and PLAUSIBLE["heights"].holds(height):
+            share = f"{drift:.3g} m, {ratios[worst]:.2g} of its height"
+            yield f"storey {worst + 1}, {height:g} m high, yields at {share}; {text}"
+        elif self.yields and (text := doubt_of_strength(self._least_strength())):
+            yield f"the weakest storey yields under {text}"
         growth = ratios[1:] / ratios[:-1] if self.yields else np.zeros(0)
         if text := PLAUSIBLE["yield drift upwards"].doubt(growth.max(initial=0.0)):
             above = int(np.argmax(growth)) + 2
             yield f"storey {above} yields at {growth.max():.3g} times the drift ratio below; {text}"
-        critical = 2 * np.sqrt(stiffnesses * self._numbers("masses"))
-        added = self._numbers("dampers", 0.0) / critical
-        if text := PLAUSIBLE["damper over critical"].doubt(added.max()):
-            strongest = f"the damper of storey {int(np.argmax(added)) + 1}"
-            yield f"{strongest} is {added.max():.3g} times 2 sqrt(k m) of the storey; {text}"
+
+    def _critical_damping(self) -> Array:
+        """Critical damping of each storey with its own mass [N s/m], (storeys,)."""
+        critical: Array = 2 * np.sqrt(self._numbers("stiffnesses") * self._numbers("masses"))
+        return critical
 
     def _least_strength(self) -> float:
         """The least force at yield of a storey over the mass above it [m/s^2]."""

@@ -149,7 +149,7 @@ class Ground(Model, base=True):
             what = f"{type(self).__name__}: fitted_for = {brief(known)}"
             raise TypeError(f"{what}; allowed: duration [s], envelope and longest period [s]")
 
-    def doubts_of_motion(self, duration: float, envelope: object, period: float) -> Iterator[str]:
+    def doubts_of_use(self, duration: float, envelope: object, period: float) -> Iterator[str]:
         """Texts on motions and a longest period [s] of structures for which it was not fitted."""
         if self.fitted_for is None:
             return

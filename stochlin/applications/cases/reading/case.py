@@ -147,12 +147,13 @@ class Wanted(Form):
         for building in buildings if lacking or not rules else ():
             unused = [n for n in ("displacements", *FACTORS.values()) if n in building.form.table]
             if unused:
-                what = 'is not used; name your code, as codes = ["eurocode_8"]'
-                for other, missing, code in lacking:
-                    if other is building:
-                        what = (
-                            f"is not used, since {code}, the code of the site, needs {missing} as well"
-                        )
+                reasons = [
+                    f"since {code}, the code of the site, needs {missing} as well"
+                    for other, missing, code in lacking
+                    if other is building
+                ]
+                cure = '; name your code, as codes = ["eurocode_8"]'
+                what = f"is not used, {reasons[-1]}" if reasons else f"is not used{cure}"
                 building.form.table.warn(unused[0], what)
         return () if lacking else tuple(rules)
 
