@@ -34,7 +34,7 @@ from stochlin.kernels.correlation.errors import OF_NEARLY_EQUAL, OF_OTHERS
 ROOT = Path(__file__).parents[2]
 GALLERY = FILE.parent
 CLAIMS = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
-LAKE_BED, FIRM = sl.KanaiTajimi(2.0, 0.05, intensity=0.01), sl.KanaiTajimi(0.42, 0.6, intensity=0.01)
+LAKE_BED, BROAD = sl.KanaiTajimi(2.0, 0.05, intensity=0.01), sl.KanaiTajimi(0.42, 0.6, intensity=0.01)
 WITH_MAP, WITH_SIGNATURES = "with the map", "with signatures"  # parts of the drift closure
 CALCULATED = (  # period and R of both
     *((0.6, 4, 1.0, 4), (1.0, 6, 1.2, 2), (1.2, 5, 1.22, 4.4)),
@@ -133,8 +133,10 @@ def drift_times() -> dict[str, Any]:
     """Of structures with a period of 1 s, by R."""
     strength = xr.DataArray([1.0, 2.0, 6.0], [("R", [1, 2, 6])])
     structure = sl.Bilinear(1.0, 0.05, 0.05, reduction_factor=strength)
-    firm, lake_bed = (sl.linearize(structure, ground, "drift").drift_time for ground in (FIRM, LAKE_BED))
-    return {"firm": firm, "lake_bed": lake_bed}
+    grounds = {"broad": BROAD, "lake_bed": LAKE_BED}
+    return {
+        name: sl.linearize(structure, ground, "drift").drift_time for name, ground in grounds.items()
+    }
 
 
 def motions() -> dict[str, Any]:
@@ -337,7 +339,7 @@ def calculator() -> dict[str, Any]:
     exec(code[code.index("def gaps") : code.index("random =")], page)
     motion = {"duration": 30, "envelope": sl.AminAng(rise_end=4, strong_end=15, decay=0.35), "seed": 7}
     shares, sizes = [], []
-    for ground, pair in itertools.product((FIRM, LAKE_BED), CALCULATED):
+    for ground, pair in itertools.product((BROAD, LAKE_BED), CALCULATED):
         sides = (sl.Bilinear(T, 0.05, 0.05, reduction_factor=R) for T, R in (pair[:2], pair[2:]))
         simulated = sl.separation(*sides, ground, **motion)
         gap = page["gaps"](*pair, ground)

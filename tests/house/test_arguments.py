@@ -51,26 +51,26 @@ def motion(
     return duration, share
 
 
-FIRM = sl.WhiteNoise(0.01)
+SITE = sl.WhiteNoise(0.01)
 
 
 def test_the_signature_stays() -> None:
     assert list(inspect.signature(motion).parameters) == ["ground", "duration", "share", "paths"]
-    assert motion(FIRM, 2.0) == motion(ground=FIRM, duration=2.0, paths=None) == (2.0, 0.5)
+    assert motion(SITE, 2.0) == motion(ground=SITE, duration=2.0, paths=None) == (2.0, 0.5)
     assert motion.__name__ == "motion"
 
 
 WRONG = [
     ((1.0, 2.0), {}, TypeError, "ground = 1.0 is of the wrong kind; allowed: CloughPenzien, "),
-    ((FIRM,), {"duration": "2"}, ValueError, "duration = '2' is no number; allowed: a positive, finite"),
-    ((FIRM, 2.0, 90), {}, ValueError, "share = 90 is out of range; allowed: .*; for 90 % write 0.9"),
-    ((FIRM, 2.0), {"path": 2}, TypeError, "path is no argument; did you mean 'paths'"),
-    ((FIRM, 2.0), {"paths": 0}, ValueError, "paths = 0 is out of range; allowed: a whole number from"),
-    ((FIRM, 2.0), {"paths": 2.5}, ValueError, "paths = 2.5 is no whole number; allowed: a whole number"),
-    ((FIRM, 2.0), {"paths": True}, ValueError, "paths = True is no whole number; allowed: a whole"),
-    ((FIRM, 10**400), {}, ValueError, "duration = about 1e400 is no number; allowed: a positive"),
-    ((FIRM,), {}, TypeError, "missing 1 required positional argument: 'duration'"),
-    ((FIRM, 2.0, 0.5, 3), {}, TypeError, "takes from 2 to 3 positional arguments but 4 were"),
+    ((SITE,), {"duration": "2"}, ValueError, "duration = '2' is no number; allowed: a positive, finite"),
+    ((SITE, 2.0, 90), {}, ValueError, "share = 90 is out of range; allowed: .*; for 90 % write 0.9"),
+    ((SITE, 2.0), {"path": 2}, TypeError, "path is no argument; did you mean 'paths'"),
+    ((SITE, 2.0), {"paths": 0}, ValueError, "paths = 0 is out of range; allowed: a whole number from"),
+    ((SITE, 2.0), {"paths": 2.5}, ValueError, "paths = 2.5 is no whole number; allowed: a whole number"),
+    ((SITE, 2.0), {"paths": True}, ValueError, "paths = True is no whole number; allowed: a whole"),
+    ((SITE, 10**400), {}, ValueError, "duration = about 1e400 is no number; allowed: a positive"),
+    ((SITE,), {}, TypeError, "missing 1 required positional argument: 'duration'"),
+    ((SITE, 2.0, 0.5, 3), {}, TypeError, "takes from 2 to 3 positional arguments but 4 were"),
 ]
 
 

@@ -258,7 +258,7 @@ def test_fast_response_is_that_of_the_clipped_closure():
         (sl.KanaiTajimi(1.0, 0.5), (building(1.6, 5.0, 0.07), building(2.3, 3.0, 0.03)), (0.04, 0.06)),
         (sl.KanaiTajimi(1.0, 0.06), (building(1.1, 6.0, 0.12), building(1.5, 4.0, 0.3)), (0.04, 0.08)),
     ],
-    ids=["white noise", "firm", "lake bed"],
+    ids=["white noise", "broad band", "lake bed"],
 )
 def test_unequal_pairs_meet_fresh_simulations(ground, pair, tolerance):
     """Off the map's nodes; tolerances: about three times the mean error of 500 such pairs."""

@@ -12,7 +12,7 @@ pytestmark = pytest.mark.oracle
 
 GIVEN = {"period": 0.6, "damping": 0.05, "hardening": 0.05, "yield_displacement": 0.02}
 DECAY = {"strength_decay": 0.05, "stiffness_decay": 0.1}
-WHITE, FIRM = sl.WhiteNoise(0.04), sl.KanaiTajimi(0.4, 0.6, 0.02)
+WHITE, BROAD = sl.WhiteNoise(0.04), sl.KanaiTajimi(0.4, 0.6, 0.02)
 QUAKE = sl.AminAng(1.5, 3.0, 0.5)
 DURATION = 5.0
 V, Z, E, D = sympy.symbols("v z e d")
@@ -22,7 +22,7 @@ def worn(**changed):
     return sl.BoucWenBaberNoori(**GIVEN | DECAY | changed)
 
 
-def response(structure, ground=FIRM, duration=DURATION, points=21):
+def response(structure, ground=BROAD, duration=DURATION, points=21):
     return sl.transient_response(structure, ground, duration, envelope=QUAKE, points=points)
 
 

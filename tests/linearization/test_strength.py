@@ -61,7 +61,7 @@ def test_peak_factor_is_the_structures_unless_given():
 @pytest.mark.parametrize(
     ("ground", "unsafe"),
     [(sl.KanaiTajimi(0.42, 0.6), 5.8), (sl.KanaiTajimi(2.0, 0.05), 15.0)],
-    ids=["firm", "lake bed"],
+    ids=["broad band", "lake bed"],
 )
 def test_simulated_the_strength_has_the_ductility_that_was_asked_for(ground, unsafe):
     """The Gaussian closure gives a strength at which ductility is much larger than the 4 asked for."""

@@ -15,10 +15,10 @@ pytestmark = pytest.mark.oracle
 
 QUAKE = sl.AminAng(4.0, 12.0, 0.35)
 DURATION = 18.0
-FIRM = sl.KanaiTajimi(2 * np.pi / 15, 0.6, intensity=0.01)
+BROAD = sl.KanaiTajimi(2 * np.pi / 15, 0.6, intensity=0.01)
 GROUNDS = {
     "white": sl.WhiteNoise(0.01),
-    "firm": FIRM,
+    "broad band": BROAD,
     "resonant": sl.KanaiTajimi(1.0, 0.05, intensity=1e-3),
     "high_pass": sl.CloughPenzien(0.42, 0.6, 4.2, 0.6, intensity=0.01),
 }
@@ -57,7 +57,7 @@ def test_linear_pair_follows_the_lyapunov_differential_equation(name):
     ],
     ids=["elastic", "bilinear", "Bouc-Wen"],
 )
-@pytest.mark.parametrize("ground", with_slow([FIRM, GROUNDS["white"]], [GROUNDS["white"]]))
+@pytest.mark.parametrize("ground", with_slow([BROAD, GROUNDS["white"]], [GROUNDS["white"]]))
 def test_meets_the_stationary_solution_when_the_envelope_stays_at_one(structure, ground):
     late = sl.transient_response(structure, ground, 25.0, points=3).isel(time=-1)
     stationary = sl.linearize(structure, ground)
@@ -73,7 +73,7 @@ def test_starts_from_rest_and_scales_with_the_motion():
     two = sl.Bilinear(0.7, 0.05, 0.05, yield_displacement=0.04)
     strong = sl.KanaiTajimi(2 * np.pi / 15, 0.6, intensity=0.04)
     small, large = (
-        sl.transient_response(s, g, 6.0, envelope=QUAKE) for s, g in ((one, FIRM), (two, strong))
+        sl.transient_response(s, g, 6.0, envelope=QUAKE) for s, g in ((one, BROAD), (two, strong))
     )
     assert float(small.displacement_std[0]) == 0
     assert float(small.velocity_std[0]) == 0
@@ -83,11 +83,11 @@ def test_starts_from_rest_and_scales_with_the_motion():
 
 def test_the_flag_of_the_permanent_set_rises_at_half_of_the_envelope():
     """Which decays as ``exp(-0.35 t)`` from 12 s on."""
-    table = sl.transient_response(sl.Bilinear(0.5, 0.05), FIRM, 20.0, envelope=QUAKE, points=201)
+    table = sl.transient_response(sl.Bilinear(0.5, 0.05), BROAD, 20.0, envelope=QUAKE, points=201)
     half = 12.0 + np.log(2) / 0.35
     assert table.attrs["strong_shaking_end_s"] == pytest.approx(half, abs=0.01)
     assert (table.permanent_set.values.astype(bool) == (table.time.values > half)).mean() > 0.99
-    steady = sl.transient_response(sl.Bilinear(0.5, 0.05), FIRM, 20.0)
+    steady = sl.transient_response(sl.Bilinear(0.5, 0.05), BROAD, 20.0)
     assert not steady.permanent_set.any()
 
 
@@ -107,4 +107,4 @@ def test_an_envelope_whose_slope_is_infinite_at_the_start_is_followed():
 def test_a_structure_that_would_need_too_short_steps_is_refused():
     weak = sl.BoucWen(0.5, 0.05, 0.05, yield_displacement=1e-6, exponent=2.5)
     with pytest.raises(ArithmeticError, match=r"so weak that .* give it more strength, or simulate"):
-        sl.transient_response(weak, FIRM, 80.0, envelope=QUAKE)
+        sl.transient_response(weak, BROAD, 80.0, envelope=QUAKE)

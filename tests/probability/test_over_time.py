@@ -16,7 +16,7 @@ from stochlin.kernels.probability import exceeding, hazards, positive_part
 
 pytestmark = [pytest.mark.oracle, pytest.mark.extreme]
 
-FIRM = sl.KanaiTajimi(2 * np.pi / 15, 0.6, intensity=0.01)
+BROAD = sl.KanaiTajimi(2 * np.pi / 15, 0.6, intensity=0.01)
 QUAKE = {"envelope": sl.AminAng(4.0, 15.0, 0.35), "duration": 25.0}
 ONE, TWO = sl.Bilinear(0.6, 0.05), sl.Bilinear(1.0, 0.05)
 
@@ -92,9 +92,9 @@ def test_crossing_rate_that_changes_with_time_is_that_of_the_formula_written_out
 )
 def test_error_of_the_confidence_is_what_the_notes_say(pair, lowest, highest):
     structures = [sl.Bilinear(T, 0.05) for T in pair]
-    sigma = float(probability(*structures, FIRM, 1.0).difference_std.max())
+    sigma = float(probability(*structures, BROAD, 1.0).difference_std.max())
     gaps = xr.DataArray(sigma * np.linspace(1, 4, 7), dims="gap")
-    last = probability(*structures, FIRM, gaps, paths=8192, points=6).isel(time=-1)
+    last = probability(*structures, BROAD, gaps, paths=8192, points=6).isel(time=-1)
     error = last.confidence_of_no_pounding - last.confidence_of_no_pounding_simulated
     # four standard errors of a share of 8192 are 0.022 at most
     assert float(error.max()) < highest
@@ -107,7 +107,7 @@ def test_error_of_the_confidence_is_what_the_notes_say(pair, lowest, highest):
 
 def test_time_runs_from_certain_safety_and_gaps_are_ordered():
     gaps = xr.DataArray([1e-3, 0.05, 0.1, 0.2, 5.0], dims="gap")
-    table = probability(ONE, TWO, FIRM, gaps, envelope=None)
+    table = probability(ONE, TWO, BROAD, gaps, envelope=None)
     safe = table.confidence_of_no_pounding
     assert (safe.isel(time=0) == 1).all()
     assert (safe.diff("time") <= 0).all()
@@ -116,12 +116,12 @@ def test_time_runs_from_certain_safety_and_gaps_are_ordered():
     assert float(safe[-1, -1]) == 1
     assert (table.instantaneous_probability.diff("gap") <= 0).all()
     assert float(table.instantaneous_probability.max()) <= 0.5
-    again = probability(ONE, TWO, FIRM, float(table.required_gap), envelope=None)
+    again = probability(ONE, TWO, BROAD, float(table.required_gap), envelope=None)
     assert float(again.confidence_of_no_pounding[-1]) == pytest.approx(0.9, abs=1e-6)
 
 
 def test_equal_structures_never_pound():
-    table = probability(ONE, ONE, FIRM, 1e-3, paths=64)
+    table = probability(ONE, ONE, BROAD, 1e-3, paths=64)
     assert (table.confidence_of_no_pounding == 1).all()
     assert (table.instantaneous_probability == 0).all()
     assert (table.confidence_of_no_pounding_simulated == 1).all()
@@ -132,7 +132,7 @@ def test_equal_structures_never_pound():
 def test_linearization_of_a_yielding_pair_is_unsafe():
     pair = [sl.Bilinear(T, 0.05, 0.05, reduction_factor=4) for T in (0.6, 1.0)]
     gaps = xr.DataArray([0.04, 0.06, 0.08, 0.1, 0.12], dims="gap")
-    last = probability(*pair, FIRM, gaps, paths=2048).isel(time=-1)
+    last = probability(*pair, BROAD, gaps, paths=2048).isel(time=-1)
     error = last.confidence_of_no_pounding - last.confidence_of_no_pounding_simulated
     assert float(error.max()) > 0.2 - 0.044  # four standard errors of a share of 2048, at most
     assert float(last.required_gap) < 0.85 * float(last.required_gap_simulated)
@@ -140,7 +140,7 @@ def test_linearization_of_a_yielding_pair_is_unsafe():
 
 def test_tables_are_labelled_and_bad_gaps_blank():
     gaps = xr.DataArray([0.1, -0.1, 0.2], dims="gap")
-    table, again = (probability(ONE, TWO, FIRM, gaps, paths=64, points=5) for _ in range(2))
+    table, again = (probability(ONE, TWO, BROAD, gaps, paths=64, points=5) for _ in range(2))
     assert table.confidence_of_no_pounding.isnull().all("time").values.tolist() == [False, True, False]
     assert table.status.values.tolist() == [0, 3, 0]
     check_labels(table)
@@ -151,12 +151,12 @@ def test_a_fragility_falls_with_the_gap_and_grows_with_the_intensity():
     pair = [sl.Bilinear(T, 0.05, 0.05, yield_displacement=0.02) for T in (0.6, 1.0)]
     gaps, intensities = np.linspace(0.02, 0.6, 12), [1e-3, 0.01, 0.05]
     quake = {"envelope": sl.AminAng(2.0, 6.0, 0.5), "duration": 8.0}
-    table = sl.pounding_fragility(*pair, FIRM, gaps, intensities, paths=0, **quake)
+    table = sl.pounding_fragility(*pair, BROAD, gaps, intensities, paths=0, **quake)
     chance = table.pounding_probability
     assert chance.sizes == {"intensity": 3, "gap": 12}
     assert (chance.diff("gap") <= 0).all()
     assert (chance.diff("intensity") >= 0).all()
-    alone = probability(*pair, FIRM, float(gaps[3]), points=11, **quake).confidence_of_no_pounding[-1]
+    alone = probability(*pair, BROAD, float(gaps[3]), points=11, **quake).confidence_of_no_pounding[-1]
     assert float(chance[1, 3]) == pytest.approx(1 - float(alone), abs=1e-6)
 
 
@@ -164,8 +164,8 @@ def test_lognormal_fragility_of_elastic_structures_is_that_of_their_separations(
     """Each motion takes the gap at ``S0`` times the square of gap over separation."""
     pair, gap = [sl.Bilinear(T, 0.05) for T in (0.6, 1.0)], 0.1
     intensities = [0.001, 0.004, 0.016, 0.064, 0.256]
-    table = sl.pounding_fragility(*pair, FIRM, [gap, 5.0, 1e-4], intensities, paths=256, **QUAKE)
-    motions = sl.simulate(pair, FIRM, paths=256, **QUAKE).separation[:, 0, 1].values
+    table = sl.pounding_fragility(*pair, BROAD, [gap, 5.0, 1e-4], intensities, paths=256, **QUAKE)
+    motions = sl.simulate(pair, BROAD, paths=256, **QUAKE).separation[:, 0, 1].values
     enough = np.log(0.01 * (gap / motions) ** 2)
     found, error = table.sel(gap=gap), enough.std() / np.sqrt(256)
     assert float(found.fragility_median) == pytest.approx(np.exp(enough.mean()), rel=1e-9)
@@ -198,9 +198,9 @@ class Nothing(sl.GammaEnvelope):
 def test_fragilities_of_other_intensities_and_of_tables_are_refused():
     for intensity in ([0.02, 0.01], [0.0, 0.01], [0.01, np.inf]):
         with pytest.raises(ValueError, match=r"intensity = .* allowed: a positive number"):
-            sl.pounding_fragility(ONE, TWO, FIRM, 0.1, intensity, **QUAKE)
+            sl.pounding_fragility(ONE, TWO, BROAD, 0.1, intensity, **QUAKE)
     with pytest.raises(ValueError, match=r"first\.period is an array"):
-        sl.pounding_fragility(sl.Bilinear([0.5, 0.6], 0.05), TWO, FIRM, 0.1, 0.01, **QUAKE)
+        sl.pounding_fragility(sl.Bilinear([0.5, 0.6], 0.05), TWO, BROAD, 0.1, 0.01, **QUAKE)
 
 
 @pytest.mark.parametrize(
@@ -218,7 +218,7 @@ def test_fragilities_of_other_intensities_and_of_tables_are_refused():
 def test_bad_input_is_refused(changes, message):
     arguments = {"gap": 0.1, "paths": 0} | QUAKE | changes
     with pytest.raises((TypeError, ValueError), match=message):
-        sl.pounding_probability(ONE, TWO, FIRM, **arguments)
+        sl.pounding_probability(ONE, TWO, BROAD, **arguments)
 
 
 # --- Parameters that are not known exactly ------------------------------------------------------------
@@ -226,8 +226,10 @@ def test_bad_input_is_refused(changes, message):
 
 @pytest.mark.slow
 def test_an_uncertain_ground_widens_what_is_needed():
-    strong = replace(FIRM, intensity=sl.Uncertain(0.01, 1.0))
-    known, unknown = (probability(ONE, TWO, each, 0.06, paths=1024, points=5) for each in (FIRM, strong))
+    strong = replace(BROAD, intensity=sl.Uncertain(0.01, 1.0))
+    known, unknown = (
+        probability(ONE, TWO, each, 0.06, paths=1024, points=5) for each in (BROAD, strong)
+    )
     assert float(unknown.required_gap_simulated_lower) > float(known.required_gap_simulated_upper)
     assert float(unknown.required_gap) == float(known.required_gap)
     assert unknown.input_factor.sizes == {"path": 1024, "input": 1}
@@ -236,4 +238,4 @@ def test_an_uncertain_ground_widens_what_is_needed():
 def test_a_fragility_is_of_what_is_known():
     one = sl.Bilinear(sl.Uncertain(1.0, 0.2), 0.05)
     with pytest.raises((TypeError, ValueError), match=r"first = .* ± 20 %.*give its median\(\)"):
-        sl.pounding_fragility(one, TWO, FIRM, 0.05, [0.01, 0.02], duration=10.0)
+        sl.pounding_fragility(one, TWO, BROAD, 0.05, [0.01, 0.02], duration=10.0)

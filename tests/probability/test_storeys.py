@@ -11,7 +11,7 @@ import stochlin as sl
 
 pytestmark = pytest.mark.oracle
 
-FIRM = sl.KanaiTajimi(2 * np.pi / 15, 0.6, intensity=0.01)
+BROAD = sl.KanaiTajimi(2 * np.pi / 15, 0.6, intensity=0.01)
 QUAKE = {"envelope": sl.AminAng(1.0, 3.0, 0.5), "duration": 4.0}
 TALL = sl.ShearBuilding(
     [2e5, 2e5, 2e5, 1.5e5],
@@ -51,10 +51,10 @@ def test_one_storey_is_the_oscillator():
         sl.BoucWen(0.6, 0.05, 0.1, yield_displacement=0.02, beta=0.6, gamma=0.4),
         sl.Bilinear(1.0, 0.03, 0.1, yield_displacement=0.03),
     )
-    expected = probability(*pair, FIRM, 0.1)
+    expected = probability(*pair, BROAD, 0.1)
     one = one_storey(pair[0], law="bouc_wen", law_parameters={"beta": 0.6, "gamma": 0.4})
     for building in ((one, one_storey(pair[1])), (one, pair[1])):
-        found = probability(*building, FIRM, 0.1)
+        found = probability(*building, BROAD, 0.1)
         least = found.confidence_of_no_pounding_at_least  # of one height
         np.testing.assert_allclose(least, found.confidence_of_no_pounding, rtol=0, atol=1e-15)
         for column in (
@@ -79,7 +79,7 @@ def seen(table, state, floors):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("ground", [sl.WhiteNoise(0.01), FIRM], ids=["white", "firm"])
+@pytest.mark.parametrize("ground", [sl.WhiteNoise(0.01), BROAD], ids=["white", "broad band"])
 def test_linear_moments_are_those_of_the_lyapunov_differential_equation(ground):
     """P' = A P + P A' + Q of the matrix that `statespace` writes, integrated by itself."""
     pair = replace(elastic(TALL), p_delta=True), elastic(LOW)
@@ -109,7 +109,7 @@ def test_linear_moments_are_those_of_the_lyapunov_differential_equation(ground):
 @pytest.mark.slow
 def test_storeys_that_yield_come_to_rest_at_the_stationary_linearization():
     pair = replace(TALL, heights=[3.2] * 4, hardening=0.3), replace(LOW, hardening=0.3)
-    strong = replace(FIRM, intensity=0.03)
+    strong = replace(BROAD, intensity=0.03)
     table = probability(*pair, strong, 0.1, envelope=None, duration=40.0, points=3).isel(time=-1)
     still = sl.linearize_system(pair, strong)
     assert float(still.ductility_std.min()) > 0.7
@@ -125,7 +125,7 @@ def test_storeys_that_yield_come_to_rest_at_the_stationary_linearization():
 
 def test_bounds_of_all_heights_and_their_order():
     gaps = xr.DataArray([0.01, 0.03, 0.06, 0.1, 1.0], dims="gap")
-    table = probability(TALL, LOW, FIRM, gaps)
+    table = probability(TALL, LOW, BROAD, gaps)
     by_height = table.confidence_of_no_pounding_at_height
     np.testing.assert_array_equal(table.confidence_of_no_pounding, by_height.min("height"))
     least = table.confidence_of_no_pounding_at_least
@@ -144,9 +144,9 @@ def test_the_formula_knows_what_the_weight_takes():
     """It eats the hardening of a storey: no stationary answer, but one for a motion that ends."""
     soft = sl.ShearBuilding([4e5] * 2, [4e7] * 2, [3.0] * 2, 0.05, 0.05, yield_drifts=0.02)
     with pytest.raises(ValueError, match="has no stationary value"):
-        sl.linearize_system([replace(soft, p_delta=True)], FIRM)
-    leaning = probability(replace(soft, p_delta=True), LOW, FIRM, 0.2)
-    upright = probability(soft, LOW, FIRM, 0.2)
+        sl.linearize_system([replace(soft, p_delta=True)], BROAD)
+    leaning = probability(replace(soft, p_delta=True), LOW, BROAD, 0.2)
+    upright = probability(soft, LOW, BROAD, 0.2)
     for table in (leaning, upright):
         assert bool(table.confidence_of_no_pounding.notnull().all())
     assert float(leaning.displacement_std_1[-1]) > float(upright.displacement_std_1[-1])
@@ -156,8 +156,8 @@ def test_the_formula_knows_what_the_weight_takes():
 def test_gap_and_structure_may_share_a_dimension():
     periods, gaps = (xr.DataArray(values, dims="case") for values in ([0.4, 0.6], [0.05, 0.08]))
     options = {"points": 3, "duration": 2.5, "paths": 64}
-    table = probability(TALL, sl.Bilinear(periods, 0.05), FIRM, gaps, **options)
+    table = probability(TALL, sl.Bilinear(periods, 0.05), BROAD, gaps, **options)
     assert table.confidence_of_no_pounding_simulated.dims == ("case",)
-    alone = probability(TALL, sl.Bilinear(0.6, 0.05), FIRM, 0.08, **options)
+    alone = probability(TALL, sl.Bilinear(0.6, 0.05), BROAD, 0.08, **options)
     for name in ("confidence_of_no_pounding_simulated", "required_gap_simulated"):
         np.testing.assert_array_equal(table[name].isel(case=1), alone[name])

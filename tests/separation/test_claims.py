@@ -13,9 +13,9 @@ import stochlin as sl
 
 pytestmark = pytest.mark.paper
 
-FIRM, LAKE = sl.KanaiTajimi(0.42, 0.6, 0.01), sl.KanaiTajimi(2.0, 0.05, 0.01)
+BROAD, LAKE = sl.KanaiTajimi(0.42, 0.6, 0.01), sl.KanaiTajimi(2.0, 0.05, 0.01)
 QUAKE = {"duration": 30.0, "envelope": sl.AminAng(4, 15, 0.35)}
-PERIODS = {FIRM: (0.5, 0.6, 0.7, 1.0, 1.2, 1.4), LAKE: (1.0, 1.2, 1.6, 1.8, 2.2, 2.4, 2.7)}
+PERIODS = {BROAD: (0.5, 0.6, 0.7, 1.0, 1.2, 1.4), LAKE: (1.0, 1.2, 1.6, 1.8, 2.2, 2.4, 2.7)}
 
 
 @cache
@@ -41,7 +41,7 @@ def over_needed(ground, factor, combine):
 def test_srss_is_conservative_for_similar_periods_unless_the_ground_s_lies_between():
     """Nine pairs with periods within a quarter; mean gaps of 1024 motions, with errors below 2 %."""
     for factor, least in ((1, 1.14), (2, 1.31), (4, 1.75), (6, 2.12)):
-        found = over_needed(FIRM, factor, np.hypot) | over_needed(LAKE, factor, np.hypot)
+        found = over_needed(BROAD, factor, np.hypot) | over_needed(LAKE, factor, np.hypot)
         near = {pair: share for pair, share in found.items() if pair[1] < 1.26 * pair[0]}
         between = near.pop((1.8, 2.2))  # about the 2 s of the lake bed
         assert min(near.values()) == pytest.approx(least, abs=0.03)
@@ -79,7 +79,7 @@ def test_no_factor_on_the_sum_serves_all_pairs():
     """The sum is always enough; the factor that would just be enough is 0.08 to 0.93."""
     shares = [
         1 / over
-        for ground in (FIRM, LAKE)
+        for ground in (BROAD, LAKE)
         for factor in (1, 2, 4, 6)
         for over in over_needed(ground, factor, np.add).values()
     ]
@@ -109,10 +109,10 @@ def by_radii(records, periods):
 @pytest.mark.parametrize(
     ("ground", "periods", "median", "short", "least"),
     [
-        (FIRM, (0.3, 0.5, 0.8, 1.2, 2.0), [1.09, 1.01], [0.17, 0.45], [0.82, 0.75]),
+        (BROAD, (0.3, 0.5, 0.8, 1.2, 2.0), [1.09, 1.01], [0.17, 0.45], [0.82, 0.75]),
         (LAKE, (0.5, 1.0, 1.6, 2.0, 3.0), [1.05, 1.02], [0.22, 0.38], [0.81, 0.72]),
     ],
-    ids=["firm", "lake bed"],
+    ids=["broad band", "lake bed"],
 )
 def test_eq_3_with_radii_is_right_in_the_median_and_too_small_in_a_fifth(
     ground, periods, median, short, least
@@ -143,7 +143,7 @@ def test_eq_3_with_radii_in_records(name, median, short, least):
 
 def test_structures_that_are_alike_need_no_gap_and_those_of_unequal_strength_do():
     one, weaker = (sl.Bilinear(1.0, 0.05, 0.05, reduction_factor=factor) for factor in (2, 6))
-    found = sl.simulate([one, one, weaker], FIRM, paths=256, seed=5, **QUAKE)
+    found = sl.simulate([one, one, weaker], BROAD, paths=256, seed=5, **QUAKE)
     needed, peaks = found.separation_mean.values[0], found.peak_mean.values
     assert needed[1] == pytest.approx(0, abs=1e-12)
     assert needed[2] == pytest.approx(0.62 * np.hypot(peaks[0], peaks[2]), rel=0.03)

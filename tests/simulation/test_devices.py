@@ -14,7 +14,7 @@ from stochlin.solver.simulation.connected_structures import connected_groups
 
 pytestmark = pytest.mark.oracle
 
-FIRM = sl.KanaiTajimi(2 * np.pi / 15, 0.6, 0.02)
+BROAD = sl.KanaiTajimi(2 * np.pi / 15, 0.6, 0.02)
 TOWER = sl.ShearBuilding([2e5] * 4, np.array([4, 3.6, 3, 2.2]) * 1e8, [3.0] * 4, 0.05)
 ONE = sl.Bilinear(0.5, 0.05, mass=1e6)
 FINITE = {"paths": 32, "duration": 8.0, "seed": 3}
@@ -68,8 +68,8 @@ def test_what_the_ground_puts_in_is_stored_or_dissipated(exponent):
 def test_a_linear_dashpot_to_the_ground_is_damping():
     more = 0.1
     constant = 2 * more * 2 * np.pi / ONE.period * ONE.mass
-    tied = sl.simulate([ONE], FIRM, link=damper(constant, None), **FINITE)
-    damped = sl.simulate([replace(ONE, damping=0.05 + more)], FIRM, **FINITE)
+    tied = sl.simulate([ONE], BROAD, link=damper(constant, None), **FINITE)
+    damped = sl.simulate([replace(ONE, damping=0.05 + more)], BROAD, **FINITE)
     np.testing.assert_allclose(tied.peak, damped.peak, rtol=1e-9)
 
 
@@ -83,7 +83,7 @@ def test_a_hysteretic_device_in_an_elastic_oscillator_makes_it_bilinear():
     left = 1 - share + hardening * share
     whole = replace(ONE, hardening=left, yield_displacement=0.01)
     one, other = (
-        sl.simulate([s], FIRM, link=link, **FINITE) for s, link in ((soft, device), (whole, None))
+        sl.simulate([s], BROAD, link=link, **FINITE) for s, link in ((soft, device), (whole, None))
     )
     np.testing.assert_allclose(one.peak, other.peak, rtol=1e-7)
 

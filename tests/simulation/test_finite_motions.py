@@ -14,7 +14,7 @@ from stochlin.solver.simulation.structures_in_motion import structures_in_motion
 
 pytestmark = pytest.mark.oracle
 
-FIRM = sl.KanaiTajimi(2 * np.pi / 15, 0.6)
+BROAD = sl.KanaiTajimi(2 * np.pi / 15, 0.6)
 QUAKE = sl.AminAng(4.0, 15.0, 0.35)
 
 
@@ -56,7 +56,7 @@ def test_variance_under_an_envelope_follows_the_lyapunov_equation():
 def test_structures_that_change_places_exchange_their_sides():
     """By symmetry of the motion, u1 - u2 and u2 - u1 have one distribution."""
     pair = [sl.Bilinear(T, 0.05, 0.05, reduction_factor=4) for T in (0.7, 1.0)]
-    apart = sl.simulate(pair, FIRM, paths=2048, duration=30.0, envelope=QUAKE).separation
+    apart = sl.simulate(pair, BROAD, paths=2048, duration=30.0, envelope=QUAKE).separation
     assert scipy.stats.ks_2samp(apart[:, 0, 1], apart[:, 1, 0]).pvalue > 1e-4
 
 
@@ -103,7 +103,7 @@ def test_envelopes_match_their_formulas():
 )
 def test_bad_motions_are_refused(change, message):
     with pytest.raises((TypeError, ValueError), match=message):
-        sl.simulate(**{"structures": [elastic(1.0)], "ground": FIRM, "paths": 32} | change)
+        sl.simulate(**{"structures": [elastic(1.0)], "ground": BROAD, "paths": 32} | change)
 
 
 V, Z = sympy.symbols("v z")
@@ -116,10 +116,10 @@ OF_ALL_LAWS = [
 
 
 def test_a_motion_has_the_same_bits_among_few_and_many_and_beside_other_structures():
-    many = sl.simulate(OF_ALL_LAWS, FIRM, paths=96, duration=6.0, seed=4, steps_per_period=40)
-    few = sl.simulate(OF_ALL_LAWS, FIRM, paths=32, duration=6.0, seed=4, steps_per_period=40)
+    many = sl.simulate(OF_ALL_LAWS, BROAD, paths=96, duration=6.0, seed=4, steps_per_period=40)
+    few = sl.simulate(OF_ALL_LAWS, BROAD, paths=32, duration=6.0, seed=4, steps_per_period=40)
     np.testing.assert_array_equal(few.separation, many.separation[:32])
-    turned = sl.simulate(OF_ALL_LAWS[::-1], FIRM, paths=32, duration=6.0, seed=4, steps_per_period=40)
+    turned = sl.simulate(OF_ALL_LAWS[::-1], BROAD, paths=32, duration=6.0, seed=4, steps_per_period=40)
     np.testing.assert_array_equal(turned.peak[:, ::-1], few.peak)
     np.testing.assert_array_equal(turned.separation[:, 2, 0], few.separation[:, 0, 2])
 

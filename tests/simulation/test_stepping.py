@@ -41,7 +41,7 @@ PHASES = RNG.uniform(0, 2 * np.pi, AMPLITUDES.shape)
 GROUNDS = {
     "white noise": (),
     "narrow band": (np.pi, 0.05),
-    "firm ground": (15.0, 0.6),
+    "broad band": (15.0, 0.6),
     "high-passed": (15.0, 0.6, 1.5, 0.6),
 }
 every_ground = pytest.mark.parametrize("filters", GROUNDS.values(), ids=GROUNDS.keys())

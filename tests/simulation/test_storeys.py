@@ -10,7 +10,7 @@ from stochlin.solver.simulation.structures_in_motion import meeting_heights
 
 pytestmark = pytest.mark.oracle
 
-FIRM = sl.KanaiTajimi(2 * np.pi / 15, 0.6, 0.02)
+BROAD = sl.KanaiTajimi(2 * np.pi / 15, 0.6, 0.02)
 V, Z = sympy.symbols("v z")
 SMOOTH = V - sympy.Abs(V) * Z
 LAWS = {
@@ -44,7 +44,7 @@ def test_a_building_of_one_storey_is_an_oscillator(law):
     building, oscillator = single(law)
     other = sl.Bilinear(0.8, 0.03)
     finite = {"paths": 64, "duration": 12.0, "seed": 5}
-    one, same = (sl.simulate([each, other], FIRM, **finite) for each in (building, oscillator))
+    one, same = (sl.simulate([each, other], BROAD, **finite) for each in (building, oscillator))
     scale = float(same.peak.max())
     np.testing.assert_allclose(one.peak.values, same.peak.values, rtol=0, atol=1e-9 * scale)
     np.testing.assert_allclose(one.separation, same.separation, rtol=0, atol=1e-9 * scale)
@@ -73,9 +73,9 @@ def test_a_storey_that_its_weight_leaves_no_hardening_has_no_stationary_answer()
     soft = {"masses": [4e5] * 2, "stiffnesses": [4e7] * 2, "heights": [3.0] * 2, "damping": 0.05}
     building = sl.ShearBuilding(**soft, hardening=0.05, yield_drifts=0.02, p_delta=True)
     with pytest.raises(ValueError, match=r"storey 1 has no stiffness after yielding.*with a duration"):
-        sl.simulate([building], FIRM)
+        sl.simulate([building], BROAD)
     without = sl.ShearBuilding(**soft, hardening=0.05, yield_drifts=0.02)
-    with_weight, plain = (sl.simulate([b], FIRM, paths=128, duration=30.0) for b in (building, without))
+    with_weight, plain = (sl.simulate([b], BROAD, paths=128, duration=30.0) for b in (building, without))
     drifts = (table.peak_drift.median("path")[0] for table in (with_weight, plain))
     assert float(next(drifts)) > 1.05 * float(next(drifts))  # in most motions it falls
     fallen = np.isposinf(with_weight.peak_drift).all("element")
@@ -108,7 +108,7 @@ def test_laws_in_one_frame_are_each_their_own():
     pair = [four(law=SMOOTH), two(law="bouc_wen", law_parameters={"beta": 0.6, "gamma": -0.1})]
     usual = {"paths": 32, "duration": 6.0, "seed": 2}
     free, linked = (
-        sl.simulate(pair, FIRM, link=link, **usual) for link in (None, sl.Link(0.0, floors=(2, 2)))
+        sl.simulate(pair, BROAD, link=link, **usual) for link in (None, sl.Link(0.0, floors=(2, 2)))
     )
     np.testing.assert_allclose(free.peak, linked.peak, rtol=1e-6)
 
@@ -127,4 +127,4 @@ def test_laws_in_one_frame_are_each_their_own():
 )
 def test_what_does_not_fit_together_is_refused(arguments, message):
     with pytest.raises(ValueError, match=message):
-        sl.simulate([four(), two()], FIRM, paths=32, **arguments)
+        sl.simulate([four(), two()], BROAD, paths=32, **arguments)

@@ -44,11 +44,11 @@ GROUNDS = {
     "Kanai-Tajimi": sl.KanaiTajimi(2.0, 0.1, 0.01),
     "Clough-Penzien": sl.CloughPenzien(1.0, 0.3, 4.0, 0.6, 0.01),
 }
-LAKE, FIRM = GROUNDS["Kanai-Tajimi"], sl.KanaiTajimi(0.5, 0.6, 0.01)
+LAKE, BROAD = GROUNDS["Kanai-Tajimi"], sl.KanaiTajimi(0.5, 0.6, 0.01)
 QUAKE = {"duration": 8.0, "envelope": sl.AminAng(1.0, 5.0, 0.5)}
 FEW = {"method": "simulation", "paths": 32}
 TOWER = sl.ShearBuilding([2e5, 2e5], [4e8, 3e8], [3.5, 3.5], 0.05, 0.05, yield_drifts=0.01)
-RECORD = sl.simulated_motions(FIRM, 8.0, paths=2, seed=1)[0]
+RECORD = sl.simulated_motions(BROAD, 8.0, paths=2, seed=1)[0]
 MIXED = ["covariance_change", "coefficient_change"]  # NaN after the last iteration of a cell
 
 
@@ -73,7 +73,7 @@ def system(one, two, link=None, max_iterations=30, **options):
 
 def probability(one, two, **options):
     return sl.pounding_probability(
-        in_metres(one), in_metres(two), FIRM, 0.1, points=5, **options, **QUAKE
+        in_metres(one), in_metres(two), BROAD, 0.1, points=5, **options, **QUAKE
     )
 
 
@@ -140,20 +140,22 @@ ROUNDED = {
 }
 # Cells have the motions in common, whose step and length follow from all that are not out of range.
 SIMULATED = {
-    "correlate, simulation": lambda one, two: sl.correlate(of(one), of(two), FIRM, **FEW),
+    "correlate, simulation": lambda one, two: sl.correlate(of(one), of(two), BROAD, **FEW),
 }
 # The steps in time follow from all cells; the tolerance is that of one step.
 IN_TIME = {
-    "transient_response": lambda one, _: sl.transient_response(in_metres(one), FIRM, points=5, **QUAKE),
+    "transient_response": lambda one, _: sl.transient_response(in_metres(one), BROAD, points=5, **QUAKE),
     "probability": partial(probability, paths=0),
     "probability, simulation": partial(probability, paths=32),
 }
 # Cells that are simulated one by one.
 ONE_BY_ONE = {
-    "amplification, peaks": lambda one, _: sl.amplification(of(one), FIRM, of="peak", paths=32, **QUAKE),
-    "separation": lambda one, two: sl.separation(of(one), of(two), FIRM, paths=32, **QUAKE),
+    "amplification, peaks": lambda one, _: sl.amplification(
+        of(one), BROAD, of="peak", paths=32, **QUAKE
+    ),
+    "separation": lambda one, two: sl.separation(of(one), of(two), BROAD, paths=32, **QUAKE),
     "pounding_risk": lambda one, two: sl.pounding_risk(
-        in_metres(one), in_metres(two), FIRM, 0.1, sl.PowerLawHazard(k0=0.01, k=2.5), 8.0, paths=32
+        in_metres(one), in_metres(two), BROAD, 0.1, sl.PowerLawHazard(k0=0.01, k=2.5), 8.0, paths=32
     ),
 }
 
