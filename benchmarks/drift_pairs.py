@@ -5,6 +5,7 @@ with a period of 1 s and on white noise, with their simulated moments, which sta
 """
 
 from pathlib import Path
+from unittest.mock import patch
 
 import numpy as np
 import xarray as xr
@@ -19,12 +20,13 @@ from stochlin.solver.tables.storage import save_table
 FILE = Path(__file__).parents[1] / "docs" / "gallery" / "drift_pairs.nc"
 SIMULATION, DERIVED = "simulation", "derived"  # the latter: the drift closure without its map
 CLOSURES = ("gaussian", "clipped", DERIVED, "drift")
+WITH_MAP, WITH_SIGNATURES = "with the map", "with signatures"  # parts of the drift closure
 MOMENTS = ("displacement_std_1", "displacement_std_2", "rho")
 
 
-def moments(pairs, ground, closure):
-    """Standard deviations and rho (moment, case) of pairs on one kind of ground."""
-    first, second = (
+def structures(pairs):
+    """Both structures of every pair."""
+    return [
         sl.Bilinear(
             pairs[f"period_{n}"],
             pairs[f"damping_{n}"],
@@ -32,15 +34,34 @@ def moments(pairs, ground, closure):
             reduction_factor=3 * pairs[f"strength_{n}"],
         )
         for n in (1, 2)
-    )
+    ]
+
+
+def moments(pair, ground, closure):
+    """Standard deviations and rho (moment, case) of two structures on one kind of ground."""
     if closure != DERIVED:
-        table = sl.correlate(first, second, ground, closure=closure)
+        table = sl.correlate(*pair, ground, closure=closure)
         return [table[name].values for name in MOMENTS]
-    solved = solved_together((first, second), ground, "drift")
+    solved = solved_together(tuple(pair), ground, "drift")
     side = drifting_side(solved.values)
     one, two = solved.parts
     sides = on_arrays(lambda x: x[..., one], side), on_arrays(lambda x: x[..., two], side)
     return [*(np.sqrt(own.variance) for own in sides), drifting_correlation(*sides)]
+
+
+def parts(pair, ground):
+    """Moments of the closures, and of the drift closure with some of its corrections."""
+    found = {closure: moments(pair, ground, closure) for closure in CLOSURES}
+    drift = found.pop("drift")
+    found[WITH_MAP] = [*drift[:2], found[DERIVED][2]]
+    with patch("stochlin.kernels.correlation.pairs.by_nearness", lambda rho, *_: (rho, 0 * rho)):
+        found[WITH_SIGNATURES] = moments(pair, ground, "drift")
+    return {**found, "drift": drift}
+
+
+def difference(std_1, std_2, rho):
+    """Standard deviation of u_1 - u_2."""
+    return np.sqrt(std_1**2 + std_2**2 - 2 * rho * std_1 * std_2)
 
 
 def renewed(pairs):
@@ -51,7 +72,7 @@ def renewed(pairs):
         some = pairs.isel(case=here)
         ground = sl.WhiteNoise() if on_white else sl.KanaiTajimi(1.0, some.ground_damping)
         for number, closure in enumerate(CLOSURES):
-            found[:, number, here] = moments(some, ground, closure)
+            found[:, number, here] = moments(structures(some), ground, closure)
     exact = pairs.sel(closure=SIMULATION)
     columns = {
         name: (("closure", "case"), np.vstack([exact[name], values]), pairs[name].attrs)

@@ -20,11 +20,12 @@ import elastic_pairs
 import matplotlib as mpl
 import numpy as np
 import rules
+import two_peaks as two_peaked
 import xarray as xr
 from commands import answered
 from correlation import test_caution
 from correlation import test_claims as pairs
-from drift_pairs import DERIVED, FILE, MOMENTS, SIMULATION, renewed
+from drift_pairs import DERIVED, FILE, MOMENTS, SIMULATION, WITH_MAP, WITH_SIGNATURES, renewed
 from reality_tables import tables_of
 from scipy.stats import gumbel_r
 
@@ -35,7 +36,6 @@ ROOT = Path(__file__).parents[2]
 GALLERY = FILE.parent
 CLAIMS = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
 LAKE_BED, BROAD = sl.KanaiTajimi(2.0, 0.05, intensity=0.01), sl.KanaiTajimi(0.42, 0.6, intensity=0.01)
-WITH_MAP, WITH_SIGNATURES = "with the map", "with signatures"  # parts of the drift closure
 CALCULATED = (  # period and R of both
     *((0.6, 4, 1.0, 4), (1.0, 6, 1.2, 2), (1.2, 5, 1.22, 4.4)),
     *((1.1, 3, 1.9, 5), (1.3, 5, 1.5, 3), (1.7, 4, 2.0, 2)),
@@ -222,6 +222,18 @@ def closures() -> dict[str, Any]:
     std, rho, apart = _errors(table, "drift")
     usual = {"std": 100 * std, "rho": rho, "apart": 100 * abs(apart), "percentile": np.percentile}
     return {**results, **usual, "table": rows(lines), "white": white.sum()}
+
+
+def two_peaks() -> dict[str, Any]:
+    """The same parts of the drift closure on ground with two peaks, a line each."""
+    pairs = xr.load_dataset(two_peaked.PAIRS, engine="scipy")
+    lines = []
+    for std, rho, apart in two_peaked.errors(pairs).values():
+        cells = [f"{value:.3f}" for value in (std.mean(), np.percentile(std, 95), rho.mean())]
+        cells += [f"{abs(apart).mean():.3f}", f"{apart.min():.2f}", (apart < -0.2).sum()]
+        lines.append(rows([cells]))
+    uncertain = 100 * pairs[two_peaked.STANDARD_ERROR].max()
+    return {"lines": lines, "size": pairs.sizes["case"], "uncertain": uncertain}
 
 
 def _parts(table: xr.Dataset) -> Iterator[xr.Dataset]:
