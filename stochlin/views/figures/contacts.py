@@ -30,10 +30,7 @@ if TYPE_CHECKING:
 
 LOOP_RESTITUTION, HISTORY_DAMPING = 0.65, 0.5  # of Fig. 6, and of Fig. 7, that of the paper
 METHOD: Any = {"method": "DOP853", "rtol": 1e-13, "atol": 1e-15}
-SCALES = (
-    "Two free masses of reduced mass m meet at velocity v0. Scales, with n = 1 of linear springs: "
-    "τ = √(m/k), v0 τ and k v0 τ."
-)
+SCALES = "Two free masses of reduced mass m meet at velocity v0; linear springs: n = 1, τ = √(m/k)."
 DIFFERENCES = (
     "The available text of the paper has the dashpot's sign reversed in eqs. (14) and (16), and no "
     "stiffness under the root of eq. (15): here c opposes the motion, c = 2 ξ √(k m)."

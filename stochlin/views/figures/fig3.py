@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import combinations
 
 import numpy as np
 import xarray as xr
@@ -25,6 +26,7 @@ ESTIMATES = (
     "Estimates, which do not depend on the ground. Compared with nonlinear simulation, separations by "
     "them are off by tens of per cent in both directions."
 )
+ALIKE = 0.01  # of rho, below which two curves cannot be told apart
 VARIABLES = {"rho": ("1", "correlation coefficient ρ")}
 
 
@@ -122,14 +124,20 @@ def effective_rules_chart(
     tables = [rho_effective(ratio, 1.0, **pair, rule=rule)[["rho", "status"]] for rule in chosen]
     for table, rule in zip(tables, chosen, strict=True):
         table["rho"] = table.rho.where(ductility <= rule.largest_ductility)
-    doubts = [f"{rule.title or rule.name}: {rule.reason}." for rule in chosen if rule.reason]
+    curves = {rule.title or rule.name: table.rho for rule, table in zip(chosen, tables, strict=True)}
+    remarks = [
+        f"{' and '.join(names)} differ by less than {ALIKE:g}."
+        for names in combinations(curves, 2)
+        if float(abs(curves[names[0]] - curves[names[1]]).max()) < ALIKE
+    ]
+    remarks += [f"{rule.title or rule.name}: {rule.reason}." for rule in chosen if rule.reason]
     chart = along_rules(tables, chosen).transpose(..., "rule", "period_ratio")
     return labels.label(chart, VARIABLES).assign_attrs(
         chart="curves",
         title="Stationary correlation of bilinear structures by eq. (4) with effective properties",
         caption=f"White noise. Bilinear structures: ξ = {damping:g}, α = {hardening:g}, peak ductility "
         f"{ductility:g} of both; ratio of the elastic periods",
-        comment=" ".join([ESTIMATES, *doubts]),
+        comment=" ".join([ESTIMATES, *remarks]),
         references="; ".join([labels.PAPER, *(rule.reference for rule in chosen)]),
         history=f"stochlin {__version__}: rho_effective()",
     )

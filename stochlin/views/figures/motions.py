@@ -111,7 +111,7 @@ def draw_portrait(figure: Figure, dataset: xr.Dataset) -> None:
     states = [in_cm(dataset[name]) for name in ("displacement", "velocity_over_frequency")]
     radius, largest = in_cm(dataset.radius), in_cm(dataset.pseudo_energy_radius)
     plane.plot(*states, label="motion", **TRACE)
-    plane.add_patch(Circle((0, 0), float(largest), fill=False, lw=1.6, **PEAK))
+    plane.add_patch(Circle((0, 0), float(largest), fill=False, lw=1.6, zorder=3, **PEAK))
     plane.set_aspect("equal", adjustable="datalim")
     plane.set(xlabel=quantity(states[0]), ylabel=quantity(states[1]))
     history.plot(dataset.time, radius, label=quantity(radius), color="0.1", lw=1.0)
@@ -182,9 +182,9 @@ def energy_chart(
     chart = chart.assign(significant_begin=strong.time[0].item(), significant_end=strong.time[-1].item())
     return labels.label(chart, VARIABLES).assign_attrs(
         chart="energies",
-        title=f"Pseudo energy radius and energies of {source_of(record)}",
+        title=f"Pseudo energy radius and energies of structures in {source_of(record)}",
         caption=f"T = {period:.3g} s, ξ = {damping:.3g}; yielding: R = {reduction_factor:g} and "
-        f"hardening ratio {hardening:.3g}. An energy E of a mass m is drawn as √(2E/m)/ω."
+        f"hardening ratio {hardening:.3g}. An energy E of a structure of mass m is drawn as √(2E/m)/ω."
         f"{about(record)}",
     )
 
@@ -196,8 +196,8 @@ def draw_energies(figure: Figure, dataset: xr.Dataset) -> None:
     shown = [("pseudo energy radius", "radius")]
     shown += [(f"{kind} energy", f"{kind}_energy_radius") for kind in ENERGIES]
     time, factors = dataset.time, dataset.reduction_factor.values
-    for axes, factor in zip(in_a_row(figure, 2, PANEL), factors, strict=True):
-        axes.axvspan(*times, color="0.92", label="5 to 95 % of its energy")
+    for axes, factor in zip(in_a_row(figure, 2, PANEL, shared=True), factors, strict=True):
+        axes.axvspan(*times, color="0.92", label="90 % of the motion's energy")
         for (label, name), (color, dash) in zip(shown, CURVES, strict=False):
             values = in_cm(dataset[name].sel(reduction_factor=factor)).values
             if values.max() > 0:
@@ -206,6 +206,7 @@ def draw_energies(figure: Figure, dataset: xr.Dataset) -> None:
         axes.set(xlim=(float(time[0]), float(time[-1])), ylim=(0, None), xlabel=quantity(time))
         axes.set_ylabel(quantity(in_cm(dataset.radius)))
         axes.set_title("elastic" if factor == 1 else f"R = {factor:g}", loc="left")
+        axes.label_outer()
 
 
 @register_chart("fig2", place=14)
@@ -269,7 +270,7 @@ def recorded_gap_chart(record: xr.DataArray, damping: float, points: Points = 61
         chart="critical_gap",
         title=f"Critical gap in {source_of(record)}",
         caption=f"Elastic structures: ξ = {damping:.3g}; the largest u1 - u2, and eqs. (3) "
-        f"and (4) over it (below 1 unsafe){about(record)}",
+        f"and (4) over it: below 1, within thick lines, unsafe{about(record)}",
     )
 
 
@@ -283,7 +284,7 @@ def draw_critical_gap(figure: Figure, dataset: xr.Dataset) -> None:
     left, right = in_a_row(figure, 2, SQUARE, shared=True)
     planes(figure, [left], [(typeset("largest u1 - u2"), largest)], _levels(float(largest.max())))
     shown = ratio.rename("ratio").transpose(*over).clip(OF_RATIO[0], OF_RATIO[-1], keep_attrs=True)
-    planes(figure, [right], [("formula over record", shown)], np.array(OF_RATIO))
+    planes(figure, [right], [("formula over record", shown)], np.array(OF_RATIO), thick=1.0)
 
 
 def _levels(highest: float) -> np.ndarray:

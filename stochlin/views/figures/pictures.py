@@ -45,6 +45,7 @@ PRINT_STYLE: Any = {"font.size": 8, "axes.titlesize": 8, "axes.linewidth": 0.6, 
 SCREEN_STYLE: Any = {"axes.titlesize": 9, "legend.fontsize": 8}
 NOTE_WIDTH, LABEL_WIDTH = 120, 30  # characters
 AMPLE, LINE, APART = 4.0, 0.14, 0.06  # inches: more than any legend, a line of notes, around panels
+HEAD, ROOM = 0.5, 0.065  # inches: of three lines above a panel, around a number on a line
 SYMBOLS = {"damping": r"$\xi$", "reduction_factor": "R"}
 MEMORY = "drift_memory"  # variable with the memory of plastic drifts [s]
 MARKERS = "os^Dvp", "xxxxxx"  # of the simulated points of each curve, and of those in finite motions
@@ -126,9 +127,9 @@ def arrange(figure: Figure, title: str, notes: Sequence[str]) -> None:
         head = figure.legend(
             list(entries.values()), list(entries), loc="outside upper left", title=typeset(title),
             ncols=columns, title_fontsize=10, alignment="left", borderaxespad=0.3, borderpad=0.2,
-            columnspacing=1.2, handlelength=2.6,
+            columnspacing=1.2, handlelength=3.6,
         )  # fmt: skip
-        if columns == 1 or head.get_window_extent().width < figure.bbox.width:
+        if columns == 1 or head.get_window_extent().width < 0.98 * figure.bbox.width:
             break
         head.remove()
     figure.draw_without_rendering()
@@ -214,7 +215,7 @@ def draw_curves(figure: Figure, dataset: xr.Dataset) -> None:
             axes.plot(row[row.dims[-1]], row, **style)
             for name in beside:
                 other = dataset[name].sel({**place, **along})
-                axes.plot(other[other.dims[-1]], other, color=color, lw=THIN)
+                axes.plot(other[other.dims[-1]], other, color=color, linestyle=dash, lw=THIN)
     set_axes(every, table, [table, *points])
     if points:
         every[0].plot([], [], color="0.1", label=curve_label(table))
@@ -313,18 +314,22 @@ def compare_planes(figure: Figure, dataset: xr.Dataset) -> None:
         for title, place in places(table, 2)
     ]
     columns = len(named) // len(tables)
-    height = min(figure.get_figwidth() / columns, SQUARE)
+    height = min(figure.get_figwidth() / columns + (HEAD if is_narrow(figure) else 0.0), SQUARE)
     every = panels(figure, len(tables), columns, height, shared=True)
     planes(figure, every, named, contour_levels(*tables.values()))
 
 
 def planes(
-    figure: Figure, every: Sequence[Axes], tables: Sequence[tuple[str, xr.DataArray]], levels: np.ndarray
+    figure: Figure,
+    every: Sequence[Axes],
+    tables: Sequence[tuple[str, xr.DataArray]],
+    levels: np.ndarray,
+    thick: float | None = None,
 ) -> None:
     """Filled contours of tables by their titles, on these levels, and the bar of their shades.
 
     The shades are the upper part of cividis, where lightness grows with the value and black lines are
-    legible. The bar stands below a narrow picture.
+    legible. The line of one level may be thick. The bar stands below a narrow picture.
     """
     from matplotlib import colormaps
     from matplotlib.colors import BoundaryNorm, ListedColormap
@@ -338,7 +343,8 @@ def planes(
         mesh = _triangles(across.values, up.values, table.values)
         filled = axes.tricontourf(*mesh, levels, cmap=shades, norm=BoundaryNorm(levels, shades.N))
         below = levels < float(table.max()) - 1e-9  # at the very top a line would be dots along a ridge
-        lines.append(axes.tricontour(*mesh, levels[below], colors="0.1", linewidths=0.6))
+        widths = np.where(levels[below] == thick, 1.5, 0.6)
+        lines.append(axes.tricontour(*mesh, levels[below], colors="0.1", linewidths=widths))
         axes.set_title(title, loc="left")
         axes.grid(visible=False)
         axes.set_box_aspect(1)
@@ -376,16 +382,25 @@ def contour_levels(*tables: xr.DataArray) -> np.ndarray:
 
 
 def _number(axes: Axes, lines: ContourSet) -> None:
-    """A number on every long contour line, where others are far: those of matplotlib would be cut."""
+    """A number on every long contour line that has room, where others are far.
+
+    Those of matplotlib would be cut.
+    """
     from scipy.spatial import KDTree
 
     inward = axes.transData + axes.transAxes.inverted()
     each = [inward.transform(segment) for segments in lines.allsegs for segment in segments]
-    spots: list[np.ndarray] = []
+    room = ROOM * axes.figure.dpi / axes.get_window_extent().height
+    spots, far = list[np.ndarray](), np.full((1, 2), 9.0)
     for number, line in enumerate(each):
         inside = line[((line > EDGE) & (line < 1 - EDGE)).all(axis=1)]
         if len(inside) and np.ptp(inside, axis=0).max() > 2 * EDGE:
-            others = np.concatenate([*each[:number], *each[number + 1 :], *spots, np.full((1, 2), 9.0)])
-            spots.append(inside[[KDTree(others).query(inside)[0].argmax()]])
+            others = np.concatenate([*each[:number], *each[number + 1 :], far])
+            away = [
+                KDTree(points).query(inside)[0] for points in (others, np.concatenate([*spots, far]))
+            ]
+            free = np.minimum(away[0], away[1] / 2)  # a number is longer than high
+            if free.max() > room:
+                spots.append(inside[[free.argmax()]])
     chosen = inward.inverted().transform(np.reshape(spots, (-1, 2)))
     axes.clabel(lines, manual=[*map(tuple, chosen)], fontsize=7, fmt="%g", inline_spacing=1)
