@@ -6,7 +6,8 @@ deviation of u_1 - u_2 over its root mean square in the strong part of a record,
 over six pairs, with the mean over the records and its standard error.
 
 The stationary ground is fitted to the strong part, which brings 90 % of the energy, and has its mean
-square. Displacements at yield follow from the recorded elastic response, of which R is.
+square. The estimator of the fit may stand after RECORDS, such as psd; otherwise it is whittle.
+Displacements at yield follow from the recorded elastic response, of which R is.
 """
 
 import csv
@@ -49,10 +50,10 @@ def building(period, factor, elastic):
     return sl.Bilinear(period, DAMPING, HARDENING, yield_displacement=yields)
 
 
-def ratios(record):
+def ratios(record, estimator):
     """Computed over recorded deviation of u_1 - u_2, (R, pair), of every part."""
     strong = strong_part(record)
-    ground = replace(sl.fit_ground(record, estimator="whittle"), scatter=0.0)
+    ground = replace(sl.fit_ground(record, estimator=estimator), scatter=0.0)
     level = (rms(strong) / rms_acceleration(ground)) ** 2
     ground = replace(ground, intensity=level * ground.intensity)
 
@@ -70,7 +71,8 @@ def ratios(record):
 
 
 if __name__ == "__main__":
-    each = [ratios(record) for record in chosen(Path(sys.argv[1]))]
+    folder, estimator = [*sys.argv[1:], "whittle"][:2]
+    each = [ratios(record, estimator) for record in chosen(Path(folder))]
     print(f"{len(each)} records; R =", *("elastic" if R is None else R for R in FACTORS))
     for name in each[0]:
         logs = np.array([np.log(of_record[name]).mean(axis=-1) for of_record in each])
