@@ -14,7 +14,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief
 from stochlin.models.arguments import Number, OneOf
 from stochlin.models.parameters import POSITIVE, Model, Parameter, Range, check, parameter
-from stochlin.models.plausible import PLAUSIBLE
+from stochlin.models.plausible import PLAUSIBLE, implausible, warn_caller
 from stochlin.models.uncertain import as_array
 
 Exceeded = Literal["pga", "sa", "intensity"]
@@ -138,8 +138,12 @@ class HazardCurve(Hazard):
     source: str = field(default="", kw_only=True, compare=False)
 
     def doubts(self) -> Iterator[str]:
-        """Texts of `Hazard`, and on a point that gives the curve a level part between steep ones."""
-        yield from super().doubts()
+        """Texts of `Hazard`, on a curve that ends early, and on a level part between steep ones."""
+        of_shaking = [*super().doubts()]
+        yield from of_shaking
+        rarest = 1 / self.frequencies[-1]
+        if not of_shaking and (text := PLAUSIBLE["rarest of a hazard"].doubt(rarest)):
+            yield f"its rarest shaking has a return period of {rarest:.3g} years; {text}"
         slopes = -np.diff(np.log(self.frequencies)) / np.diff(np.log(self.intensities))
         kinks = slopes[1:-1] / np.minimum(slopes[:-2], slopes[2:])
         if text := PLAUSIBLE["kink of a hazard"].doubt(kinks.min(initial=1.0)):
@@ -165,6 +169,7 @@ class HazardCurve(Hazard):
 
     def intensity(self, return_period: Parameter) -> Any:
         """Intensity, in the unit of the measure, that is exceeded with a return period [yr]."""
+        warn_caller("intensity", lambda: implausible({"return_period": return_period}))
         years = [1 / frequency for frequency in self.frequencies]
         return self._between("return_period", return_period, years, self.intensities)
 
@@ -252,6 +257,7 @@ class PowerLawHazard(Hazard):
 
     def intensity(self, return_period: Parameter) -> Any:
         """Intensity, in the unit of the measure, that is exceeded with a return period [yr]."""
+        warn_caller("intensity", lambda: implausible({"return_period": return_period}))
         law, value = self.arrays(), _of(return_period, "return_period")
         return _applied(lambda years, k0, k: np.power(k0 * years, 1 / k), value, *law.values())
 
@@ -273,10 +279,14 @@ def check_curve(intensities: Array, frequencies: Array, places: Sequence[str]) -
     if intensities.size < FEWEST:
         where = places[0] if places else "hazard curve"
         raise ValueError(f"{where}: {intensities.size} points; allowed: {FEWEST} or more intensities")
-    columns = (
-        ("intensity", intensities, 1, "increasing intensities, so sort them"),
-        ("annual frequency", frequencies, -1, "falling frequencies, since what is stronger is rarer"),
+    rising, falling = (
+        "increasing intensities, so sort them",
+        "falling frequencies, since what is stronger",
     )
+    if np.median(frequencies) > np.median(intensities):
+        rising += ", or are they exchanged with the frequencies?"
+    falling += " is rarer" + ", or are they return periods?" * bool((frequencies >= 1).all())
+    columns = ("intensity", intensities, 1, rising), ("annual frequency", frequencies, -1, falling)
     for n, place in enumerate(places):
         for name, values, sign, allowed in columns:
             if not 0 < values[n] < np.inf:

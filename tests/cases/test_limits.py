@@ -182,6 +182,11 @@ PYTHON: dict[str, Callable[[float, Path], object]] = {
         sl.read_pushover(bent(folder, x)), target_displacement=0.2
     ),
     "kink of a hazard": lambda x, _: sl.HazardCurve(*kinked(x)),
+    "return_period": lambda x, _: sl.PowerLawHazard(0.05, 3.0).intensity(x),
+    "years of a risk": lambda x, _: sl.required_gap(
+        *PAIR, FIRM, WIDE, risk=f"10 % in {x!r} years", **FEW
+    ),
+    "rarest of a hazard": lambda x, _: sl.HazardCurve([0.5, 1.5], [0.05, 1 / x]),
     "damper over critical": lambda x, _: storey(dampers=x * 2 * np.sqrt(1e5 * stiffness(1e5, 3.0, 2.0))),
     "peak over other samples": lambda x, folder: sl.read_record(lone_peak(folder, x)),
     "end of the plateau": lambda x, folder: sl.read_spectrum(plateau(folder, x), elastic=True),
@@ -261,6 +266,7 @@ BY_STOREYS = 'damping = 0.05\nstorey_height = "3 m"\n'
 YIELDS = "hardening = 0.05\n"
 OF_CODES = 'displacements = "0.1 m"\nbehaviour_factor = 3\n'
 KANAI_TAJIMI = 'ground = "kanai_tajimi"\nperiod = "0.6 s"\nintensity = "0.01 m^2/s^3"\n'
+OF_HAZARD = '[site.hazard]\nmeasure = "pga"\n'
 OF_TWO = """\
 damping = 0.05
 masses = ["1e5 kg", "1e5 kg"]
@@ -381,6 +387,18 @@ FILES: dict[str, Callable[[float, Path], dict[str, str]]] = {
     "risk": lambda x, _: {
         "site": f'{FIRM_SITE}\n[site.hazard]\nmeasure = "pga"\nk0 = 0.02\nk = 2.5\nunits = "m/s^2"',
         "separation": f"confidence = 0.9\nrisk = {x!r}",
+    },
+    "return_period": lambda x, _: {
+        "site": f'ground = "firm"\nreturn_period = "{x!r} yr"\n{OF_HAZARD}k0 = 0.05\nk = 3\n'
+        'units = "m/s^2"'
+    },
+    "years of a risk": lambda x, _: {
+        "site": f'{FIRM_SITE}\n{OF_HAZARD}k0 = 0.02\nk = 2.5\nunits = "m/s^2"',
+        "separation": f'confidence = 0.9\nrisk = "10 % in {x!r} years"',
+    },
+    "rarest of a hazard": lambda x, _: {
+        "site": f'{FIRM_SITE}\n{OF_HAZARD}intensities = ["0.5 m/s^2", "1.5 m/s^2"]\n'
+        f'return_periods = ["20 yr", "{x!r} yr"]'
     },
     "mean storey height": lambda x, _: oscillator(f'{OSCILLATOR}height = "{2 * x!r} m"\nstoreys = 2'),
     "period over 0.05 h^0.75": lambda x, _: oscillator(

@@ -70,6 +70,7 @@ def test_the_interval_contains_the_rate_of_the_whole_hazard_wherever_its_table_e
     assert ends["_lower"] <= ends[""] <= whole * (1 + 1e-6) <= ends["_upper"] * (1 + 2e-6)
 
 
+@pytest.mark.filterwarnings("ignore:.*its rarest shaking")
 def test_the_gap_of_an_early_end_has_an_interval_up_to_that_of_the_whole_hazard():
     intensity = np.geomspace(0.1, 20, 12)
     whole = sl.HazardCurve(intensity, K0 * intensity**-K)

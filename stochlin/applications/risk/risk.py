@@ -281,7 +281,9 @@ def allowed_rate(risk: str | float) -> tuple[float, float | None]:
 def doubt_of_text(risk: str | float) -> str:
     """What is implausible about a risk in words; numbers are judged as other arguments are."""
     rate, years = allowed_rate(risk)
-    text = "" if years is None else PLAUSIBLE["risk"].doubt(rate)
+    if years is None:
+        return ""
+    text = PLAUSIBLE["risk"].doubt(rate) or PLAUSIBLE["years of a risk"].doubt(years)
     return text and f"is doubtful: {brief(risk)} is {rate:.3g} a year; {text}"
 
 

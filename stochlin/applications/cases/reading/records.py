@@ -37,6 +37,7 @@ from stochlin.models.parameters import POSITIVE, Range
 from stochlin.models.plausible import PLAUSIBLE
 
 TIME, YEARS = Quantity("s", POSITIVE), Quantity("yr", POSITIVE)
+RETURN_PERIOD = Quantity("yr", POSITIVE, PLAUSIBLE["return_period"])
 FACTOR, TWO_TIMES = Quantity("1", POSITIVE), ListOf(TIME, length=2)
 FACTOR_OF_RECORD = Quantity("1", POSITIVE, PLAUSIBLE["scale of a record"])
 PERIOD = Quantity("s", POSITIVE, PLAUSIBLE["period"])

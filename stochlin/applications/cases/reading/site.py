@@ -31,8 +31,8 @@ from stochlin.applications.cases.reading.records import (
     PEAK,
     PERIOD,
     RESPONSE,
+    RETURN_PERIOD,
     SITE,
-    YEARS,
     Record,
     Suite,
     read_records_of,
@@ -145,7 +145,9 @@ class Scaled(OfSite):
     pga: float | None = key(PEAK, "Peak acceleration, mean of the motions", None)
     sa: float | None = key(RESPONSE, "Spectral acceleration, mean of the motions", None)
     sa_period: float | None = key(PERIOD, "Its period", None)
-    return_period: float | None = key(YEARS, "Return period of the shaking, from the hazard", None)
+    return_period: float | None = key(
+        RETURN_PERIOD, "Return period of the shaking, from the hazard", None
+    )
 
     def goal(self, hazard: Hazard | None) -> dict[str, Any]:
         """The wanted strength, as arguments of `scale_ground`, or the intensity of a hazard of S0."""
