@@ -182,6 +182,9 @@ PYTHON: dict[str, Callable[[float, Path], object]] = {
         sl.read_pushover(bent(folder, x)), target_displacement=0.2
     ),
     "kink of a hazard": lambda x, _: sl.HazardCurve(*kinked(x)),
+    "decay": lambda x, _: sl.AminAng(2.0, 12.0, x),
+    "damping of a contact": lambda x, _: sl.Kelvin(STIFF, damping_ratio=x),
+    "high pass over ground": lambda x, _: sl.CloughPenzien(1.0, 0.6, x, 0.6),
     "return_period": lambda x, _: sl.PowerLawHazard(0.05, 3.0).intensity(x),
     "years of a risk": lambda x, _: sl.required_gap(
         *PAIR, FIRM, WIDE, risk=f"10 % in {x!r} years", **FEW
@@ -388,6 +391,21 @@ FILES: dict[str, Callable[[float, Path], dict[str, str]]] = {
         "site": f'{FIRM_SITE}\n[site.hazard]\nmeasure = "pga"\nk0 = 0.02\nk = 2.5\nunits = "m/s^2"',
         "separation": f"confidence = 0.9\nrisk = {x!r}",
     },
+    "decay": lambda x, _: {
+        "motion": 'duration = "20 s"\nenvelope = "amin_ang"\nrise_end = "2 s"\nstrong_end = "12 s"\n'
+        f'decay = "{x!r} 1/s"'
+    },
+    "damping of a contact": lambda x, _: {
+        "contact": f'model = "kelvin"\nstiffness = "1e9 N/m"\ndamping_ratio = {x!r}'
+    },
+    "high pass over ground": lambda x, _: {
+        "site": KANAI_TAJIMI.replace("kanai_tajimi", "clough_penzien").replace("0.6 s", "1 s")
+        + f'damping = 0.6\nhigh_pass_period = "{x!r} s"\nhigh_pass_damping = 0.6'
+    },
+    "displacement upwards": lambda x, _: {
+        **oscillator(f'{OF_TWO}displacements = ["5 cm", "{5 * x!r} cm"]\nbehaviour_factor = 3'),
+        "separation": 'confidence = 0.9\ncodes = ["eurocode_8"]',
+    },
     "return_period": lambda x, _: {
         "site": f'ground = "firm"\nreturn_period = "{x!r} yr"\n{OF_HAZARD}k0 = 0.05\nk = 3\n'
         'units = "m/s^2"'
@@ -470,7 +488,7 @@ OF_PYTHON = {
     *("gap of a result", "gaps", "peak", "peak_factor", "penetration", "years"),
     *("damping_constant", "importance"),
 }
-OF_FILES = {"peak over that of the site", "importance_factor"}
+OF_FILES = {"peak over that of the site", "importance_factor", "displacement upwards"}
 FITTED = {
     "pga",
     "sa",

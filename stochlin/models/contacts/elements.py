@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -168,6 +168,12 @@ class WithRatio(Damped, base=True):
         restitution: Parameter | None = None,
     ) -> None:
         self._set(stiffness, damping_ratio, restitution)
+
+    def doubts(self) -> Iterator[str]:
+        """Text on a damping ratio that no contact has."""
+        ratio = self.damping if isinstance(self.damping, float) else 0.0
+        if text := PLAUSIBLE["damping of a contact"].doubt(ratio):
+            yield f"{self.damping_name} = {ratio:g}: {text}"
 
     @classmethod
     def damping_ratio(cls, restitution: Any) -> Any:

@@ -374,6 +374,14 @@ class CloughPenzien(Ground):
     high_pass_damping: Parameter = parameter("1", "high-pass damping ratio", POSITIVE)
     intensity: Parameter = parameter("m^2/s^3", "two-sided PSD of the white noise", POSITIVE, 1.0)
 
+    def doubts(self) -> Iterator[str]:
+        """Text on a high-pass filter that takes away the motion of the ground."""
+        high_pass, period = self.high_pass_period, self.period
+        ratio = high_pass / period if isinstance(high_pass, float) and isinstance(period, float) else 0.0
+        if text := PLAUSIBLE["high pass over ground"].doubt(ratio):
+            times = f"{ratio:.2g} times the period of the ground"
+            yield f"high_pass_period = {high_pass:g} is {times}; {text}"
+
     @staticmethod
     def filter(values: Mapping[str, Any]) -> Filter:
         """The soil oscillator, followed by the high-pass oscillator."""

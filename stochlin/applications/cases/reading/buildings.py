@@ -305,6 +305,10 @@ class Building:
         yield from self.structure.doubts()
         if self.form.behaviour_factor and self.form.displacement_factor:
             yield from doubts_of_factors(self.form.behaviour_factor, self.form.displacement_factor)
+        moves = self.form.displacements
+        growth = moves[-1] / moves[0] if len(moves) > 1 and moves[0] else 1.0
+        if text := PLAUSIBLE["displacement upwards"].doubt(growth):
+            yield f"its roof has {growth:.2g} of the displacement of its first floor; {text}"
         if not self.has_storeys:
             yield from doubts_of_size(self.period, self.height, self.storeys)
 

@@ -236,7 +236,7 @@ class OfContact(Form):
 
     def contact(self) -> Contact:
         """The contact."""
-        return self.table.made(CONTACTS[self.model], **self.more)
+        return self.table.asked(self.table.made(CONTACTS[self.model], **self.more))
 
 
 class OfLink(Form):

@@ -179,7 +179,7 @@ class ByParameters(Scaled):
         """The ground, which may be uncertain; of intensity 1 if it is scaled."""
         values = {"intensity": 1.0 if self.intensity is None else self.intensity, **self.more}
         kind = GROUNDS.get(self.ground)
-        return self.table.made(kind or partial(named_ground, self.ground), **values)
+        return self.table.asked(self.table.made(kind or partial(named_ground, self.ground), **values))
 
 
 class OfRecord(Scaled):

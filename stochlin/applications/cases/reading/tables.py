@@ -22,6 +22,7 @@ from stochlin.messages import (
     sentence,
 )
 from stochlin.models.plausible import unquestioned
+from stochlin.models.uncertain import median_of
 from stochlin.removed import instead_of
 from stochlin.solver.tables.inputs import input_path
 from stochlin.solver.tables.toml import read_toml
@@ -186,6 +187,12 @@ class Table:
         """A model of these values; its error is at the key that it names."""
         with self.naming(None, "does not fit: "):
             return build(**values)
+
+    def asked(self, model: M) -> M:
+        """The model, with a warning of what follows from its parameters and is implausible."""
+        for text in median_of(model).doubts():
+            self.warn("", f"is doubtful: {text}")
+        return model
 
     def _unknown(self, name: str, form: type[Form], keys: Mapping[str, Key]) -> ValueError:
         names = [key for key in keys if key not in self]
