@@ -207,6 +207,10 @@ def test_uncertain_periods_scale_all_modes() -> None:
 
 
 WRONG: dict[str, tuple[dict[str, Any], str]] = {
+    "unit of a list": (
+        {"masses": xr.DataArray([200.0, 100.0], dims="floor", attrs={"units": "t"})},
+        "masses is in 't', by its attribute units; allowed: kg",
+    ),
     "not orthogonal": ({"shapes": [[0.62, 1.0], [1.0, 1.0]]}, r"1 and 2 are not orthogonal: 0\.97"),
     "frequencies": ({"periods": [2.0, 5.5]}, r"modes 1 and 2 are 2 and 5\.5 s; .*longest first"),
     "too many": (

@@ -624,6 +624,14 @@ def test_keys_have_the_limits_of_their_names():
     assert {"period", "damping", "masses", "pga", "duration", "confidence"} <= seen
 
 
+def test_a_record_under_two_names_is_asked_about(tmp_path):
+    for name in ("one", "two"):
+        write_at2(shaken(0.3), tmp_path / f"{name}.at2")
+    lines = "".join(f'[[site.records]]\npath = "{name}.at2"\n' for name in ("one", "two"))
+    asked = asked_of({"site": f"{FIRM_SITE}\n{lines}"}, tmp_path)
+    assert any("one.at2 and two.at2 are the same motion; is it to count" in text for text in asked)
+
+
 @pytest.mark.parametrize(
     ("lines", "asked"),
     [

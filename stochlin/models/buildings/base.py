@@ -16,7 +16,7 @@ from stochlin.kernels.basics.systems import System
 from stochlin.messages import DoubtfulInput, brief
 from stochlin.models.arguments import is_number
 from stochlin.models.laws.hysteretic import Hysteretic, law_of
-from stochlin.models.parameters import Model
+from stochlin.models.parameters import Model, check_units
 from stochlin.models.plausible import PLAUSIBLE, doubts_of_size
 from stochlin.models.states import in_words
 from stochlin.models.structures import HARDENING, Structure
@@ -60,6 +60,8 @@ class MultistoreyBuilding(WithoutCells, Model, base=True):
             optional = value is None and self.__dataclass_fields__[field].default is None
             if optional or (field in self.one_for_all and np.isscalar(value)):
                 continue
+            if isinstance(value, xr.DataArray):
+                check_units(f"{name}{field}", value.attrs.get("units"), self.units(field))
             array = along(f"{name}{field}", value, dimension)
             size, other = sizes.setdefault(dimension, (array.size, field))
             if array.size != size:

@@ -24,7 +24,7 @@ from stochlin.applications.cases.reading.kinds import (
     keys_of,
 )
 from stochlin.applications.cases.reading.tables import Form, Table
-from stochlin.applications.records.records import read_record
+from stochlin.applications.records.records import copies, read_record
 from stochlin.applications.sites.hazard_files import read_hazard
 from stochlin.applications.sites.suites import (
     read_records,
@@ -128,6 +128,14 @@ def read_records_of(
             what = f"names a record {brief(name)}, as another one is; allowed: another name"
             raise form.table.error("name" if "name" in form.table else "path", what)
         records[name] = record
+    names = [*records]
+    for first, later in copies([record.to_numpy() for record in records.values()]):
+        if first < len(singly):  # those of a suite are asked about where it is read
+            both = f"{names[first]} and {names[later]}"
+            read[later][0].table.warn(
+                "path", f"is doubtful: {both} are the same motion; is it to count twice?"
+            )
+            break
     return records
 
 

@@ -113,15 +113,21 @@ class Table:
 
     @contextmanager
     def asking(self, name: str) -> Iterator[None]:
-        """Add the file, the line and this key to warnings of doubtful input inside the context."""
-        with warnings.catch_warnings(record=True) as caught:
-            warnings.simplefilter("always", DoubtfulInput)
-            yield
-        for each in caught:
-            if issubclass(each.category, DoubtfulInput):
-                self.warn(name, f"is doubtful: {each.message}")
-            else:
-                warnings.warn_explicit(each.message, each.category, each.filename, each.lineno)
+        """Add the file, the line and this key to warnings of doubtful input inside the context.
+
+        They are also given before an error, which may follow from what they ask about.
+        """
+        caught: list[warnings.WarningMessage] = []
+        try:
+            with warnings.catch_warnings(record=True) as caught:
+                warnings.simplefilter("always", DoubtfulInput)
+                yield
+        finally:
+            for each in caught:
+                if issubclass(each.category, DoubtfulInput):
+                    self.warn(name, f"is doubtful: {each.message}")
+                else:
+                    warnings.warn_explicit(each.message, each.category, each.filename, each.lineno)
 
     def table(self, name: str, *number: int, forms: Sequence[type[Form]] = ()) -> Table:
         """The table of this name, of several that of a number; an empty one if there is none."""
