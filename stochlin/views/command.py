@@ -24,7 +24,8 @@ from stochlin.views.shared.screen import (
     warnings_as_sentences,
 )
 
-NAMED = re.compile(r"(?<=')[^' ]+(?=')|--[\w-]+")  # in a refusal of click
+# Words in a refusal of click, but for values of keys, which may be known there: = 'fitted'.
+NAMED = re.compile(r"(?<!= ')(?<!\[')(?<=')[^' ]+(?=')|--[\w-]+")
 BY_SIGNAL = 128  # shells add the number of the signal that ended a program
 CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
 

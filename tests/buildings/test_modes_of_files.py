@@ -107,7 +107,9 @@ BROKEN = {
     "line 2, column 1: a line 'period [s]' is missing below": PLAIN.replace(
         "period [s],,0.5,0.18\n", ""
     ),
-    "line 3, column 1: periods are in 'min'; allowed: s": PLAIN.replace("[s]", "[min]"),
+    "line 3, column 1: periods are in 'min'; allowed: s, so": PLAIN.replace("[s]", "[min]"),
+    "line 3, column 1: periods are in 'ms'; allowed: s, so convert them": PLAIN.replace("[s]", "[ms]"),
+    "line 3, column 1: periods are in 'Hz'; allowed: s, so write 1/f": PLAIN.replace("[s]", "[Hz]"),
     "line 3, column 1: 'frequency [Hz]' is not known; allowed: period, participation": PLAIN.replace(
         "period [s]", "frequency [Hz]"
     ),

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from commands import answered
 
+import stochlin as sl
 from stochlin.applications.cases.examples import short_example
 from stochlin.applications.cases.reading.case import Case, read_case
 
@@ -33,7 +34,9 @@ def chain(masses: str, stiffnesses: str, more: str = 'storey_height = "3 m"\n') 
 MISTAKES = {
     "unit missing": ('period = "1.0 s"', "period = 1.0", 'units, "1 s", "1 ms"'),
     "unit unknown": ('"1.0 s"', '"1.0 sekunde"', "unknown unit 'sekunde'; allowed: s, ms"),
-    "weight for mass": ('"3200 t"', '"3200 kN"', "unknown unit 'kN'; allowed: kg, t"),
+    "weight for mass": ('"3200 t"', '"3200 kN"', """a weight, in 'kN'; write its mass, "326.3 t"$"""),
+    "hyphen of ends": ('"1.0 s"', '"0.8-1.2 s"', 'a hyphen between two ends; write "0.8 to 1.2 s"'),
+    "fraction": ('"5 cm"', '"3 1/8 in"', 'has a fraction; write "3.125 in"'),
     "comma": ('"1.0 s"', '"1,0 s"', 'no decimal point; write "1.0 s"'),
     "percent": ('damping = "5 %"', "damping = 5", 'for 5 % write "5 %"'),
     "percent of percent": ('damping = "5 %"', 'damping = "500 %"', "(a ratio, 0.05 for 5 %)$"),
@@ -49,7 +52,9 @@ MISTAKES = {
     "of storeys": (STRENGTH, f'{STRENGTH}floor_mass = "400 t"\n', "a building without storeys"),
     "gaps": ('"5 cm"', '["5 cm", "3 cm"]', "does not fit the number of buildings, 2; allowed: 1 in all"),
     "two strengths of shaking": ('[motion]', 'pga = "0.3 g"\n[motion]', "as well as intensity"),
-    "spread": ('"1.0 s"', '"1.0 s +- 0.2"', 'no valid spread; allowed: "10 s +- 20 %"'),
+    "spread": ('"1.0 s"', '"1.0 s +- 0.2"', 'up to 100 %, "1 s +- 20 %", or two ends, "0.8 to 1.2 s"$'),
+    "spread of a ratio": (STRENGTH, 'reduction_factor = "4 +- 1"\n', '"4 +- 20 %", or two ends, "3.2'),
+    "wide spread": ('"1.0 s"', '"1.0 s +- 200 %"', "no valid spread; allowed: a share of up to 100 %"),
     "ends": ('"1.0 s"', '"1.2 to 0.8 s"', "allowed: 0 < lower <= higher"),
     "certain": ('"5 cm"', '"5 cm +- 10 %"', "cannot be uncertain; allowed: a number in cm"),
     "record": ("[motion]", '[[site.records]]\npath = "a.at2"\n[motion]', "there is no such file"),
@@ -161,6 +166,21 @@ def test_a_mistake_is_refused_with_its_line(what: str, tmp_path: Path) -> None:
     assert says in f"{message}$"
     assert message.isprintable()
     assert len(message) < 700
+
+
+def test_a_file_is_asked_about_also_where_it_is_refused(tmp_path: Path) -> None:
+    """A curve that does not bend may have its columns exchanged, which its 26 m show."""
+    curve = "roof [m],base shear [N]\n0,0\n8,2e5\n15,4e5\n19,6e5\n26,32e5\n"
+    (tmp_path / "push.csv").write_text(curve, encoding="utf-8")
+    second = EXAMPLE[EXAMPLE.index("[building_2]") : EXAMPLE.index("[separation]")]
+    building = 'period = "0.6 s"\nstoreys = 5\nstorey_height = "3 m"\nfloor_mass = "300 t"\n'
+    pushed = f'[building_2]\n{building}damping = "5 %"\npushover = "push.csv"\n'
+    (tmp_path / "case.toml").write_text(EXAMPLE.replace(second, pushed), encoding="utf-8")
+    with (
+        pytest.warns(sl.DoubtfulInput, match=r"line \d+: building_2.pushover.* displacement is 26 m"),
+        pytest.raises(ValueError, match="pushover does not bend"),
+    ):
+        read_case(tmp_path / "case.toml")
 
 
 @pytest.mark.parametrize("lines", OF_MEASURES)

@@ -11,6 +11,7 @@ from commands import refused
 import stochlin as sl
 from stochlin.models.arguments import OneOf, checked
 from stochlin.removed import REMOVED
+from stochlin.views.command import NAMED
 
 pytestmark = pytest.mark.invariant
 
@@ -75,6 +76,8 @@ def test_command_line_and_case_files_say_what_to_use_instead(tmp_path: Path) -> 
     pair = ("--period-1", "1s", "--period-2", "2s", "--hardening", 0.1, "--reduction-factor", 4)
     chosen = refused("rho", *pair, "--closure", "gone")
     assert "--closure 'gone' is not available for Bilinear; it was removed: the gap says it" in chosen
+    written = "; was 'gone' = 'gone'?"
+    assert NAMED.findall(written) == ["gone"]  # not the value, which the key may know
     case = tmp_path / "case.toml"
     case.write_text(example_case().replace("[site]", "[site]\ngone = 1"), encoding="utf-8")
     assert "site.gone = 1 is not a key that is known here; it was removed: the gap says it" in refused(

@@ -295,7 +295,7 @@ REFUSALS = [
     (r"dt = 0\.01 contradicts the time, .* 0\.02 s", HOURS, {**TIMED, "dt": 0.01}),
     ("record has 15 samples; allowed: at least 16", lines(WAVE[:15]), PLAIN),
     (
-        "2 'vel .cm/s.': a velocity; allowed: a column of an acceleration, or skip=1 without titles",
+        "2 'vel .cm/s.': a velocity; allowed: a column of an acceleration$",
         "t,vel [cm/s]\n" + lines(TIMES, WAVE, separator=","),
         TIMED,
     ),
@@ -304,7 +304,7 @@ REFUSALS = [
     (r"1 \(0, 0.02, .*\), which rises by equal steps, as a time", HOURS, {**PLAIN, "column": 1}),
     ("decimal commas, as '0,012'; allowed: points", "0,012\n-0,034\n" * 20, PLAIN),
     (
-        "'0.0' is not an acceleration; allowed: a number, with ',' before its decimals",
+        "'0.0' is not an acceleration; allowed: a number, with ',' before its decimals, as '0,",
         COMMAS.replace(";0,0;", ";0.0;"),
         {**TIMED, "column": 2},
     ),
@@ -392,13 +392,18 @@ def test_strong_part_of_a_decaying_signal():
         (np.ones(50), TypeError, "record is a ndarray; allowed: an xarray.DataArray"),
         (xr.DataArray(np.ones(50), dims="time"), ValueError, "allowed: time with its coordinate"),
         (motion(WAVE) * 1j, TypeError, "complex128 over float64; allowed"),
-        (motion(WAVE, units="g"), ValueError, r"record has units 'g'; allowed: m/s\^2"),
+        (motion(WAVE, units="g"), ValueError, r"units 'g'; allowed: m/s\^2, so convert its v"),
         (motion([1.0] * 20 + [np.nan]), ValueError, r"record is nan at 0\.4 s"),
         (motion(WAVE).isel(time=slice(None, None, -1)), ValueError, "time does not increase"),
         (motion(WAVE).drop_isel(time=20), ValueError, "time is uneven"),
         ([], ValueError, "record is empty"),
         ([motion(WAVE), np.ones(3)], TypeError, "record 2: record is a ndarray"),
         ({"a": motion(WAVE)[:5]}, ValueError, "record a: record has 5 samples"),
+        (
+            motion(WAVE).assign_coords(time=np.arange(WAVE.size).astype("datetime64[ms]")),
+            TypeError,
+            r"datetime64.*; allowed: numbers; write \(time - time\[0\]\) / np.timedelta64\(1, 's'\)",
+        ),
     ],
 )
 def test_what_is_not_a_record(record, error, message):

@@ -6,6 +6,7 @@ import re
 import numpy as np
 import pytest
 import xarray as xr
+from motions import motion, write_at2
 
 import stochlin as sl
 from stochlin.applications.sites.design_spectra import reduced_eurocode_8
@@ -177,7 +178,12 @@ def test_a_spectrum_of_six_points_is_read_as_its_code_says(tmp_path, between, at
         ),
         (lambda s: s.assign_attrs(damping=5), ValueError, "damping 5; allowed: 0 < damping < 1"),
         (lambda s: s[::-1], ValueError, "allowed: increasing periods"),
-        (lambda s: s.where(s.period != 1.0), ValueError, "at 1 s is nan; allowed: positive"),
+        (lambda s: s.where(s.period != 1.0), ValueError, "at 1 s is nan; allowed: positive$"),
+        (
+            lambda s: s.copy(data=s.period.values).assign_coords(period=s.values),
+            ValueError,
+            "or are the columns of periods and ordinates exchanged",
+        ),
         (lambda s: s.sel(period=slice(0.2, 0.5)), ValueError, "half a decade"),
     ],
 )
@@ -185,6 +191,13 @@ def test_an_array_that_is_no_spectrum_is_refused(change, error, message):
     spectrum = sl.eurocode_8(2.0, "B")
     with pytest.raises(error, match=message):
         sl.fit_ground(change(spectrum), duration=20.0)
+
+
+def test_a_record_in_place_of_a_spectrum_is_named(tmp_path):
+    """Its header and its rows are no columns, which would be asked for one by one."""
+    write_at2(motion(np.sin(np.arange(64.0))), tmp_path / "site.csv")
+    with pytest.raises(ValueError, match=r"^site\.csv is a record, an AT2 file; allowed: a spectrum"):
+        sl.read_spectrum(tmp_path / "site.csv", elastic=True)
 
 
 PERIODS = [0, 0.01, 0.02, 0.03, 0.05, 0.075, 0.1, 0.15, 0.2, 0.3, 0.5, 0.75, 1, 1.5, 2, 3, 4, 5, 7.5, 10]

@@ -149,7 +149,10 @@ class Text(NamedTuple):
 
     def _ways_out(self) -> str:
         """What else may be given for a table in which no column is known."""
-        return f", or skip={self.head.titles} without titles" if self.head.titles else self._or_wrapped()
+        if not self.head.titles:
+            return self._or_wrapped()
+        known = not any(column.is_unknown() for column in columns_of(self.head))  # titles, not remarks
+        return "" if known else f", or skip={self.head.titles} without titles"
 
     def _time(self, table: Table, column: object, by_caller: ColumnName | None) -> ColumnName | None:
         """The column of times that is asked for, or of unknown ones that at equal steps."""

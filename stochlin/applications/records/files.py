@@ -80,6 +80,12 @@ def chosen(channels: Sequence[Series], component: ColumnName | None, name: str) 
     return channels[fitting[0]]
 
 
+def format_stated(path: str | os.PathLike[str]) -> str:
+    """The format of records whose header a text has; empty for other texts."""
+    head = _head(read_text(input_path("path", path)).splitlines())
+    return next((of.title for of in FORMATS.values() if of.header.search(head)), "")
+
+
 def letters(text: object) -> str:
     """Letters and digits of a name, in capitals."""
     return re.sub(r"\W|_", "", str(text)).upper()

@@ -254,9 +254,11 @@ def checked_array(array: xr.DataArray, role: str, dim: str) -> tuple[Array, Arra
         raise ValueError(f"{role} has no attribute units; allowed: m/s^2, stated by {cure}")
     units = array.attrs["units"]
     if size_of(str(units), "m/s^2") != 1:
-        raise ValueError(f"{role} has units {brief(units)}; allowed: m/s^2, stated in its attributes")
+        cure = "so convert its values, and state it there"
+        raise ValueError(f"{role} has the attribute units {brief(units)}; allowed: m/s^2, {cure}")
     if not {array.dtype.kind, array[dim].dtype.kind} <= set("iuf"):
-        raise TypeError(f"{role} is {array.dtype} over {array[dim].dtype}; allowed: numbers")
+        cure = f"; write ({dim} - {dim}[0]) / np.timedelta64(1, 's')" * (array[dim].dtype.kind in "mM")
+        raise TypeError(f"{role} is {array.dtype} over {array[dim].dtype}; allowed: numbers{cure}")
     return array[dim].to_numpy().astype(float), array.to_numpy().astype(float)
 
 

@@ -81,8 +81,20 @@ class Sheet(NamedTuple):
             article = "an" if what[0] in "aeiou" else "a"
             what = f"{brief(text)} is not {article} {what}" if text else f"the {what} is missing"
             what += f"; allowed: a number, with {signs} before its decimals"
-            raise self.error(line, column, what)
+            raise self.error(line, column, what + self._where_from(text))
         return values.reshape(texts.shape)
+
+    def _where_from(self, text: str) -> str:
+        """Where the sheet has the decimal comma because of which a text with a point is no number."""
+        if self.decimal != "," or number_in(text, ".") is None:
+            return ""
+        found = self.cells.apply(lambda cells: cells.str.fullmatch(r"[-+]?\d*,\d+")).stack()
+        if not found.any():
+            return ""
+        line, column = found.idxmax()
+        cell = self.cells.at[line, column]
+        whole = cell.replace(",", "")
+        return f", as {brief(cell)} in line {line} has it, which is {whole} if ',' is between thousands"
 
     def check_width(self, lines: Sequence[int], width: int) -> None:
         """Raise a ValueError for cells beyond the columns, such as the rest of 190,000."""

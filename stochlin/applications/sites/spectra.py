@@ -100,13 +100,18 @@ def check_ordinates(period: Array, values: Array, places: list[str]) -> None:
     """Raise a ValueError unless these are a spectrum; ``places`` name the points."""
     if period.size < FEWEST:
         raise ValueError(f"spectrum has {period.size} points; allowed: {FEWEST} or more")
+    periods_rise, ordinates_rise = (bool((np.diff(each) > 0).all()) for each in (period, values))
+    exchanged = ordinates_rise and not periods_rise
+    cure = ", or are the columns of periods and ordinates exchanged?" * exchanged
     for place, last, t, sa in zip(places, [-1.0, *period[:-1]], period, values, strict=True):
         if not (np.isfinite(t) and t >= 0):
             raise ValueError(f"{place}: the period is {t:g} s; allowed: 0 or more, finite")
         if not (np.isfinite(sa) and sa > 0):
-            raise ValueError(f"{place}: the acceleration at {t:g} s is {sa:g}; allowed: positive")
+            what = f"{place}: the acceleration at {t:g} s is {sa:g}"
+            raise ValueError(f"{what}; allowed: positive{cure}")
         if t <= last:
-            raise ValueError(f"{place}: {t:g} s follows {last:g} s; allowed: increasing periods")
+            what = f"{place}: {t:g} s follows {last:g} s"
+            raise ValueError(f"{what}; allowed: increasing periods{cure}")
 
 
 @checked

@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stochlin.applications.records.components import titled_as_vertical
+from stochlin.applications.records.files import format_stated
 from stochlin.applications.sheets.columns import (
     Choice,
     Column,
@@ -43,7 +44,7 @@ from stochlin.applications.sites.hazard_formats.tables import line_of_site, tabl
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief, listed, plain, refuse
 from stochlin.models.units import stated_size
-from stochlin.solver.tables.file_kinds import JSON
+from stochlin.solver.tables.file_kinds import JSON, WORKBOOK
 from stochlin.solver.tables.inputs import read_input, read_text
 
 ABSCISSAE = (PERIOD, FREQUENCY, ANGULAR)
@@ -83,6 +84,9 @@ def points_in(path: Path, request: AskedSpectrum) -> Points:
     if JSON.fits(read_input(path)):
         return _of_usgs(path, request)
     sheets = sheets_of(path)
+    if of_record := "" if WORKBOOK.fits(read_input(path)) else format_stated(path):
+        what = f"{plain(path.name)} is a record, {of_record}"
+        raise ValueError(f"{what}; allowed: a spectrum, such as response_spectrum of a record")
     of_sites = table_of_sites(sheets)
     if of_sites is not None and any(map(_measure, of_sites.title_cells)):
         return _at_site(of_sites, request)

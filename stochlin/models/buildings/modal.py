@@ -412,7 +412,7 @@ class ModalBuilding(MultistoreyBuilding):
         if shared.max() > ORTHOGONAL:
             i, j = np.sort(np.unravel_index(np.argmax(shared), shared.shape)) + 1
             what = f"{name}shapes of modes {i} and {j} are not orthogonal: {shared.max():.2g} is shared"
-            order = "are the floors in order, from the ground up, in a row for each mode"
+            order = "are masses right, and floors in order, from the ground up, in a row for each mode"
             cure = f"{order}, or are participation and modal_masses missing?"
             raise ValueError(f"{what}; allowed: up to {ORTHOGONAL:g}; {cure}")
 

@@ -45,6 +45,9 @@ class ModesOfFile(NamedTuple):
     turning: Sequence[int] = ()
 
 
+OF_FREQUENCY = "write 1/f of frequencies, and 2 pi/omega of angular ones"
+
+
 def check_moving(modes: Sequence[int], moved: Array, where: str, most: float = 0.0) -> None:
     """Raise a ValueError for modes whose displacements are nothing beside the largest ones."""
     sizes = np.abs(moved)
@@ -56,4 +59,5 @@ def check_moving(modes: Sequence[int], moved: Array, where: str, most: float = 0
 def check_seconds(unit: str, where: str) -> None:
     """Raise a ValueError for periods in another unit, if a file states it."""
     if size_of(unit or "s", "s") != 1:
-        raise ValueError(f"{where}: periods are in {brief(unit)}; allowed: s")
+        cure = "convert them" if size_of(unit, "s") else OF_FREQUENCY
+        raise ValueError(f"{where}: periods are in {brief(unit)}; allowed: s, so {cure}")

@@ -10,6 +10,7 @@ import pandas as pd
 
 from stochlin.applications.buildings.mode_files import (
     MODE_NUMBERS,
+    OF_FREQUENCY,
     AskedModes,
     ModesOfFile,
     check_moving,
@@ -101,6 +102,8 @@ def _lines(sheet: Sheet, names: pd.Series) -> dict[str, int]:
     for line, name in names.items():
         if name not in KNOWN or name in lines:
             what = "is there twice" if name in lines else f"is not known; allowed: {', '.join(KNOWN)}"
+            if name not in KNOWN and name.startswith(("freq", "omega", "circ", "ang")):
+                what += f"; in 'period [s]' {OF_FREQUENCY}"
             raise sheet.error(line, 0, f"{brief(sheet.cells.at[line, 0])} {what}")
         lines[name] = line
     if (FACTOR in lines) != (MODAL_MASS in lines):

@@ -9,6 +9,7 @@ from dataclasses import MISSING, dataclass, field, fields, replace
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
+from scipy.constants import g
 
 from stochlin.applications.sheets.columns import COUNTED
 from stochlin.messages import brief, hint
@@ -29,8 +30,11 @@ _THOUSANDS = re.compile(
     r"(?:[.,](\d+))?(\s*(?:[^\d.,'\u2019].*)?)",
     re.DOTALL,
 )
+_HYPHEN = re.compile(r"[-\u2013]\s*(\d.*)", re.DOTALL)  # between two ends, before the second
+_FRACTION = re.compile(r"(\d{1,4})/(\d{1,4})\s*([A-Za-z]+)")  # of an inch, after the whole ones
 _DECIMAL_COMMA = re.compile(r"\s*([-+]?)(\d*),(\d+)(\s*(?:[^\d.,'\u2019].*)?)", re.DOTALL)
 UNCERTAIN = re.compile(r"\+-|\+/-|±|\bto\b")
+SHORT = 40  # characters of a number that messages repeat
 OF_POWER = "N/m^", "N (s/m)^"  # units of nonlinear springs and dashpots, with any exponent
 
 
@@ -81,8 +85,11 @@ class Quantity:
             if alone and unit and not alone[2].strip():  # both have the unit of the second
                 low = f"{low} {unit[2].strip()}"
             return Uncertain.between(self.certain(low), self.certain(high))
-        shown = self.spellings[0]
-        raise ValueError(f'has no valid spread; allowed: "10 {shown} +- 20 %" or "8 to 12 {shown}"')
+        median = UNCERTAIN.split(written, maxsplit=1)[0].strip()
+        known = NUMBER.fullmatch(median) if len(median) < SHORT else None
+        value, its = (float(known[1]), known[2]) if known else (10.0, f" {self.spellings[0]}")
+        ways = f'"{value:g}{its} +- 20 %", or two ends, "{0.8 * value:g} to {1.2 * value:g}{its}"'
+        raise ValueError(f"has no valid spread; allowed: a share of up to 100 %, {ways}")
 
     def certain(self, written: Any) -> float:
         """A number in SI without a spread."""
@@ -110,9 +117,21 @@ class Quantity:
             raise ValueError(f"has no unit; allowed: a text with one of its units, {ways}")
         size = self.size(unit) if unit else 1.0
         if size is None:
+            self._check_written(number, unit)
             what = f"has the unknown unit {brief(unit)}; {likely_unit(unit, self.units)}"
             raise ValueError(f"{what}allowed: {', '.join(self.spellings)}")
         return number * size
+
+    def _check_written(self, number: float, unit: str) -> None:
+        """Raise a ValueError that says how to write what stands in place of a unit, if it is known."""
+        if (other := _HYPHEN.fullmatch(unit)) and self.uncertain:
+            raise ValueError(f'has a hyphen between two ends; write "{number:g} to {other[1].strip()}"')
+        if (part := _FRACTION.fullmatch(unit)) and int(part[2]):
+            decimals = f"{number + int(part[1]) / int(part[2]):.12g} {part[3]}"
+            raise ValueError(f'has a fraction; write "{decimals}"')
+        if self.units == "kg" and (force := size_of(unit, "N")):
+            mass = f"{number * force / g / 1000:.4g} t"
+            raise ValueError(f'is a weight, in {brief(unit)}; write its mass, "{mass}"')
 
 
 def with_points(text: str) -> list[str]:
