@@ -161,6 +161,13 @@ def modes(folder: Path, lowest: float) -> Path:
     return folder / "modes.csv"
 
 
+def mitigated(share: float) -> object:
+    """A dashpot between two buildings by its constant over ``2 m w``, which their gap needs not."""
+    mean = (2 * np.pi / 0.6 + 2 * np.pi / 1.0) / 2
+    link = sl.Link(damping_constant=share * 2 * 5e5 * mean)
+    return sl.mitigate(*PAIR, FIRM, 2.0, 0.8, {"dashpot": sl.Measure(link=link)}, paths=32)
+
+
 # A call with a value in SI, and a folder for files.
 PYTHON: dict[str, Callable[[float, Path], object]] = {
     "period": lambda x, _: sl.Bilinear(x, 0.05),
@@ -190,6 +197,7 @@ PYTHON: dict[str, Callable[[float, Path], object]] = {
         *PAIR, FIRM, WIDE, risk=f"10 % in {x!r} years", **FEW
     ),
     "rarest of a hazard": lambda x, _: sl.HazardCurve([0.5, 1.5], [0.05, 1 / x]),
+    "link over buildings": lambda x, _: mitigated(x),
     "damper over critical": lambda x, _: storey(dampers=x * 2 * np.sqrt(1e5 * stiffness(1e5, 3.0, 2.0))),
     "peak over other samples": lambda x, folder: sl.read_record(lone_peak(folder, x)),
     "end of the plateau": lambda x, folder: sl.read_spectrum(plateau(folder, x), elastic=True),
@@ -486,7 +494,7 @@ FILES: dict[str, Callable[[float, Path], dict[str, str]]] = {
 # contacts are those of `stochlin pound`.
 OF_PYTHON = {
     *("gap of a result", "gaps", "peak", "peak_factor", "penetration", "years"),
-    *("damping_constant", "importance"),
+    *("damping_constant", "importance", "link over buildings"),
 }
 OF_FILES = {"peak over that of the site", "importance_factor", "displacement upwards"}
 FITTED = {

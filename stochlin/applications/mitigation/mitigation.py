@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import warnings
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
@@ -18,7 +19,7 @@ from stochlin.applications.separation.storeys import linearized_at_roof
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.simulation.contacts import reduced_mass
-from stochlin.messages import brief
+from stochlin.messages import ImplausibleInput, brief
 from stochlin.models.arguments import (
     Duration,
     Metres,
@@ -34,6 +35,7 @@ from stochlin.models.grounds import Ground, scatter_of
 from stochlin.models.links import Link
 from stochlin.models.measures import Measure
 from stochlin.models.parameters import expect
+from stochlin.models.plausible import PLAUSIBLE
 from stochlin.models.systems import AnyStructure, Arrangement, arrangement_of, first_mode
 from stochlin.models.uncertain import applied, median_of
 from stochlin.solver.linearization.strength import strength_in_metres
@@ -172,6 +174,8 @@ def mitigate(
             pair.system(measure)
         except ValueError as error:
             raise ValueError(f"measures[{brief(name)}]: {error}") from error
+        for text in pair.doubts(measure):
+            warnings.warn(f"mitigate: measures[{brief(name)}]: {text}", ImplausibleInput, stacklevel=3)
         rows.append(partial(pair.row, name, GIVEN, measure))
     rows += [partial(pair.least, *search) for search in pair.searches()]
     tables = []
@@ -296,8 +300,8 @@ class MitigatedPair:
             tried = DAMPINGS[present + DAMPINGS < 1]
             searched = f"added damping up to {100 * tried[-1]:.3g} % of critical"
             listed.append((f"least damping, {side}", partial(_damping, shares), tried, searched))
-        if (scale := self._dashpot_scale()) is not None:
-            tried = scale * CONSTANTS
+        if (scales := self._scales_of_links()) is not None:
+            tried = scales[0] * CONSTANTS
             searched = f"a damping constant up to {1e-6 * tried[-1]:.3g} MN s/m"
             listed.append(("least dashpot between", _dashpot, tried, searched))
         return listed
@@ -316,8 +320,19 @@ class MitigatedPair:
             return self.row(name, LEAST, build(value))
         return self.row(name, LEAST, None, f"{searched} was searched, and none is enough")
 
-    def _dashpot_scale(self) -> float | None:
-        """``2 m w`` [N s/m], with the reduced mass and the mean circular frequency of the first modes.
+    def doubts(self, measure: Measure) -> Iterator[str]:
+        """Texts on links that are too weak beside the buildings to change anything."""
+        if not measure.links or (scales := self._scales_of_links()) is None:
+            return
+        for link in measure.links:
+            post, couple, _, constant, exponent = link.numbers
+            linear = constant / scales[0] if exponent == 1 else (np.inf if constant else 0.0)
+            share = 0.0 if link.within_one else max(linear, (post + couple) / scales[1])
+            if text := PLAUSIBLE["link over buildings"].doubt(share):
+                yield f"a link has {share:.2g} of 2 m w, or of m w^2, of the buildings; {text}"
+
+    def _scales_of_links(self) -> tuple[float, float] | None:
+        """``2 m w`` [N s/m] and ``m w^2`` [N/m], by the reduced mass and the mean of the first modes.
 
         None if a structure has no mass or no floors are at the same level.
         """
@@ -327,7 +342,8 @@ class MitigatedPair:
             return None
         modes = [first_mode(structure).arrays() for structure in self.known(Measure())]
         mass = float(reduced_mass(*(float(mode["mass"]) for mode in modes)))
-        return 2 * mass * float(np.mean([2 * np.pi / float(mode["period"]) for mode in modes]))
+        frequency = float(np.mean([2 * np.pi / float(mode["period"]) for mode in modes]))
+        return 2 * mass * frequency, mass * frequency**2
 
 
 def _damped(structure: Any, added: float, number: int) -> Any:
