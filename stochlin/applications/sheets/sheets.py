@@ -88,10 +88,10 @@ class Sheet(NamedTuple):
         """Where the sheet has the decimal comma because of which a text with a point is no number."""
         if self.decimal != "," or number_in(text, ".") is None:
             return ""
-        found = self.cells.apply(lambda cells: cells.str.fullmatch(r"[-+]?\d*,\d+")).stack()
-        if not found.any():
+        commas = self.cells.apply(lambda cells: cells.str.fullmatch(r"[-+]?\d*,\d+")).stack()
+        if not commas.any():
             return ""
-        line, column = found.idxmax()
+        line, column = commas.idxmax()
         cell = self.cells.at[line, column]
         whole = cell.replace(",", "")
         return f", as {brief(cell)} in line {line} has it, which is {whole} if ',' is between thousands"
