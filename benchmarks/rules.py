@@ -24,13 +24,14 @@ FACTORS = (2, 4, 6)
 SIMULATED = "eq_3_simulated"
 # Rules of `separation`, and eq. (3) with the simulated correlation, as the table names them.
 RULES = {
+    "first_passage_drift": "none: first passage by the drift closure in time",
     "eq_3_elastic": "elastic, eq. (4)",
     "eq_3_secant": "secant",
     "eq_3_penzien_1997": "secant at 0.65 of the ductility (Penzien 1997)",
     "eq_3_iwan_1980": "Iwan 1980",
     "eq_3_fema_440": "FEMA-440",
     "eq_3_linearized": "linearization",
-    "eq_3_drift": "the drift closure",
+    "eq_3_drift": "the drift closure in time",
     "srss": "0 (SRSS)",
     "share_of_sum": "-1 (sum)",
     SIMULATED: "simulation",

@@ -50,6 +50,7 @@ from .solver.simulation.finite_motions import exceedance as exceedance
 
 # The gap
 from .applications.separation.separation import separation as separation
+from .applications.separation.passage_gap import passage_gap as passage_gap
 from .applications.separation.critical_gap import critical_gap as critical_gap
 from .applications.separation.existing_gap import existing_gap as existing_gap
 from .applications.separation.energy_gap import energy_gap as energy_gap

@@ -11,12 +11,14 @@ import runpy
 import string
 import tempfile
 import tomllib
+import warnings
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 from unittest.mock import patch
 
 import elastic_pairs
+import finite_drift
 import matplotlib as mpl
 import numpy as np
 import rules
@@ -234,6 +236,38 @@ def two_peaks() -> dict[str, Any]:
         lines.append(rows([cells]))
     uncertain = 100 * pairs[two_peaked.STANDARD_ERROR].max()
     return {"lines": lines, "size": pairs.sizes["case"], "uncertain": uncertain}
+
+
+def finite() -> dict[str, Any]:
+    """Gaps of motions of finite length without simulation, against simulated ones: errors in %."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", sl.ImplausibleInput)  # envelopes of short motions
+        pairs = xr.load_dataset(finite_drift.PAIRS, engine="scipy")
+        table = finite_drift.errors(pairs)
+        without = finite_drift.ablation(pairs)
+    kinds = {family: pairs.family == family for family in finite_drift.FAMILIES}
+    kinds |= {"`caution` 0": table.caution == 0, "`caution` 1": table.caution == 1}
+    lines = [
+        [kind, int(here.sum()), *map(finite_drift.in_words, table.error[here.values].values.T)]
+        for kind, here in kinds.items()
+    ]
+    narrow = pairs.ground.isin(list(finite_drift.NARROW)).values
+    parts = [
+        [part, finite_drift.in_words(error[~narrow]), finite_drift.in_words(error[narrow])]
+        for part, error in without.items()
+    ]
+    error = 100 * table.error[:, finite_drift.MIDDLE]
+    usual, unsafe = error[table.caution == 0], table.caution[error < -15]
+    return {
+        "table": rows(lines),
+        "parts": rows(parts),
+        "size": pairs.sizes["case"],
+        "mean": float(usual.mean()),
+        "usual": usual.size,
+        "most": float(np.percentile(abs(usual), 95)),
+        "worst": float(usual.min()),
+        "recall": f"{int((unsafe == 1).sum())} of {unsafe.size}",
+    }
 
 
 def _parts(table: xr.Dataset) -> Iterator[xr.Dataset]:

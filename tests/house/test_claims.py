@@ -18,6 +18,7 @@ LONG = {
     "calculator",
     "hard_cautions",
     "example",
+    "finite",
 }
 SOURCES = {source for sources in claims.CLAIMS.values() for source in sources} - {ELSEWHERE}
 PAGES = [file for file, sources in claims.CLAIMS.items() if ASSUMED in sources]

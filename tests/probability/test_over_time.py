@@ -132,7 +132,7 @@ def test_equal_structures_never_pound():
 def test_linearization_of_a_yielding_pair_is_unsafe():
     pair = [sl.Bilinear(T, 0.05, 0.05, reduction_factor=4) for T in (0.6, 1.0)]
     gaps = xr.DataArray([0.04, 0.06, 0.08, 0.1, 0.12], dims="gap")
-    last = probability(*pair, BROAD, gaps, paths=2048).isel(time=-1)
+    last = probability(*pair, BROAD, gaps, closure="gaussian", paths=2048).isel(time=-1)
     error = last.confidence_of_no_pounding - last.confidence_of_no_pounding_simulated
     assert float(error.max()) > 0.2 - 0.044  # four standard errors of a share of 2048, at most
     assert float(last.required_gap) < 0.85 * float(last.required_gap_simulated)
@@ -157,7 +157,8 @@ def test_a_fragility_falls_with_the_gap_and_grows_with_the_intensity():
     assert (chance.diff("gap") <= 0).all()
     assert (chance.diff("intensity") >= 0).all()
     alone = probability(*pair, BROAD, float(gaps[3]), points=11, **quake).confidence_of_no_pounding[-1]
-    assert float(chance[1, 3]) == pytest.approx(1 - float(alone), abs=1e-6)
+    # The drift closure is interpolated between levels, which differ for one intensity and three.
+    assert float(chance[1, 3]) == pytest.approx(1 - float(alone), abs=1e-4)
 
 
 def test_lognormal_fragility_of_elastic_structures_is_that_of_their_separations():

@@ -41,7 +41,7 @@ def test_buildings_of_one_storey_get_the_answer_of_oscillators():
     heights = {"height_1": 3.2, "height_2": 3.2, "storeys_1": 1, "storeys_2": 1}
     plain = sl.separation(one.oscillator(), two.oscillator(), FIRM, codes=heights, **FEW)
     assert storeys.height.values.tolist() == [3.2]
-    other = ("eq_3_drift", "eq_3_paper")
+    other = ("first_passage_drift", "eq_3_drift", "eq_3_paper")
     known = [name for name in plain.rule.values if name not in other]
     for name in ("gap", "no_pounding_probability", "rho"):
         np.testing.assert_allclose(

@@ -34,6 +34,7 @@ OF_NUMBERS = {
     "code rule": lambda peak: sl.rules.code_rule("asce_7").gap(peak, 0.1),
 }
 OF_TABLES = {
+    "passage_gap": lambda gap: sl.passage_gap(ONE, TWO, FIRM, 10.0, gap=gap),
     "exceedance": lambda gap: sl.exceedance(SAMPLES, gap),
     "pounding_estimate": lambda gap: sl.pounding_estimate(
         ONE, TWO, gap, sl.Stereomechanical(0.65), 0.1, 0.1

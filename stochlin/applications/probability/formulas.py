@@ -17,37 +17,27 @@ from stochlin.kernels.linearization.systems.substitution import Linear, response
 from stochlin.kernels.linearization.transient import TransientMoments
 from stochlin.kernels.probability import accumulated, exceeding, hazards
 from stochlin.models.parameters import Parameter
-from stochlin.models.structures import Gap
+from stochlin.models.structures import DRIFT, Gap
 from stochlin.models.systems import Arrangement, first_period
 from stochlin.models.uncertain import median_of
+from stochlin.solver.correlation.levels import PairsInMotion, pairs_in_motion
+from stochlin.solver.linearization.equivalent_systems import Oscillators
+from stochlin.solver.linearization.levels import INSTANTS, Course, strengths
 from stochlin.solver.linearization.strength import strength_in_metres
 from stochlin.solver.linearization.systems.state_space import models_of, problem_of
 from stochlin.solver.linearization.transient_systems import TIME, TimeGrid, solve_course
 from stochlin.solver.simulation.structures_in_motion import PATH, at_height, meeting_heights
 from stochlin.solver.tables import labels
+from stochlin.solver.tables.cells import flat
 from stochlin.solver.tables.lazy import check_names
 
 HEIGHT = "height"
 EQUAL = 1e-6  # relative variance of the difference below which it is an error of the integration
 WIDEST, NARROWEST = 14.0, 1e-3  # bounds of a gap in a search, over the largest standard deviation
 CLOSE = 1e-5  # relative tolerance of the search
-INSTANTS = 13  # instants at which the bandwidth of yielding structures is computed
+STDS = "displacement_std_1", "displacement_std_2", "difference_std"
+BANDWIDTHS = 13  # instants at which the bandwidth of yielding structures is computed
 MOTION = "motion"  # dimension of the motions, which the results do not have
-# Range [standard deviations], step of the logarithm, and least number of steps on each side, of the
-# strengths of motions with a scatter. The peaks scatter by a logarithmic standard deviation of 0.15 or
-# more for one strength, so that probabilities are smooth in the strength; the error of the mean is
-# about 0.001.
-REACH, STEP, FEWEST = 3.2, 0.25, 4
-
-
-def strengths(scatter: float) -> tuple[Array, Array]:
-    """Factors on the motion, over which formulas are averaged, and their weights with the sum 1."""
-    if not scatter:
-        return np.ones(1), np.ones(1)
-    each = max(FEWEST, int(np.ceil(REACH * scatter / STEP)))
-    normal = np.linspace(-REACH, REACH, 2 * each + 1)
-    weights = np.exp(-0.5 * normal**2)
-    return np.exp(scatter * normal), weights / weights.sum()
 
 
 class Chances(NamedTuple):
@@ -56,6 +46,14 @@ class Chances(NamedTuple):
     now: Array  # probability that u_1 - u_2 exceeds the gap at the instant
     vanmarcke: Array  # confidence of no pounding until the instant, for crossings in clumps
     poisson: Array  # confidence of no pounding until the instant, for independent crossings
+
+
+class Variances(NamedTuple):
+    """Of both displacements and of ``u_1 - u_2`` [m^2], over (instants of the result, h)."""
+
+    u_1: Array
+    u_2: Array
+    d_d: Array
 
 
 class PairMoments(NamedTuple):
@@ -96,7 +94,7 @@ def _bandwidths(moments: TransientMoments, problem: Springs, rows: Array, times:
     instant, since their spectrum develops within a few periods.
     """
     elastic = not moments.relaxation.any() and not moments.slip.any()
-    chosen = np.unique(np.linspace(0, times.size - 1, 1 if elastic else INSTANTS).astype(int))
+    chosen = np.unique(np.linspace(0, times.size - 1, 1 if elastic else BANDWIDTHS).astype(int))
     table = []
     for instant in chosen:
         linear = Linear(moments.slip[instant], moments.relaxation[instant], problem.dashpots)
@@ -111,16 +109,19 @@ def _bandwidths(moments: TransientMoments, problem: Springs, rows: Array, times:
 
 
 class RelativeMotion(NamedTuple):
-    """The moments of a pair in motions of k strengths, over whose ``weights`` results are averaged."""
+    """The moments of a pair in motions of k strengths, over whose ``weights`` results are averaged.
+
+    `DriftingMotion` has the same methods.
+    """
 
     moments: PairMoments  # (times, k, h)
     course: TimeGrid
     weights: Array  # (k,), with the sum 1
 
-    def mean(self, values: Array) -> Array:
-        """Mean (instants of the result, h) of moments (times, k, h) over the strengths."""
-        mean: Array = np.einsum("k,tkh->th", self.weights, values[self.course.shown])
-        return mean
+    def variances(self) -> Variances:
+        """Means over the strengths."""
+        of_instants = (values[self.course.shown] for values in self.moments[:3])
+        return Variances(*(np.einsum("k,tkh->th", self.weights, values) for values in of_instants))
 
     def chances(self, gap: Array, height: Array) -> Chances:
         """Probabilities (instants of the result, c) of exceeding gaps, and of no pounding.
@@ -166,6 +167,65 @@ class RelativeMotion(NamedTuple):
         return required
 
 
+class DriftingMotion(NamedTuple):
+    """Two oscillators by the drift closure, in motions of k strengths."""
+
+    motions: PairsInMotion
+    shown: Array  # indices of the instants of the result
+
+    def variances(self) -> Variances:
+        """Means over the strengths."""
+        first, second, apart = self.motions.first, self.motions.second, self.motions.difference
+        assert second is not None
+        of_strengths = (
+            self.motions.means(each)[self.shown] for each in (first.variance, second.variance, apart)
+        )
+        return Variances(*of_strengths)
+
+    def drifts(self) -> dict[str, Array]:
+        """Standard deviations of the slow parts of the displacements and of ``u_1 - u_2`` [m]."""
+        first, second, moves = self.motions.first, self.motions.second, self.motions.moves
+        assert second is not None
+        slow = first.offset, second.offset, moves.offset**2
+        names = "drift_std_1", "drift_std_2", "difference_drift_std"
+        rows = (np.sqrt(self.motions.means(each))[self.shown] for each in slow)
+        return dict(zip(names, rows, strict=True))
+
+    def chances(self, gap: Array, height: Array) -> Chances:
+        """Probabilities (instants of the result, c) of exceeding gaps (c,) [m], and of no pounding."""
+        apart = self.motions.difference[self.shown]
+        now = exceeding(gap[:, None], apart[:, None]) @ self.motions.course.weights
+        stays = (
+            self.motions.survival(gap[None], independent=independent)[0].T[self.shown]
+            for independent in (False, True)
+        )
+        return Chances(now, *stays)
+
+    def gap_for(self, confidence: float) -> Array:
+        """Gap (1,) [m] for a confidence of no pounding in the motion."""
+        return self.motions.required_gaps(confidence)
+
+
+def drifting_motions(
+    pair: Sequence[Any], ground: Any, course: TimeGrid, sizes: Array, weights: Array
+) -> list[DriftingMotion]:
+    """Two oscillators by the drift closure, in i motions of k sizes (i, k) with weights (k,)."""
+    each = -(-(INSTANTS - 1) // (course.shown.size - 1))
+    instants = (course.shown.size - 1) * each + 1
+    motions = pairs_in_motion(
+        [Oscillators.of(flat({"structure": structure, "ground": ground})) for structure in pair],
+        ground,
+        Course.of(
+            course.envelope, course.duration, sizes.ravel(), np.tile(weights, len(sizes)), instants
+        ),
+    )
+    if motions.failed.any():
+        raise ArithmeticError("the drift closure has no solution; give less extreme parameters")
+    shown = np.arange(0, instants, each)
+    ranges = (slice(begin, begin + weights.size) for begin in range(0, sizes.size, weights.size))
+    return [DriftingMotion(motions.part(part), shown) for part in ranges]
+
+
 def by_formula(
     structures: Sequence[Any],
     ground: Any,
@@ -174,20 +234,26 @@ def by_formula(
     confidence: float,
     scatter: float,
     progress: Progress | None,
+    closure: str,
     intensities: Array | None = None,
 ) -> list[xr.Dataset]:
-    """Results by linearization, averaged over the scatter.
+    """Results by linearization with this closure, averaged over the scatter.
 
     There is one table for each of the ``intensities`` [m^2/s^3], which are by default that of the
     ground. The motions of all intensities and strengths are solved together.
     """
     ground = median_of(ground)
     pair = [strength_in_metres(median_of(structure), ground) for structure in structures]
+    intensity = float(ground.arrays()["intensity"])
     if intensities is None:
-        intensities = np.array([float(ground.arrays()["intensity"])])
+        intensities = np.array([intensity])
     factors, weights = strengths(scatter)
-    motions = xr.DataArray(np.outer(intensities, factors**2).ravel(), dims=MOTION)
-    ground = replace(ground, intensity=motions)
+    if closure == DRIFT:
+        sizes = np.outer(np.sqrt(intensities / intensity), factors)
+        motions = drifting_motions(pair, ground, course, sizes, weights)
+        return [_table(motion, np.array([np.nan]), distance, confidence) for motion in motions]
+    scaled = xr.DataArray(np.outer(intensities, factors**2).ravel(), dims=MOTION)
+    ground = replace(ground, intensity=scaled)
     system, problem = problem_of(models_of(pair, ground), in_time=True)
     heights = meeting_heights(*system.stacks)
     shortest = min(float(first_period(structure)) for structure in pair)
@@ -198,20 +264,21 @@ def by_formula(
     ]
 
 
-def _table(motion: RelativeMotion, heights: Array, distance: Gap, confidence: float) -> xr.Dataset:
+def _table(
+    motion: RelativeMotion | DriftingMotion, heights: Array, distance: Gap, confidence: float
+) -> xr.Dataset:
     """Results of one motion, over the heights of contact [m] if there are storeys."""
-    count, gaps, moments = heights.size, gaps_in_a_row(distance), motion.moments
+    count, gaps, variances = heights.size, gaps_in_a_row(distance), motion.variances()
     chances = motion.chances(np.tile(gaps, count), np.repeat(np.arange(count), gaps.size))
     table = xr.Dataset()
-    for name, variance in (
-        ("displacement_std_1", moments.u_1),
-        ("displacement_std_2", moments.u_2),
-        ("difference_std", moments.d_d),
-    ):
-        table[name] = (TIME, HEIGHT), np.sqrt(motion.mean(np.maximum(variance, 0)))
+    columns = dict(zip(STDS, (np.sqrt(np.maximum(each, 0)) for each in variances), strict=True))
+    if isinstance(motion, DriftingMotion):
+        columns |= motion.drifts()
+    for name, values in columns.items():
+        table[name] = (TIME, HEIGHT), values
     product = table.displacement_std_1 * table.displacement_std_2
-    shared = 0.5 * (moments.u_1 + moments.u_2 - moments.d_d)  # E[u_1 u_2]
-    table["rho"] = motion.mean(shared) / product.where(product > 0)
+    shared = 0.5 * (variances.u_1 + variances.u_2 - variances.d_d)  # E[u_1 u_2]
+    table["rho"] = shared / product.where(product > 0)
     table["required_gap"] = HEIGHT, motion.gap_for(confidence)
     for name, chance in (
         ("instantaneous_probability", chances.now),

@@ -9,7 +9,12 @@ import numpy as np
 import xarray as xr
 
 from stochlin.applications.probability.formulas import by_formula, checked_gaps
-from stochlin.applications.probability.probability import REFERENCES, PathsIfAny, simulated_columns
+from stochlin.applications.probability.probability import (
+    REFERENCES,
+    PathsIfAny,
+    closure_in_time,
+    simulated_columns,
+)
 from stochlin.applications.risk.rates import (
     FRAGILITY,
     SeparationsByIntensity,
@@ -28,6 +33,7 @@ from stochlin.models.structures import Gap
 from stochlin.models.systems import AnyStructure, first_period
 from stochlin.models.uncertain import as_array, median_of
 from stochlin.solver.linearization.strength import strength_in_metres
+from stochlin.solver.linearization.transient_response import IN_TIME
 from stochlin.solver.linearization.transient_systems import check_course, course_of, over_time
 from stochlin.solver.simulation.finite_motions import pounding_shares
 from stochlin.solver.simulation.simulation import check_repeated
@@ -63,6 +69,7 @@ def pounding_fragility(
     duration: Duration,
     envelope: Envelope | None = None,
     confidence: Probability = 0.9,
+    closure: str | None = None,
     scatter: Scatter | None = None,
     paths: PathsIfAny = 1024,
     seed: Seed = 0,
@@ -83,7 +90,7 @@ def pounding_fragility(
         Gaps [m]; a plain array gets the dimension ``gap``.
     intensity : float or sequence of float
         Intensities ``S0`` [m^2/s^3], positive and increasing.
-    duration, envelope, confidence, scatter, paths, seed, progress
+    duration, envelope, confidence, closure, scatter, paths, seed, progress
         As in `pounding_probability`.
 
     Returns
@@ -146,11 +153,12 @@ def pounding_fragility(
     if paths:
         check_repeated(pair, ground, seconds, paths, levels.size)
     course = course_of(envelope, seconds, min(float(first_period(each)) for each in pair), POINTS)
+    taken = closure_in_time(closure, pair)
     along = labels.axis(INTENSITY, "intensity S0", levels, "m^2/s^3")
-    table, comment = xr.Dataset(coords={INTENSITY: along}), labels.CAUTION_SIGMA
+    table, comment = xr.Dataset(coords={INTENSITY: along}), IN_TIME[taken]
     try:
         part = part_of(progress, 0.0, OF_FORMULA if paths else 1.0)
-        formulas = by_formula(pair, ground, distance, course, confidence, scatter, part, levels)
+        formulas = by_formula(pair, ground, distance, course, confidence, scatter, part, taken, levels)
         last = xr.concat(formulas, along).isel(time=-1, drop=True)
         for ending in ("", "_poisson"):
             missed = 1 - last[f"confidence_of_no_pounding{ending}"]

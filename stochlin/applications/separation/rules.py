@@ -31,15 +31,17 @@ from stochlin.models.rules.effective_properties import (
     effective_rule_names,
 )
 from stochlin.models.rules.peak_factors import PEAK_FACTORS, peak_factor_model
-from stochlin.models.structures import DRIFT, Structure
+from stochlin.models.structures import Structure
 from stochlin.models.systems import Arrangement, arrangement_of, first_mode
-from stochlin.solver.correlation.correlation import correlate
 from stochlin.solver.correlation.equation_4 import rho_effective
-from stochlin.solver.linearization.equivalent_systems import Solved, solved_together
+from stochlin.solver.correlation.levels import PairsInMotion, pairs_in_motion
+from stochlin.solver.linearization.equivalent_systems import Oscillators, Solved, solved_together
+from stochlin.solver.linearization.levels import Course, why_no_drift
 from stochlin.solver.linearization.peaks import peak_table, response_moments
 from stochlin.solver.linearization.strength import solved_reduction_factor
 from stochlin.solver.linearization.systems.systems import linearized_motion
 from stochlin.solver.simulation.finite_motions import mean_with_error, pair_peaks, quantiles_of
+from stochlin.solver.tables.cells import flat
 
 EQ_3 = "eq. (3) with the peaks of both structures"
 COMBINES = "needs a second building: eq. (3) combines the peaks of two"
@@ -70,6 +72,7 @@ class PairInMotion:
     motions: xr.Dataset
     confidence: float
     strong_seconds: float  # [s], duration of the stationary motion with equal energy
+    course: Course  # of the motions, in sizes that scatter
     site: Site  # what else the rules of codes ask
 
     @property
@@ -148,15 +151,24 @@ class PairInMotion:
         """Correlation by linearization [-], (heights,); an error if there is no solution."""
         return correlation_of(self.linearized, *self.of_coordinates)
 
+    @cached_property
+    def in_time(self) -> PairsInMotion:
+        """The structures in these motions by the drift closure; an error if there is none."""
+        if missing := why_no_drift(self.structures):
+            raise ValueError(missing)
+        cells = [flat({"structure": each, "ground": self.ground}) for each in self.structures]
+        pairs = pairs_in_motion([Oscillators.of(each) for each in cells], self.ground, self.course)
+        if pairs.failed.any():
+            raise ArithmeticError("the drift closure has no solution")
+        return pairs
+
     def drift_rho(self) -> Array:
-        """Correlation of oscillators by the drift closure [-], (1,); a ValueError if there is none."""
-        if self.has_storeys:
-            raise ValueError("the drift closure is only available for oscillators")
-        lacking = {type(s).__name__ for s in self.structures if DRIFT not in s.closure_names()}
-        if lacking:
-            raise ValueError(f"no {DRIFT} closure for {', '.join(sorted(lacking))}")
-        first, second = self.structures
-        return np.atleast_1d(correlate(first, second, self.ground, closure=DRIFT, bias=False).rho)
+        """Correlation by the drift closure [-], (1,), while the shaking is strong."""
+        return self.in_time.strong_rho()
+
+    def passage_gaps(self) -> Array:
+        """Gap by the drift closure in time [m], (1,)."""
+        return self.in_time.required_gaps(self.confidence)
 
     def amplified_peaks(self) -> Array:
         """Quantile of the elastic peak ``|u|`` times ``D`` of linearization [m], as `peaks`.
@@ -280,8 +292,11 @@ def _formulas(pair: PairInMotion) -> Iterator[tuple[Rule, Callable[[], Gaps]]]:
         rule = Rule(f"eq_3_{name}", EQUATION_3, reference=source, mark=mark, assumptions=about)
         return rule, lambda: _equation_3(pair.peaks, rho())
 
+    in_time = "first passage with plastic drift in time; nothing simulated"
+    passage = Rule("first_passage_drift", "first_passage", mark="C", assumptions=in_time)
+    yield passage, lambda: (pair.passage_gaps(), None)
     yield eq_3("linearized", "rho of linearization", pair.linearized_rho, "C")
-    yield eq_3("drift", "rho of linearization with plastic drift", pair.drift_rho, "C")
+    yield eq_3("drift", "rho with plastic drift in time", pair.drift_rho, "C")
     scatter = pair.motions.attrs.get("scatter", 0.0)
     without = f", without the scatter of {scatter:g} between motions" if scatter else ""
     unsimulated = f"stationary for {pair.strong_seconds:.3g} s, Gaussian; nothing simulated{without}"

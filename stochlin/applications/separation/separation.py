@@ -33,6 +33,7 @@ from stochlin.models.grounds import Ground, scatter_of
 from stochlin.models.rules.codes import BOTH, Site
 from stochlin.models.systems import AnyStructure, first_period
 from stochlin.models.uncertain import median_of
+from stochlin.solver.linearization.levels import Course, strengths
 from stochlin.solver.linearization.strength import strength_in_metres
 from stochlin.solver.simulation.finite_motions import (
     enough_motions,
@@ -71,8 +72,8 @@ ASKED = (*BOTH, "height_1", "height_2", "storeys_1", "storeys_2", "zone", "desig
 BEFORE_RECORDS = 0.8  # share of the work before the records, if there are any
 MOTION = ("paths", "seed", "step_s", "duration_s", "envelope")
 TEXTS: Mapping[str, str] = {
-    "kind": "simulation, eq. (3) with a correlation, response spectrum analysis, linearization, or "
-    "building code",
+    "kind": "simulation, first passage, eq. (3) with a correlation, response spectrum analysis, "
+    "linearization, or building code",
     **CODE_TEXTS,
     "missing": "why a rule has no answer",
 }
@@ -211,14 +212,9 @@ def separation(
         checked_motions(records)
     by_role, alone = standing(first, second), second is None
     both = {role: median_of(structure) for role, structure in by_role.items()}
-    if not isinstance(codes, Mapping | None):
-        raise TypeError(f"codes = {brief(codes)}; allowed: a mapping with {', '.join(ASKED)}, numbers")
-    facts = dict(codes or {})
+    facts = _facts_of(codes)
     numbers = facts.pop("numbers", None)
     rules = rules_with(numbers)
-    if unknown := [name for name in facts if name not in ASKED]:
-        what = f"codes has {brief(unknown[0])}, which is not known"
-        raise ValueError(f"{what}; {hint(unknown[0], ASKED)}allowed: {', '.join(ASKED)}, numbers")
     site = Site(0.0, None if alone else 0.0, **facts)  # until the peaks are simulated
     check_scalars(site, "separation", "a number")
     check_duration(duration, both)
@@ -242,8 +238,9 @@ def separation(
             # The rules take the structures at their medians, and the peaks of all samples.
             ground = median_of(ground)
             structures = tuple(strength_in_metres(structure, ground) for structure in known)
-            seconds = strong_seconds(duration, envelope)
-            pair = PairInMotion(structures, ground, motions, confidence, seconds, site)
+            course = Course.of(envelope, duration, *strengths(scatter))
+            strong = strong_seconds(duration, envelope)
+            pair = PairInMotion(structures, ground, motions, confidence, strong, course, site)
             table = _judged(all_rules(pair, rules), pair)
             if "input_factor" in motions:
                 table["input_factor"] = motions.input_factor
@@ -272,6 +269,17 @@ def separation(
         f"paths={table.attrs['paths']}, seed={seed}{', ' * bool(inputs)}{inputs})",
         models,
     )
+
+
+def _facts_of(codes: Mapping[str, Any] | None) -> dict[str, Any]:
+    """What rules of codes ask, with names that are known."""
+    if not isinstance(codes, Mapping | None):
+        raise TypeError(f"codes = {brief(codes)}; allowed: a mapping with {', '.join(ASKED)}, numbers")
+    facts = dict(codes or {})
+    if unknown := [name for name in facts if name not in (*ASKED, "numbers")]:
+        what = f"codes has {brief(unknown[0])}, which is not known"
+        raise ValueError(f"{what}; {hint(unknown[0], ASKED)}allowed: {', '.join(ASKED)}, numbers")
+    return facts
 
 
 def verdict_of(apart: Mapping[Any, xr.DataArray], confidence: float) -> xr.DataArray:

@@ -137,11 +137,11 @@ def over_pairs(
     """
 
     def of_places(at_1: Array, at_2: Array) -> Any:
-        return function(_taken(first, at_1), _taken(second, at_2))
+        return function(taken(first, at_1), taken(second, at_2))
 
     return in_slabs(of_places, *places, kinds=(float,) * results)
 
 
-def _taken(structures: Any, places: Array) -> Any:
+def taken(structures: Any, places: Array) -> Any:
     """The structures at these places."""
     return on_arrays(lambda row: row.take(places, -1), structures)

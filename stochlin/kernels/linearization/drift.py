@@ -277,6 +277,15 @@ class DriftingSide(NamedTuple):
         return side._replace(variance=drifting_correlation(side, side))
 
 
+def at_unit_intensity(side: DriftingSide, intensity: Array) -> DriftingSide:
+    """The structure as it would be if all were smaller, on ground of this intensity, for that of 1."""
+    motion, size = side.motion, np.sqrt(intensity)
+    free = {name: getattr(motion, name) / intensity for name in ("free_2", "free_1", "free_0")}
+    return DriftingSide(
+        motion._replace(**free), side.rate, side.kicks / size, side.noisy, side.variance / intensity
+    )
+
+
 def drift_covariance(coherence: Array, first: DriftingSide, second: DriftingSide) -> Array:
     """Covariance of two drifts, eqs. (6) and (8).
 

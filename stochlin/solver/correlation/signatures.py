@@ -22,7 +22,7 @@ from stochlin.kernels.correlation.corrections import AXES, ENTRIES, LEFT, Nearne
 from stochlin.kernels.correlation.errors import BOUNDS
 from stochlin.kernels.correlation.pairs import Drifting, over_pairs
 from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing, motion_of
-from stochlin.kernels.linearization.drift import DriftingSide, drifting_correlation
+from stochlin.kernels.linearization.drift import DriftingSide, at_unit_intensity, drifting_correlation
 from stochlin.models.grounds import Ground
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.structures import DRIFT
@@ -176,12 +176,14 @@ def _corrections(solved: Solved, side: DriftingSide, tolerance: Tolerance) -> tu
     if calibration.soil is None:
         point = np.stack([*point, ones, AS_ON_WHITE_NOISE * ones])
     else:
-        number, soil = np.zeros(ones.size, int), solved.oscillators.soil
+        number, soil = np.zeros(ones.size, int), solved.oscillators.soil.copy()
+        row = list(ground.cells()).index("intensity")
+        side, soil[row] = at_unit_intensity(side, soil[row]), 1.0  # correlations stay the same
         if any(array.ndim for array in ground.arrays().values()):
             grounds, number = np.unique(soil, axis=1, return_inverse=True)
             known = solved_references(ground, grounds, tolerance, drift_map())
         else:
-            known = _solved_once(ground, tolerance)
+            known = _solved_once(ground.with_arrays({"intensity": 1.0}), tolerance)
         derived = derived_signatures(side, known, number.ravel())
         signature = corrected(derived, hold_at_ends(SIGNATURE, ground, point))
     least, most = KNOWN_NEARNESS

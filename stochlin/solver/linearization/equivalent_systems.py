@@ -89,6 +89,12 @@ class Oscillators(NamedTuple):
         """Some of the cells."""
         return Oscillators(*(part[..., cells] for part in self))
 
+    def stronger(self, ground: Ground, factor: float) -> Oscillators:
+        """The same structures with this factor on the intensity of the ground."""
+        soil = self.soil.copy()
+        soil[list(ground.cells()).index("intensity")] *= factor
+        return self._replace(soil=soil)
+
     def point(self, ground: Ground, ratio: Array) -> Array:
         """Places (axes, n) in the map of the drift closure, for R/p; without a soil two axes less."""
         own = [ratio, self.hardening, self.damping]

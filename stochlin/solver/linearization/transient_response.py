@@ -4,16 +4,29 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
+from typing import Literal
 
 import numpy as np
 import xarray as xr
 
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.linearization.levels import Tables
+from stochlin.kernels.probability import accumulated
 from stochlin.models.arguments import Duration, Points, checked
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import Model
-from stochlin.models.structures import Structure
-from stochlin.solver.linearization.equivalent_systems import solve_elastic
+from stochlin.models.structures import DRIFT, GAUSSIAN, Structure
+from stochlin.solver.linearization.equivalent_systems import Oscillators, solve_elastic
+from stochlin.solver.linearization.levels import (
+    INSTANTS,
+    Course,
+    StructuresInMotion,
+    strengths,
+    structures_in_motion,
+    why_no_drift,
+)
+from stochlin.solver.linearization.strength import strength_in_metres
 from stochlin.solver.linearization.systems.state_space import problem_of
 from stochlin.solver.linearization.transient_systems import (
     POINTS,
@@ -28,6 +41,9 @@ from stochlin.solver.tables.cells import flat, together_or_alone
 from stochlin.solver.tables.checks import check_duration
 from stochlin.solver.tables.lazy import check_names
 
+InTime = Literal["gaussian", "drift"]
+IN_TIME = {GAUSSIAN: labels.CAUTION_SIGMA, DRIFT: labels.CAUTION_FINITE_DRIFT}  # comments
+
 
 @checked
 def transient_response(
@@ -36,6 +52,7 @@ def transient_response(
     duration: Duration,
     *,
     envelope: Envelope | None = None,
+    closure: InTime = "gaussian",
     points: Points = POINTS,
 ) -> xr.Dataset:
     """Standard deviations of the response of a structure over time, by transient linearization.
@@ -60,6 +77,10 @@ def transient_response(
     envelope : AminAng, ShinozukaSato or GammaEnvelope, optional
         Envelope ``m`` of the motion, whose evolutionary spectrum is ``m(t)^2 S(w)`` with that of the
         ground, ``S`` (Priestley 1965); without it the motion is stationary from its start.
+    closure : {"gaussian", "drift"}
+        ``"drift"``: with the plastic drift, for bilinear structures. The response at each instant is the
+        stationary one at a level of shaking that follows the envelope with a lag, by eqs. (14) to (16)
+        of ``docs/drift.md``.
     points : int
         Number of instants of the result.
 
@@ -73,6 +94,10 @@ def transient_response(
         means of its further states over ``state``, as the law measures them. Over ``time``: ``envelope``
         [-], and ``permanent_set``, a flag that is 1 after the strong shaking.
         Over the dimensions of the parameters: ``yield_displacement`` [m] and ``status``.
+
+        The closure ``"drift"`` adds ``drift_std`` [m], the standard deviation of the slow plastic drift
+        in ``displacement_std``, which at the end is that of the permanent displacement; there is no flag
+        ``permanent_set``.
 
     Raises
     ------
@@ -112,17 +137,20 @@ def transient_response(
     True
     """
     seconds = check_course(duration, envelope)
+    if closure == DRIFT and (missing := why_no_drift([structure])):
+        raise ValueError(f"closure = {DRIFT!r}: {missing}; allowed: {GAUSSIAN!r}")
     models: dict[str, Model] = {"structure": structure, "ground": ground}
-    of_cells = partial(_of_cells, seconds=seconds, envelope=envelope, points=points)
+    each = _drifting if closure == DRIFT else _of_cells
+    of_cells = partial(each, seconds=seconds, envelope=envelope, points=points)
     table = together_or_alone(of_cells, models, structure.arrays()["period"] <= seconds)
     course = course_of(envelope, seconds, seconds, points)
-    table = labels.label(over_time(table, course))
+    table = labels.label(over_time(table, course, drifts=closure == DRIFT))
     if structure.yields:
-        table = table.assign_attrs(comment=labels.CAUTION_SIGMA)
+        table = table.assign_attrs(comment=IN_TIME[closure])
     return labels.with_run_information(
-        table,
+        table.assign_attrs(closure=closure),
         f"Transient linearization, {ground.name} ground",
-        f"transient_response(duration={duration:g})",
+        f"transient_response(duration={duration:g}, closure={closure!r})",
         models,
     )
 
@@ -171,3 +199,48 @@ def _of_cells(
         table["state_mean"] = of_states, cells.whole(means[:, 1:])
         table["state"] = "state", [*structure.further_states()]
     return table.assign(status=status.astype(np.int8))
+
+
+@np.errstate(all="ignore")  # failed structures are NaN
+def _drifting(
+    structure: Structure, ground: Ground, *, seconds: float, envelope: Envelope | None, points: int
+) -> xr.Dataset:
+    """Variables of `transient_response` of all cells, by the drift closure."""
+    check_duration(seconds, {"structure": structure})
+    metres = strength_in_metres(structure, ground)
+    period = metres.arrays()["period"]
+    if period.ndim:
+        metres = replace(metres, period=period.where(period <= seconds))
+    cells = flat({"structure": metres, "ground": ground})
+    if not cells.where.size:
+        raise ValueError("no structure has valid parameters; correct those that are out of range")
+    each = -(-(INSTANTS - 1) // (points - 1))
+    course = Course.of(envelope, seconds, *strengths(0.0), (points - 1) * each + 1)
+    structures = structures_in_motion(Oscillators.of(cells), ground, course)
+    failed, shape = structures.solved.failed[structures.number], cells.shape
+    table = xr.Dataset(coords=shape.coords)
+    for name, row in _with_drift(structures).items():
+        table[name] = (TIME, *shape.dims), cells.whole(np.where(failed, np.nan, row)[::each])
+    table["yield_displacement"] = cells.table(Oscillators.of(cells).strength)
+    status = labels.status_where(~failed, labels.NOT_CONVERGED)
+    return table.assign(status=cells.table(status, blank=labels.INVALID_INPUT))
+
+
+def _with_drift(structures: StructuresInMotion) -> dict[str, Array]:
+    """Variables over (instants, c) of structures by the drift closure."""
+    solved, number = structures.solved, structures.number
+    values, moves = solved.solved.values, structures.moving(number)
+    level = np.tile(solved.levels, solved.failed.size)
+    z, work = values["z_std"] / level, values["velocity_z_corr"] * values["velocity_std"] / level
+    work = work * z * solved.system.coupling * values["yield_displacement"]
+    rows = np.array([z, values["c_eq"], values["k_eq"], work])
+    z, c_eq, k_eq, work = Tables.of(solved.levels, rows).at(moves.square, number)
+    return {
+        "displacement_std": np.sqrt(moves.variance),
+        "velocity_std": moves.rows.velocity,
+        "drift_std": np.sqrt(moves.offset),
+        "z_std": np.sqrt(moves.square) * z,
+        "c_eq": c_eq,
+        "k_eq": k_eq,
+        "hysteretic_energy_per_mass": accumulated(moves.square * work, structures.course.times),
+    }

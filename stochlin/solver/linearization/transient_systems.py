@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -105,19 +105,23 @@ def solve_course(
     return systems.solve(course.times, rows, kinks, progress)
 
 
-def over_time(table: xr.Dataset, course: TimeGrid) -> xr.Dataset:
-    """The table with the times, the envelope, and a flag for the end of the strong shaking."""
+def over_time(table: xr.Dataset, course: TimeGrid, *, drifts: bool = False) -> xr.Dataset:
+    """The table with the times, the envelope, and a flag for the end of the strong shaking.
+
+    With a closure that ``drifts`` there is no flag, since the permanent set is represented.
+    """
     time = labels.axis(TIME, "time", course.times[course.shown], "s")
     flag = {
         "long_name": f"envelope finally below {STRONG:g} of its maximum",
         "flag_values": np.arange(2, dtype=np.int8),
         "flag_meanings": "strong_shaking permanent_set_not_represented",
     }
+    columns: dict[str, Any] = {"envelope": ("time", course.values(time.to_numpy()))}
+    if not drifts:
+        over = (time.values > course.strong_end).astype(np.int8)
+        columns["permanent_set"] = "time", over, flag
     return (
-        table.assign(
-            envelope=("time", course.values(time.to_numpy())),
-            permanent_set=("time", (time.values > course.strong_end).astype(np.int8), flag),
-        )
+        table.assign(columns)
         .assign_coords(time=time)
         .assign_attrs(
             duration_s=course.duration,

@@ -68,6 +68,11 @@ class Flat(NamedTuple):
     where: Array  # (c,) places of the valid cells in the flat table
     models: dict[str, Any]  # their parameters are numbers, or arrays over the valid cells
 
+    def of_structure(self, role: str) -> Flat:
+        """The same cells, of one structure on the ground."""
+        models = {"structure": self.models[role], "ground": self.models["ground"]}
+        return self._replace(models=models)
+
     def whole(self, values: Array, blank: float = np.nan) -> Array:
         """Values (..., c) of the valid cells in the shape of the table, and ``blank`` elsewhere."""
         if self.where.size < self.shape.size:

@@ -35,6 +35,10 @@ CAUTION_CROSSINGS = (
     "Compared with simulation of 200 random elastic pairs, the confidence by formula is off by -0.24 to "
     "+0.06 in 95 % of the cases, at most by -0.49 and +0.09."
 )
+CAUTION_FINITE_DRIFT = (
+    "Compared with simulation, the gap for 90 % by the drift closure in time is off by 6 % in the mean; "
+    "see docs/drift.md."
+)
 CAUTION_DRIFT = (
     "Compared with nonlinear simulation of 500 random pairs, displacements by the drift closure, which "
     "other simulations calibrate, are off by 0.9 % in the mean and ρ by 0.02; where T < Tg/2 on a "

@@ -90,7 +90,7 @@ def _cautions(table: xr.Dataset, case: Case) -> list[str]:
     if STEM in table and float(table[STEM][-1] - table[f"{STEM}_simulated_lower"]) > OFF:
         cautions.append(UNRELIABLE)
     yields = any(building.structure.yields for building in pair_of(case))
-    if STEM in table and yields and table.permanent_set.any():
+    if STEM in table and yields and "permanent_set" in table and table.permanent_set.any():
         end = f"{table.attrs['strong_shaking_end_s']:.3g} s"
         cautions.append(
             f"After {end} the formula no longer includes the permanent set of yielding buildings."

@@ -47,6 +47,7 @@ LINE = (
 AS_APPLIED, COMBINATION = "the code as you apply it", "the code's combination of simulated peaks"
 KINDS = {
     "simulation": "",
+    "first_passage": "first passage with the plastic drift in time",
     "equation_3": "eq. (3) with a correlation coefficient",
     "response_spectrum": "response spectrum analysis",
     "linearization": "linearization",
@@ -55,7 +56,15 @@ KINDS = {
 }
 GROUPS = (*KINDS.values(), COMBINATION)  # in the order in which they are shown
 NAMED = {AS_APPLIED: "as you apply it", COMBINATION: "of simulated peaks"}
-USUAL = ("simulation", "srss", "eq_3_linearized", "eq_3_drift", "eq_3_paper")  # without details
+# Without details.
+USUAL = (
+    "simulation",
+    "first_passage_drift",
+    "srss",
+    "eq_3_linearized",
+    "eq_3_drift",
+    "eq_3_paper",
+)
 NO_CODES = (
     'For a building code as you apply it write, for instance, codes = ["eurocode_8"] in [separation], '
     "and in each building displacements of your analysis and the factors of the code."

@@ -1,0 +1,236 @@
+"""Pairs of bilinear structures in motions of finite length, by the drift closure."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from stochlin.kernels.basics.arrays import Array, on_arrays
+from stochlin.kernels.correlation.levels import (
+    NODES,
+    AtLevels,
+    Difference,
+    PairRows,
+    alone,
+    difference,
+    pair_rows,
+)
+from stochlin.kernels.correlation.pairs import drifting_pair, over_pairs, taken
+from stochlin.kernels.linearization.covariance import own_covariance
+from stochlin.kernels.linearization.drift import drifting_correlation
+from stochlin.kernels.linearization.harmonic import Harmonic, load_levels, share_of_load
+from stochlin.kernels.linearization.levels import Moving, Tables, levels_for
+from stochlin.kernels.linearization.spectral_moments import displacement_moments
+from stochlin.kernels.passage import CHAIN, LEVELS, Passage, required_gaps, survival
+from stochlin.models.grounds import Ground
+from stochlin.solver.correlation.signatures import drifting
+from stochlin.solver.linearization.equivalent_systems import Oscillators, joined
+from stochlin.solver.linearization.levels import Course, SolvedLevels, structures_in_motion
+from stochlin.solver.linearization.transient_systems import STRONG
+from stochlin.solver.tables.checks import USUAL
+
+LEAST_SHARE = 1e-6  # of the drift in a standard deviation
+# Kinds of pairs with larger errors: logarithm of the ratio of periods, damping of the ground, smaller
+# frequency over that of the ground, and strong shaking over the longer period.
+ALIKE, NARROW, STIFF, BRIEF = 0.08, 0.2, 1.2, 0.7
+# Mean absolute error of the gap for 90 % by kind, of 900 simulated pairs (benchmarks/finite_drift.py).
+ERRORS = {
+    "usual": 0.05,
+    "brief": 0.06,
+    "alike": 0.075,
+    "narrow": 0.1,
+    "stiff": 0.11,
+    "stiff on narrow": 0.135,
+}
+
+
+class PairsInMotion(NamedTuple):
+    """n pairs, or structures alone, in m motions of one course: arrays (instants, n m)."""
+
+    course: Course
+    first: Moving
+    second: Moving | None
+    moves: Difference
+    joint: Array  # covariance of both displacements [m^2]
+    gaussian: Array  # levels of the load, see `Passage`
+    failed: Array  # (n,)
+    error: (
+        Array  # (n,) mean absolute error of the gap for 90 %, relative, in simulated pairs of its kind
+    )
+    caution: Array  # (n,) whether errors are larger than usual; 2 on grounds that were not simulated
+
+    def passage(self) -> Passage:
+        """The passage of levels by ``u_1 - u_2``."""
+        seconds = np.full_like(self.course.times, self.course.step)
+        seconds[[0, -1]] /= 2
+        std, velocity, bandwidth, offset, memory = self.moves
+        moves = std > 0
+        rate = np.where(moves, velocity / np.where(moves, 2 * np.pi * std, 1.0), 0.0)
+        memory = np.vstack([np.ones_like(memory[:1]), memory])
+        rows = [np.ascontiguousarray(row.T) for row in (std, rate, bandwidth, offset, memory)]
+        return Passage(rows[0], rows[1], rows[2], rows[3], rows[4], seconds, self.gaussian)
+
+    def part(self, motions: slice) -> PairsInMotion:
+        """Some of the motions of a single pair."""
+        first, second, moves = (on_arrays(lambda row: row[..., motions], x) for x in self[1:4])
+        course = self.course._replace(weights=self.course.weights[motions])
+        gaussian = self.gaussian[motions] if len(self.gaussian) else self.gaussian
+        parts = (course, first, second, moves, self.joint[..., motions], gaussian)
+        return PairsInMotion(*parts, *self[6:])
+
+    @property
+    def difference(self) -> Array:
+        """Variance of ``u_1 - u_2`` (instants, n m) [m^2]."""
+        return self.moves.displacement**2 + self.moves.offset**2
+
+    def means(self, values: Array) -> Array:
+        """Means (instants, n) over the motions of values (instants, n m)."""
+        weights = self.course.weights
+        mean: Array = values.reshape(len(values), -1, weights.size) @ weights
+        return mean
+
+    def strong_rho(self) -> Array:
+        """Correlation (n,) of both displacements while the shaking is strong, by mean covariances."""
+        assert self.second is not None
+        strong = self.course.envelope.max(axis=1) >= STRONG
+        rows = self.joint, self.first.variance, self.second.variance
+        joint, first, second = (self.means(row)[strong].sum(axis=0) for row in rows)
+        rho: Array = joint / np.sqrt(first * second)
+        return rho
+
+    def required_gaps(self, confidence: float) -> Array:
+        """Gaps (n,) [m] for a confidence of no passage in the motions."""
+        gaps = np.empty(self.failed.size)
+        required_gaps(confidence, self.course.weights, self.passage(), CHAIN, gaps)
+        return np.where(self.failed, np.nan, gaps)
+
+    def survival(self, gaps: Array, *, independent: bool = False) -> Array:
+        """Probability (n, g, instants) that gaps (n, g) [m] have not been exceeded.
+
+        The crossings come in clumps, unless they are ``independent``.
+        """
+        passage = self.passage()
+        if independent:
+            passage = passage._replace(bandwidth=np.full_like(passage.bandwidth, np.inf))
+        weights = self.course.weights
+        count, motions = self.failed.size, weights.size
+        instants = self.course.times.size
+        shares = np.empty((count * motions, gaps.shape[1], instants))
+        survival(np.repeat(gaps, motions, axis=0), passage, CHAIN, shares)
+        mean = np.einsum("m,nmgt->ngt", weights, shares.reshape(count, motions, -1, instants))
+        return np.where(self.failed[:, None, None], np.nan, mean)
+
+
+@np.errstate(all="ignore")  # failed structures are NaN
+def pairs_in_motion(cells: Sequence[Oscillators], ground: Ground, course: Course) -> PairsInMotion:
+    """One or two structures in each of n cells, with strengths in metres."""
+    structures = structures_in_motion(joined(cells), ground, course)
+    sides = structures.number.reshape(len(cells), -1)
+    first, solved = structures.moving(sides[0]), structures.solved
+    failed = np.any(solved.failed[sides], axis=0)
+    judged = (_levels_of_load(cells, ground, course), failed, *expected_errors(cells, ground, course))
+    motions = course.weights.size
+    if len(cells) == 1:
+        tables = Tables.of(solved.levels, _bandwidth(solved)[None])
+        bandwidth = tables.at(first.square, np.repeat(sides[0], motions))[0]
+        moves = alone(first, bandwidth, course.step)
+        return PairsInMotion(course, first, None, moves, 0 * first.square, *judged)
+    second = structures.moving(sides[1])
+    tables = Tables.of(solved.levels, np.array(_pair_rows(solved, *sides)))
+    square = np.sqrt(first.square * second.square)
+    rows = PairRows(*tables.at(square, np.repeat(np.arange(sides.shape[1]), motions)))
+    envelope = np.tile(course.envelope, sides.shape[1])
+    moves, joint = difference(first, second, rows, envelope, course.step)
+    return PairsInMotion(course, first, second, moves, joint, *judged)
+
+
+def expected_errors(cells: Sequence[Oscillators], ground: Ground, course: Course) -> tuple[Array, Array]:
+    """Expected relative error of the gap for 90 % (n,), and the caution flag, by kinds of pairs."""
+    frequencies = np.array([2 * np.pi / each.period for each in cells])
+    alike = np.ptp(np.log(frequencies), axis=0) < ALIKE if len(cells) > 1 else False
+    narrow: Array | bool = False
+    stiff: Array | bool = False
+    soil = ground.filter_of(cells[0].soil)
+    if soil.oscillators:
+        own = np.sqrt(soil.oscillators[0])
+        narrow = soil.oscillators[1] / (2 * own) < NARROW
+        stiff = frequencies.min(axis=0) > STIFF * own
+    cycles = course.strong_seconds * frequencies.min(axis=0) / (2 * np.pi)
+    error = np.where(cycles < BRIEF, ERRORS["brief"], ERRORS["usual"])
+    error = np.where(alike, ERRORS["alike"], error)
+    error = np.where(stiff, ERRORS["stiff"], np.where(narrow, ERRORS["narrow"], error))
+    error = np.where(narrow & np.asarray(stiff), ERRORS["stiff on narrow"], error)
+    if soil.states and not soil.oscillators:
+        return np.full_like(error, np.nan), np.full(error.size, 2, np.int8)
+    return error, (error > ERRORS["usual"]).astype(np.int8)
+
+
+def _bandwidth(solved: SolvedLevels) -> Array:
+    """Bandwidth of the displacement of each structure at each level."""
+    l0, l1, l2 = displacement_moments(solved.system, solved.forcing, solved.soil)
+    return np.sqrt(np.clip(1 - l1**2 / (l0 * l2), 0, 1))
+
+
+def _pair_rows(solved: SolvedLevels, first: Array, second: Array) -> PairRows:
+    """Rows of pairs (n levels,) of structures with these numbers (n,)."""
+    both, count = drifting(solved.solved, USUAL), solved.levels.size
+    frequency = np.sqrt(solved.system.stiffness)
+    structures = AtLevels(
+        solved.system,
+        solved.forcing,
+        own_covariance(solved.system, solved.forcing),
+        both.side,
+        solved.rows,
+        np.tile(solved.levels, frequency.size // count),
+        solved.soil.later(solved.system, NODES + 0 * frequency),
+    )
+    places = [(side[:, None] * count + np.arange(count)).ravel() for side in (first, second)]
+    unseen = np.full(len(both.error.shape) * 4, np.nan)
+    rho = over_pairs(partial(drifting_pair, unseen), both, both, places, 6)[0]
+    derived = over_pairs(drifting_correlation, both.side, both.side, places)[0]
+    share = np.maximum(solved.solved.values["drift_std"] / np.sqrt(both.side.variance), LEAST_SHARE)
+    added = (rho - derived) / (share[places[0]] * share[places[1]])
+    of_first, of_second = (taken(structures, at) for at in places)
+    return pair_rows(of_first, of_second, np.clip(np.nan_to_num(added), -1, 1))
+
+
+def _levels_of_load(cells: Sequence[Oscillators], ground: Ground, course: Course) -> Array:
+    """Levels (n m, instants, levels) of the load where it is that which is Gaussian, eq. (20)."""
+    soil = ground.filter_of(cells[0].soil)
+    none = np.empty((0, 0, 0))
+    if not soil.oscillators:
+        return none
+    frequency = np.sqrt(soil.oscillators[0])
+    damping = soil.oscillators[1] / (2 * frequency)
+    own = np.array([2 * np.pi / each.period for each in cells])
+    shares = np.array([share_of_load(*each) for each in zip(own.T, frequency, damping, strict=True)])
+    if not shares.any():
+        return none
+    count, (instants, motions) = shares.size, course.envelope.shape
+    result = np.empty((count, motions, instants, LEVELS.size))
+    result[:] = LEVELS
+    std = np.sqrt(np.pi * soil.intensity * frequency * (1 + 4 * damping**2) / (2 * damping))
+    levels = levels_for(course.spread)
+    for cell in np.flatnonzero(shares):
+        structures = [_harmonic(each, cell, frequency[cell]) for each in cells]
+        rows = [load_levels(structures, std[cell] * level, shares[cell], LEVELS) for level in levels]
+        of_level = Tables.of(levels, np.array(rows).T)
+        at_instants = of_level.at(course.envelope**2, np.zeros(motions, int))
+        result[cell] = at_instants.transpose(2, 1, 0)
+    return result.reshape(count * motions, instants, LEVELS.size)
+
+
+def _harmonic(cells: Oscillators, cell: Any, load: float) -> Harmonic:
+    """A structure at the frequency of the load."""
+    strength, hardening = cells.strength[cell], cells.hardening[cell]
+    elastic = not np.isfinite(strength)
+    return Harmonic.of(
+        2 * np.pi / cells.period[cell],
+        cells.damping[cell],
+        1.0 if elastic else hardening,
+        1.0 if elastic else strength,
+        load,
+    )

@@ -1,0 +1,171 @@
+"""Stationary responses of bilinear structures by the drift closure at levels of shaking."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing
+from stochlin.kernels.linearization.filters import Filter
+from stochlin.kernels.linearization.levels import (
+    Moving,
+    StructureRows,
+    Tables,
+    lagged,
+    levels_for,
+    moving,
+    structure_rows,
+)
+from stochlin.models.envelopes import Envelope, envelope_at
+from stochlin.models.grounds import Ground
+from stochlin.models.laws.bilinear import Bilinear
+from stochlin.models.structures import DRIFT, Structure
+from stochlin.solver.linearization.equivalent_systems import Law, Oscillators, Solved
+from stochlin.solver.tables import labels
+from stochlin.solver.tables.cells import ONE, Flat
+from stochlin.solver.tables.checks import USUAL
+
+INSTANTS = 65  # of a motion, at least
+STEPS = 2  # of the lag of a structure from one instant to the next
+LEAST_ENVELOPE = 1e-6
+GROWTH = StructureRows._fields.index("growth")
+# Range [standard deviations], step of the logarithm, and least number of steps on each side, of the
+# strengths of motions with a scatter. The peaks scatter by a logarithmic standard deviation of 0.15 or
+# more for one strength, so that probabilities are smooth in the strength; the error of the mean is
+# about 0.001.
+REACH, STEP, FEWEST = 3.2, 0.25, 4
+ELASTIC_STRENGTH = 1.0  # yield displacement [m] of elastic structures, which have the hardening 1
+YIELDING = Bilinear(1.0, 0.05, 0.05, reduction_factor=1.0)  # a structure of the law of all
+
+
+def strengths(scatter: float) -> tuple[Array, Array]:
+    """Factors on the motion, over which formulas are averaged, and their weights with the sum 1."""
+    if not scatter:
+        return np.ones(1), np.ones(1)
+    each = max(FEWEST, int(np.ceil(REACH * scatter / STEP)))
+    normal = np.linspace(-REACH, REACH, 2 * each + 1)
+    weights = np.exp(-0.5 * normal**2)
+    return np.exp(scatter * normal), weights / weights.sum()
+
+
+class Course(NamedTuple):
+    """Motions of one duration and shape, in m sizes."""
+
+    times: Array  # (instants,) [s]
+    scale: float  # largest value of all envelopes
+    spread: float  # size of the largest motion over that of the smallest
+    envelope: Array  # (instants, m), over the scale
+    squares: Array  # (steps, m) squared envelopes in the middle of each step of the lag, likewise
+    weights: Array  # (m,) of the sizes, over which results are averaged
+
+    @classmethod
+    def of(
+        cls,
+        envelope: Envelope | None,
+        duration: float,
+        sizes: Array,
+        weights: Array,
+        instants: int = INSTANTS,
+    ) -> Course:
+        """The course of motions of these sizes (m,)."""
+        times, steps = np.linspace(0, duration, instants), (instants - 1) * STEPS
+        middle = (np.arange(steps) + 0.5) * duration / steps
+        within = envelope_at(envelope, middle)[:, None] * sizes
+        scale, spread = float(within.max()), float(sizes.max() / sizes.min())
+        now = np.maximum(envelope_at(envelope, times)[:, None] * sizes / scale, LEAST_ENVELOPE)
+        return cls(times, scale, spread, now, (within / scale) ** 2, weights)
+
+    @property
+    def strong_seconds(self) -> float:
+        """Duration of the stationary motion of equal energy [s]."""
+        return float((self.squares / self.squares.max(axis=0)).mean() * self.times[-1])
+
+    @property
+    def step(self) -> float:
+        """From one instant to the next [s]."""
+        return float(self.times[1])
+
+
+def why_no_drift(structures: Sequence[Any]) -> str:
+    """Why structures have no drift closure in finite motions; empty if they have."""
+    for structure in structures:
+        if not isinstance(structure, Structure):
+            return "the drift closure is only available for oscillators"
+        if structure.yields and DRIFT not in structure.closure_names():
+            return f"no {DRIFT} closure for {type(structure).__name__}"
+        if not structure.settles().any():
+            return f"no {DRIFT} closure without stiffness after yielding"
+    return ""
+
+
+class SolvedLevels(NamedTuple):
+    """n structures, each on its own ground, at all levels of shaking."""
+
+    levels: Array
+    solved: Solved  # one level after the other, of one structure after the other
+    soil: Filter  # of all of these
+    system: EquivalentSystem
+    forcing: Forcing
+    rows: StructureRows
+    tables: Tables
+    failed: Array  # (n,) whether a level has no solution
+
+
+def distinct(structures: Oscillators) -> tuple[Array, Array]:
+    """Columns of the different structures and their grounds, and the numbers of those of each cell.
+
+    The strengths are in metres.
+    """
+    elastic = ~np.isfinite(structures.strength)
+    hardening = np.where(elastic, 1.0, structures.hardening)
+    strength = np.where(elastic, ELASTIC_STRENGTH, structures.strength)
+    rows = [structures.period, structures.damping, hardening, strength, *structures.soil]
+    columns, number = np.unique(np.array(rows), axis=1, return_inverse=True)
+    return columns, number.ravel()
+
+
+def solve_levels(columns: Array, ground: Ground, levels: Array) -> SolvedLevels:
+    """Structures in columns of `distinct`, solved at all levels together."""
+    each = np.repeat(columns, levels.size, axis=1)
+    period, damping, hardening, strength, *soil = each
+    soil[list(ground.cells()).index("intensity")] *= np.tile(levels**2, columns.shape[1])
+    ones = np.ones_like(period)
+    cells = Oscillators(period, damping, hardening, strength, 0 * ones, ones, np.array(soil))
+    table = Flat(ONE, np.arange(period.size), {})
+    own = Solved((YIELDING,), ground, (table,), (slice(0, period.size),), cells, {})
+    solved = own.by_laws([Law.bilinear(period.size, DRIFT)], DRIFT, USUAL)
+    values, filters = solved.values, ground.filter_of(cells.soil)
+    system, forcing = EquivalentSystem(*values["system"]), Forcing(*values["forcing"])
+    drift = values["drift_std"], values["drift_rate"]
+    with np.errstate(all="ignore"):  # failed levels are NaN
+        rows = structure_rows(system, forcing, filters, drift, values["displacement_std"], levels)
+        tables = Tables.of(levels, np.array(rows))
+    failed = (values["status"] >= labels.NOT_CONVERGED).reshape(-1, levels.size)
+    return SolvedLevels(levels, solved, filters, system, forcing, rows, tables, np.any(failed, axis=1))
+
+
+class StructuresInMotion(NamedTuple):
+    """Structures of c cells in motions of one course; equal ones are solved once."""
+
+    course: Course
+    solved: SolvedLevels  # the different structures
+    number: Array  # (c,) of the structure of each cell
+    squares: Array  # (instants, structures, m) squared levels
+
+    def moving(self, numbers: Array) -> Moving:
+        """The structures with these numbers (n,) in all motions, over (instants, n m)."""
+        course, motions = self.course, self.course.weights.size
+        square = self.squares[:, numbers].reshape(course.times.size, -1)
+        envelope = np.tile(course.envelope, numbers.size)
+        return moving(self.solved.tables, square, envelope, np.repeat(numbers, motions), course.step)
+
+
+def structures_in_motion(cells: Oscillators, ground: Ground, course: Course) -> StructuresInMotion:
+    """Structures of cells with strengths in metres, from rest on."""
+    columns, number = distinct(cells.stronger(ground, course.scale**2))
+    solved = solve_levels(columns, ground, levels_for(course.spread))
+    squares = lagged(solved.tables, GROWTH, course.squares, course.step / STEPS)[::STEPS]
+    return StructuresInMotion(course, solved, number, squares)
