@@ -245,6 +245,7 @@ def finite() -> dict[str, Any]:
         pairs = xr.load_dataset(finite_drift.PAIRS, engine="scipy")
         table = finite_drift.errors(pairs)
         without = finite_drift.ablation(pairs)
+        of_confidence = finite_drift.errors_of_confidence(pairs)
     kinds = {family: pairs.family == family for family in finite_drift.FAMILIES}
     kinds |= {"`caution` 0": table.caution == 0, "`caution` 1": table.caution == 1}
     lines = [
@@ -266,6 +267,11 @@ def finite() -> dict[str, Any]:
         "usual": usual.size,
         "most": float(np.percentile(abs(usual), 95)),
         "worst": float(usual.min()),
+        "worst_of_all": float(error.min()),
+        "off": [
+            np.percentile(of_confidence[table.caution.values == flag], [0, 2.5, 97.5, 100])
+            for flag in (0, 1)
+        ],
         "recall": f"{int((unsafe == 1).sum())} of {unsafe.size}",
     }
 
