@@ -22,6 +22,7 @@ from stochlin.kernels.linearization.covariance import (
     own_covariance,
 )
 from stochlin.kernels.linearization.filters import Filter
+from stochlin.kernels.linearization.grounds import followed
 
 LEAST, LEVELS = 0.02, 16  # the lowest level for motions of one size, and the number from it to 1
 FINE = 8  # steps of a table between two levels
@@ -74,6 +75,7 @@ class StructureRows(NamedTuple):
     relaxation: Array  # rate of the drift, eq. (4) [1/s]
     correction: Array  # factor on displacements, from the map of simulations
     growth: Array  # rate at which the squared level follows that of the motion, eq. (14) [1/s]
+    resonant: Array  # share of the variance that belongs to the modes of the structure itself
     slow_rate: Array  # of the slow mode, eq. (16) [1/s]
     slow_push: Array  # root of the intensity of the noise that drives it [m/s^0.5]; over the level
 
@@ -101,6 +103,7 @@ def structure_rows(
         np.where(drift_std > 0, rate, 0.0),
         std / np.hypot(np.sqrt(own.mu_mu), drift_std),
         _growth(system, forcing, own, levels),
+        _resonant(system, soil, own),
         slow_rate,
         push / level,
     )
@@ -118,6 +121,16 @@ def _growth(system: EquivalentSystem, forcing: Forcing, own: OwnCovariance, leve
     slope = np.gradient(logarithms, 2 * np.log(levels), axis=1).ravel()
     rate: Array = forcing.velocity / (own.v_v * slope)
     return rate
+
+
+def _resonant(system: EquivalentSystem, soil: Filter, own: OwnCovariance) -> Array:
+    """Share of the variance that is not due to motions which follow the oscillators of the ground."""
+    if not soil.oscillators or not soil.in_closed_form:
+        return np.ones_like(own.z_z)
+    with_mu, _, with_slip = soil.correlations(system)
+    parts = followed(system, soil.oscillators, (with_mu - with_slip).T / own.z_z)
+    share: Array = np.clip(1 - sum(value for _, _, value, _ in parts), 0, 1)
+    return share
 
 
 def slow_mode(system: EquivalentSystem, soil: Filter, variance: Array) -> tuple[Array, Array]:

@@ -167,5 +167,9 @@ def structures_in_motion(cells: Oscillators, ground: Ground, course: Course) -> 
     """Structures of cells with strengths in metres, from rest on."""
     columns, number = distinct(cells.stronger(ground, course.scale**2))
     solved = solve_levels(columns, ground, levels_for(course.spread))
-    squares = lagged(solved.tables, GROWTH, course.squares, course.step / STEPS)[::STEPS]
+    behind = lagged(solved.tables, GROWTH, course.squares, course.step / STEPS)[::STEPS]
+    instants, structures, motions = behind.shape
+    at_levels = solved.tables.at(behind.reshape(instants, -1), np.repeat(np.arange(structures), motions))
+    lags = StructureRows(*at_levels).resonant.reshape(behind.shape)
+    squares = lags * behind + (1 - lags) * course.envelope[:, None] ** 2
     return StructuresInMotion(course, solved, number, squares)
