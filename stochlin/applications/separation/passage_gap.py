@@ -178,7 +178,7 @@ def _columns(pairs: PairsInMotion, confidence: float, gaps: Array | None) -> dic
     most = apart.argmax(axis=0)[None]
     sides = [first] if second is None else [first, second]
     columns = {"required_gap": pairs.required_gaps(confidence)}
-    columns |= {"required_gap_error": pairs.error, "caution": pairs.caution}
+    columns |= {"required_gap_error": pairs.expected.error, "caution": pairs.expected.caution}
     for n, side in enumerate(sides, 1):
         variance = np.take_along_axis(mean(side.variance), most, axis=0)[0]
         columns[f"displacement_std_{n}"] = np.sqrt(variance)

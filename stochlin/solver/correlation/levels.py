@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array, on_arrays
+from stochlin.kernels.correlation.errors import BOUNDS
 from stochlin.kernels.correlation.levels import (
     NODES,
     AtLevels,
@@ -28,7 +29,12 @@ from stochlin.kernels.passage import CHAIN, LEVELS, Passage, required_gaps, surv
 from stochlin.models.grounds import Ground
 from stochlin.solver.correlation.signatures import drifting
 from stochlin.solver.linearization.equivalent_systems import Oscillators, joined
-from stochlin.solver.linearization.levels import Course, SolvedLevels, structures_in_motion
+from stochlin.solver.linearization.levels import (
+    Course,
+    SolvedLevels,
+    structures_in_motion,
+    yielding,
+)
 from stochlin.solver.linearization.transient_systems import STRONG
 from stochlin.solver.tables.checks import USUAL
 
@@ -47,6 +53,13 @@ ERRORS = {
 }
 
 
+class ExpectedErrors(NamedTuple):
+    """What is known of the gaps of n pairs for 90 %, from simulated pairs of the same kind."""
+
+    error: Array  # (n,) mean absolute relative error
+    caution: Array  # (n,) 1 where errors are larger than usual, 2 on grounds that were not simulated
+
+
 class PairsInMotion(NamedTuple):
     """n pairs, or structures alone, in m motions of one course: arrays (instants, n m)."""
 
@@ -57,10 +70,7 @@ class PairsInMotion(NamedTuple):
     joint: Array  # covariance of both displacements [m^2]
     gaussian: Array  # levels of the load, see `Passage`
     failed: Array  # (n,)
-    error: (
-        Array  # (n,) mean absolute error of the gap for 90 %, relative, in simulated pairs of its kind
-    )
-    caution: Array  # (n,) whether errors are larger than usual; 2 on grounds that were not simulated
+    expected: ExpectedErrors
 
     def passage(self) -> Passage:
         """The passage of levels by ``u_1 - u_2``."""
@@ -75,11 +85,18 @@ class PairsInMotion(NamedTuple):
 
     def part(self, motions: slice) -> PairsInMotion:
         """Some of the motions of a single pair."""
-        first, second, moves = (on_arrays(lambda row: row[..., motions], x) for x in self[1:4])
-        course = self.course._replace(weights=self.course.weights[motions])
-        gaussian = self.gaussian[motions] if len(self.gaussian) else self.gaussian
-        parts = (course, first, second, moves, self.joint[..., motions], gaussian)
-        return PairsInMotion(*parts, *self[6:])
+
+        def some(rows: Any) -> Any:
+            return on_arrays(lambda row: row[..., motions], rows)
+
+        return self._replace(
+            course=self.course._replace(weights=self.course.weights[motions]),
+            first=some(self.first),
+            second=some(self.second),
+            moves=some(self.moves),
+            joint=some(self.joint),
+            gaussian=self.gaussian[motions],
+        )
 
     @property
     def difference(self) -> Array:
@@ -130,25 +147,32 @@ def pairs_in_motion(cells: Sequence[Oscillators], ground: Ground, course: Course
     structures = structures_in_motion(joined(cells), ground, course)
     sides = structures.number.reshape(len(cells), -1)
     first, solved = structures.moving(sides[0]), structures.solved
-    failed = np.any(solved.failed[sides], axis=0)
-    judged = (_levels_of_load(cells, ground, course), failed, *expected_errors(cells, ground, course))
-    motions = course.weights.size
+    motions, second = course.weights.size, None
     if len(cells) == 1:
         tables = Tables.of(solved.levels, _bandwidth(solved)[None])
         bandwidth = tables.at(first.square, np.repeat(sides[0], motions))[0]
-        moves = alone(first, bandwidth, course.step)
-        return PairsInMotion(course, first, None, moves, 0 * first.square, *judged)
-    second = structures.moving(sides[1])
-    tables = Tables.of(solved.levels, np.array(_pair_rows(solved, *sides)))
-    square = np.sqrt(first.square * second.square)
-    rows = PairRows(*tables.at(square, np.repeat(np.arange(sides.shape[1]), motions)))
-    envelope = np.tile(course.envelope, sides.shape[1])
-    moves, joint = difference(first, second, rows, envelope, course.step)
-    return PairsInMotion(course, first, second, moves, joint, *judged)
+        moves, joint = alone(first, bandwidth, course.step), 0 * first.square
+    else:
+        second = structures.moving(sides[1])
+        tables = Tables.of(solved.levels, np.array(_pair_rows(solved, *sides)))
+        square = np.sqrt(first.square * second.square)
+        rows = PairRows(*tables.at(square, np.repeat(np.arange(sides.shape[1]), motions)))
+        envelope = np.tile(course.envelope, sides.shape[1])
+        moves, joint = difference(first, second, rows, envelope, course.step)
+    return PairsInMotion(
+        course=course,
+        first=first,
+        second=second,
+        moves=moves,
+        joint=joint,
+        gaussian=_levels_of_load(cells, ground, course),
+        failed=np.any(solved.failed[sides], axis=0),
+        expected=expected_errors(cells, ground, course),
+    )
 
 
-def expected_errors(cells: Sequence[Oscillators], ground: Ground, course: Course) -> tuple[Array, Array]:
-    """Expected relative error of the gap for 90 % (n,), and the caution flag, by kinds of pairs."""
+def expected_errors(cells: Sequence[Oscillators], ground: Ground, course: Course) -> ExpectedErrors:
+    """Expected errors of pairs by their kind."""
     frequencies = np.array([2 * np.pi / each.period for each in cells])
     alike = np.ptp(np.log(frequencies), axis=0) < ALIKE if len(cells) > 1 else False
     narrow: Array | bool = False
@@ -164,8 +188,8 @@ def expected_errors(cells: Sequence[Oscillators], ground: Ground, course: Course
     error = np.where(stiff, ERRORS["stiff"], np.where(narrow, ERRORS["narrow"], error))
     error = np.where(narrow & np.asarray(stiff), ERRORS["stiff on narrow"], error)
     if soil.states and not soil.oscillators:
-        return np.full_like(error, np.nan), np.full(error.size, 2, np.int8)
-    return error, (error > ERRORS["usual"]).astype(np.int8)
+        return ExpectedErrors(np.full_like(error, np.nan), np.full(error.size, 2, np.int8))
+    return ExpectedErrors(error, (error > ERRORS["usual"]).astype(np.int8))
 
 
 def _bandwidth(solved: SolvedLevels) -> Array:
@@ -188,8 +212,8 @@ def _pair_rows(solved: SolvedLevels, first: Array, second: Array) -> PairRows:
         solved.soil.later(solved.system, NODES + 0 * frequency),
     )
     places = [(side[:, None] * count + np.arange(count)).ravel() for side in (first, second)]
-    unseen = np.full(len(both.error.shape) * 4, np.nan)
-    rho = over_pairs(partial(drifting_pair, unseen), both, both, places, 6)[0]
+    unused = np.full(len(BOUNDS) + 1, np.nan)  # errors of rho
+    rho = over_pairs(partial(drifting_pair, unused), both, both, places, 6)[0]
     derived = over_pairs(drifting_correlation, both.side, both.side, places)[0]
     share = np.maximum(solved.solved.values["drift_std"] / np.sqrt(both.side.variance), LEAST_SHARE)
     added = (rho - derived) / (share[places[0]] * share[places[1]])
@@ -212,25 +236,23 @@ def _levels_of_load(cells: Sequence[Oscillators], ground: Ground, course: Course
     count, (instants, motions) = shares.size, course.envelope.shape
     result = np.empty((count, motions, instants, LEVELS.size))
     result[:] = LEVELS
-    std = np.sqrt(np.pi * soil.intensity * frequency * (1 + 4 * damping**2) / (2 * damping))
-    levels = levels_for(course.spread)
+    std = course.scale * np.sqrt(
+        np.pi * soil.intensity * frequency * (1 + 4 * damping**2) / (2 * damping)
+    )
+    levels, structures = levels_for(course.spread), [yielding(each) for each in cells]
     for cell in np.flatnonzero(shares):
-        structures = [_harmonic(each, cell, frequency[cell]) for each in cells]
-        rows = [load_levels(structures, std[cell] * level, shares[cell], LEVELS) for level in levels]
+        harmonics = [
+            Harmonic.of(
+                2 * np.pi / each.period[cell],
+                each.damping[cell],
+                each.hardening[cell],
+                each.strength[cell],
+                frequency[cell],
+            )
+            for each in structures
+        ]
+        rows = [load_levels(harmonics, std[cell] * level, shares[cell], LEVELS) for level in levels]
         of_level = Tables.of(levels, np.array(rows).T)
         at_instants = of_level.at(course.envelope**2, np.zeros(motions, int))
         result[cell] = at_instants.transpose(2, 1, 0)
     return result.reshape(count * motions, instants, LEVELS.size)
-
-
-def _harmonic(cells: Oscillators, cell: Any, load: float) -> Harmonic:
-    """A structure at the frequency of the load."""
-    strength, hardening = cells.strength[cell], cells.hardening[cell]
-    elastic = not np.isfinite(strength)
-    return Harmonic.of(
-        2 * np.pi / cells.period[cell],
-        cells.damping[cell],
-        1.0 if elastic else hardening,
-        1.0 if elastic else strength,
-        load,
-    )

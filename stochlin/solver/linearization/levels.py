@@ -114,15 +114,22 @@ class SolvedLevels(NamedTuple):
     failed: Array  # (n,) whether a level has no solution
 
 
+def yielding(structures: Oscillators) -> Oscillators:
+    """The same structures, of which those that are elastic have a strength and the hardening 1."""
+    elastic = ~np.isfinite(structures.strength)
+    return structures._replace(
+        hardening=np.where(elastic, 1.0, structures.hardening),
+        strength=np.where(elastic, ELASTIC_STRENGTH, structures.strength),
+    )
+
+
 def distinct(structures: Oscillators) -> tuple[Array, Array]:
     """Columns of the different structures and their grounds, and the numbers of those of each cell.
 
     The strengths are in metres.
     """
-    elastic = ~np.isfinite(structures.strength)
-    hardening = np.where(elastic, 1.0, structures.hardening)
-    strength = np.where(elastic, ELASTIC_STRENGTH, structures.strength)
-    rows = [structures.period, structures.damping, hardening, strength, *structures.soil]
+    each = yielding(structures)
+    rows = [each.period, each.damping, each.hardening, each.strength, *each.soil]
     columns, number = np.unique(np.array(rows), axis=1, return_inverse=True)
     return columns, number.ravel()
 
