@@ -33,6 +33,7 @@ SIDE, MANY, BESIDE = 2000, 100_000, 20_000
 NUMBERS = (1.0, 0.05, 0.05, 0.02), (0.7, 0.05, 0.05, 0.01), (0.01, 2.0, 0.3)
 GROUND = sl.KanaiTajimi(2.0, 0.3, 0.01)
 PAIR = tuple(sl.Bilinear(*numbers) for numbers in NUMBERS[:2])
+QUAKE = {"duration": 30.0, "envelope": sl.AminAng(4.0, 15.0, 0.35)}
 FIRST_TABLE = (
     "import numpy as np, stochlin as sl\n"
     "own = {'damping': 0.05, 'hardening': 0.05, 'reduction_factor': 4}\n"
@@ -65,6 +66,12 @@ def table_jobs():
     sides = structures(SIDE, "one", 1), structures(SIDE, "two", 2)
     many, beside = structures(MANY, "case", 3), structures(BESIDE, "case", 4)
     others = structures(BESIDE, "case", 5)
+    row = structures(20, "case", 6)
+    few = [
+        row.isel({"case": xr.DataArray(places, dims="pair")})
+        for places in np.mod(np.triu_indices(25, 1), 20)
+    ]
+    other = [structures(3000, "case", seed) for seed in (7, 8)]
     return {
         "2000 x 2000 with bias": (1, lambda: sl.correlate(*sides, GROUND)),
         "2000 x 2000 without bias": (1, lambda: sl.correlate(*sides, GROUND, bias=False)),
@@ -75,6 +82,9 @@ def table_jobs():
         "100 000 by drift": (1, lambda: sl.linearize(many, GROUND, "drift")),
         "100 000 Gaussian with bias": (1, lambda: sl.linearize(many, GROUND)),
         "20 000 pairs by drift": (1, lambda: sl.correlate(beside, others, GROUND, closure="drift")),
+        "one passage_gap": (20, lambda: sl.passage_gap(*PAIR, GROUND, **QUAKE)),
+        "300 passage_gap of 20 structures": (1, lambda: sl.passage_gap(*few, GROUND, **QUAKE)),
+        "3000 passage_gap": (1, lambda: sl.passage_gap(*other, GROUND, **QUAKE)),
     }
 
 

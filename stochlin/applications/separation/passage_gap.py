@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -19,8 +18,7 @@ from stochlin.models.parameters import Parameter
 from stochlin.models.structures import Gap, Structure
 from stochlin.solver.correlation.levels import PairsInMotion, pairs_in_motion
 from stochlin.solver.linearization.equivalent_systems import Oscillators, in_columns
-from stochlin.solver.linearization.levels import Course, strengths, why_no_drift
-from stochlin.solver.linearization.strength import strength_in_metres
+from stochlin.solver.linearization.levels import Course, in_metres, strengths, why_no_drift
 from stochlin.solver.linearization.transient_systems import check_course
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.cells import flat
@@ -141,7 +139,7 @@ def _of_cells(
 ) -> xr.Dataset:
     """Variables of `passage_gap`."""
     models: dict[str, Any] = {
-        role: _in_metres(structure, ground, float(course.times[-1]))
+        role: in_metres(structure, ground, float(course.times[-1]))
         for role, structure in structures.items()
     }
     beside = {} if distance is None else {"distance": distance}
@@ -160,15 +158,8 @@ def _of_cells(
     else:
         names = [*OF_ALL, *(OF_PAIRS if len(structures) > 1 else ())]
         names += ["no_pounding_probability"] if beside else []
-        columns = dict.fromkeys(names, np.empty(0))
+        columns = {name: np.empty(0, np.int8 if name in BLANK else float) for name in names}
     return xr.Dataset({name: cells.array(row, BLANK.get(name, np.nan)) for name, row in columns.items()})
-
-
-def _in_metres(structure: Structure, ground: Ground, duration: float) -> Any:
-    """The structure with its strength in metres; invalid where its period exceeds the duration."""
-    metres = strength_in_metres(structure, ground)
-    period = metres.arrays()["period"]
-    return replace(metres, period=period.where(period <= duration)) if period.ndim else metres
 
 
 def _columns(pairs: PairsInMotion, confidence: float, gaps: Array | None) -> dict[str, Array]:

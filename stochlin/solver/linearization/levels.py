@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,6 +25,7 @@ from stochlin.models.grounds import Ground
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.structures import DRIFT, Structure
 from stochlin.solver.linearization.equivalent_systems import Law, Oscillators, Solved
+from stochlin.solver.linearization.strength import strength_in_metres
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.cells import ONE, Flat
 from stochlin.solver.tables.checks import USUAL
@@ -87,6 +89,13 @@ class Course(NamedTuple):
     def step(self) -> float:
         """From one instant to the next [s]."""
         return float(self.times[1])
+
+
+def in_metres(structure: Structure, ground: Ground, duration: float) -> Structure:
+    """The structure with its strength in metres; invalid where its period exceeds the duration."""
+    metres: Structure = strength_in_metres(structure, ground)
+    period = metres.arrays()["period"]
+    return replace(metres, period=period.where(period <= duration)) if period.ndim else metres
 
 
 def why_no_drift(structures: Sequence[Any]) -> str:

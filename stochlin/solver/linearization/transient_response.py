@@ -22,11 +22,11 @@ from stochlin.solver.linearization.levels import (
     INSTANTS,
     Course,
     StructuresInMotion,
+    in_metres,
     strengths,
     structures_in_motion,
     why_no_drift,
 )
-from stochlin.solver.linearization.strength import strength_in_metres
 from stochlin.solver.linearization.systems.state_space import problem_of
 from stochlin.solver.linearization.transient_systems import (
     POINTS,
@@ -207,11 +207,7 @@ def _drifting(
 ) -> xr.Dataset:
     """Variables of `transient_response` of all cells, by the drift closure."""
     check_duration(seconds, {"structure": structure})
-    metres = strength_in_metres(structure, ground)
-    period = metres.arrays()["period"]
-    if period.ndim:
-        metres = replace(metres, period=period.where(period <= seconds))
-    cells = flat({"structure": metres, "ground": ground})
+    cells = flat({"structure": in_metres(structure, ground, seconds), "ground": ground})
     if not cells.where.size:
         raise ValueError("no structure has valid parameters; correct those that are out of range")
     each = -(-(INSTANTS - 1) // (points - 1))
