@@ -33,7 +33,7 @@ from stochlin.models.structures import Gap
 from stochlin.models.systems import AnyStructure, first_period
 from stochlin.models.uncertain import as_array, median_of
 from stochlin.solver.linearization.strength import strength_in_metres
-from stochlin.solver.linearization.transient_response import IN_TIME
+from stochlin.solver.linearization.transient_response import IN_TIME, InTime
 from stochlin.solver.linearization.transient_systems import check_course, course_of, over_time
 from stochlin.solver.simulation.finite_motions import pounding_shares
 from stochlin.solver.simulation.simulation import check_repeated
@@ -69,7 +69,7 @@ def pounding_fragility(
     duration: Duration,
     envelope: Envelope | None = None,
     confidence: Probability = 0.9,
-    closure: str | None = None,
+    closure: InTime | None = None,
     scatter: Scatter | None = None,
     paths: PathsIfAny = 1024,
     seed: Seed = 0,

@@ -12,7 +12,7 @@ import xarray as xr
 from stochlin.applications.probability.formulas import by_formula, checked_gaps
 from stochlin.applications.probability.hybrid import hybrid_pounding
 from stochlin.kernels.basics.parallel import Progress, part_of
-from stochlin.messages import brief, hint, refuse
+from stochlin.messages import refuse
 from stochlin.models.arguments import (
     Duration,
     Points,
@@ -29,7 +29,7 @@ from stochlin.models.structures import DRIFT, GAUSSIAN, Gap
 from stochlin.models.systems import AnyStructure, first_period
 from stochlin.models.uncertain import median_of
 from stochlin.solver.linearization.levels import why_no_drift
-from stochlin.solver.linearization.transient_response import IN_TIME
+from stochlin.solver.linearization.transient_response import IN_TIME, InTime
 from stochlin.solver.linearization.transient_systems import (
     POINTS,
     TIME,
@@ -71,7 +71,7 @@ def pounding_probability(
     method: Method = "evolutionary",
     record: xr.DataArray | None = None,
     confidence: Probability = 0.9,
-    closure: str | None = None,
+    closure: InTime | None = None,
     scatter: Scatter | None = None,
     points: Points = POINTS,
     paths: PathsIfAny | None = None,
@@ -266,16 +266,11 @@ def pounding_probability(
     )
 
 
-def closure_in_time(closure: str | None, structures: Sequence[AnyStructure]) -> str:
+def closure_in_time(closure: InTime | None, structures: Sequence[AnyStructure]) -> str:
     """The closure that is taken for motions of finite length: by default that with the drift, if any."""
-    if closure not in (None, *IN_TIME):
-        allowed = " or ".join(map(repr, IN_TIME))
-        raise ValueError(f"closure = {brief(closure)}; {hint(str(closure), IN_TIME)}allowed: {allowed}")
     missing = why_no_drift(structures)
     if closure == DRIFT and missing:
-        raise ValueError(
-            f"closure = 'drift': {missing}; allowed: 'gaussian', or two bilinear oscillators"
-        )
+        raise ValueError(f"closure = {DRIFT!r}: {missing}; allowed: {GAUSSIAN!r}")
     yields = any(structure.yields for structure in structures)
     return closure or (DRIFT if yields and not missing else GAUSSIAN)
 

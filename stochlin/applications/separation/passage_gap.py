@@ -107,7 +107,9 @@ def passage_gap(
     """
     structures = standing(first, second)
     if missing := why_no_drift([*structures.values()]):
-        raise ValueError(f"passage_gap: {missing}; use separation")
+        raise ValueError(
+            f"passage_gap: {missing}; allowed: bilinear oscillators; separation simulates others"
+        )
     seconds = check_course(duration, envelope)
     check_duration(seconds, structures)
     scatter = scatter_of(ground, scatter)
