@@ -267,6 +267,9 @@ def finite() -> dict[str, Any]:
         "usual": usual.size,
         "most": float(np.percentile(abs(usual), 95)),
         "worst": float(usual.min()),
+        "flagged": int((table.caution == 1).sum()),
+        "off_flagged": int((abs(error[table.caution == 1]) > 15).sum()),
+        "off_usual": int((abs(usual) > 15).sum()),
         "worst_of_all": float(error.min()),
         "off": [
             np.percentile(of_confidence[table.caution.values == flag], [0, 2.5, 97.5, 100])
