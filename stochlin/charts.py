@@ -18,6 +18,7 @@ from stochlin.views.figures.fig3 import white_noise_chart as white_noise_chart
 from stochlin.views.figures.fig4 import period_ratio_chart as period_ratio_chart
 from stochlin.views.figures.fig5 import amplification_chart as amplification_chart
 from stochlin.views.figures.fig5 import period_plane_chart as period_plane_chart
+from stochlin.views.figures.fig9 import required_gap_chart as required_gap_chart
 from stochlin.views.figures.motions import energy_chart as energy_chart
 from stochlin.views.figures.motions import portrait_chart as portrait_chart
 from stochlin.views.figures.motions import recorded_gap_chart as recorded_gap_chart

@@ -11,7 +11,7 @@ import stochlin as sl
 pytestmark = pytest.mark.cli
 
 FIGURES = sorted((Path(__file__).parents[2] / "figures").glob("*.nc"))
-NAMES = ("fig4b", "fig5a", "fig5b", "fig6")
+NAMES = ("fig4b", "fig5a", "fig5b", "fig6", "fig9")
 COLUMNS = (0.084, 0.174)  # m
 
 

@@ -47,7 +47,7 @@ def test_files_are_the_same_on_other_processors_and_with_more_threads(tmp_path):
     ]
     assert [run.wait() for run in runs] == [0, 0]
     files = sorted((tmp_path / "0").iterdir())
-    assert len(files) == 26
+    assert len(files) == 28
     for path in files:
         assert path.read_bytes() == (tmp_path / "1" / path.name).read_bytes(), path.name
 

@@ -90,7 +90,7 @@ def test_the_package_runs_without_its_script() -> None:
         ("rho --period-1 1s --period-2 1s --method effective --rule mine", "iwan_1980"),
         ("rho --period-1 0.7 --period-2 1s", "'0.7' has no unit"),
         ("probability case.toml --gap 5", "'5' has no unit"),
-        ("charts fig9", "fig4b"),
+        ("charts fig10", "fig4b"),
         ("gaps", "No such command 'gaps'."),
     ],
 )

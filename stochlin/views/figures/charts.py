@@ -34,8 +34,8 @@ NARROW_BAND_DAMPING = 0.05  # that of the paper for Figs. 4 and 5
 BROAD_BAND_DAMPING = 0.6  # that of firm soil, Der Kiureghian & Neuenhofer 1992
 FACTOR = Number(Bilinear.allowed("reduction_factor"))
 GROUND_DAMPING = Number(KanaiTajimi.allowed("damping"))
-# Motions of Figs. 1, 2 and 5b, in periods of the ground, so that an amplification does not depend on it:
-# the duration, the ends of the rise and of the strong part, and the decay. For 2 s it lasts 30 s.
+# Motions of Figs. 1, 2, 5b and 9, in periods of the ground, so that ratios do not depend on it: the
+# duration, the ends of the rise and of the strong part, and the decay. For 2 s it lasts 30 s.
 DURATION, RISE_END, STRONG_END, DECAY = 15.0, 2.0, 7.5, 0.7
 # Memory of a plastic drift above which a stationary response is hardly ever reached, in periods as well.
 LONGEST_MEMORY = 2 * DURATION
@@ -62,7 +62,7 @@ class ChartSettings(metaclass=Named):
     damping, hardening : float
         Damping ratio and hardening ratio [-] of all structures.
     reduction_factors : tuple of float
-        Reduction factors [-] of the curves in Figs. 4 and 5b.
+        Reduction factors [-] of the curves in Figs. 4 and 5b, and of the panels of Fig. 9.
     plane_reduction_factor : float
         Reduction factor [-] in Fig. 5a; that of the paper is 4.
     ductility : float
@@ -70,14 +70,14 @@ class ChartSettings(metaclass=Named):
     ground_period : float
         Period ``Tg`` [s] of the model grounds.
     ground_dampings : tuple of float
-        Damping ratios [-] of the model grounds; Figs. 4 and 5 have a panel for each.
+        Damping ratios [-] of the model grounds; Figs. 4, 5 and 9 have a panel for each.
     points : int
         Number of periods along an axis.
     paths, seed : int
         Number and seed of simulated motions, as in `stochlin.simulate`.
     simulated_points : int, optional
-        Number of periods at which each curve of Fig. 4, and Fig. 5a along each axis, are also simulated;
-        0 for none. The default is 21 for a curve and 41 for an axis.
+        Number of periods at which each curve of Figs. 4 and 9, and Fig. 5a along each axis, are also
+        simulated; 0 for none. The default is 21 for a curve, 11 in Fig. 9, and 41 for an axis.
     curves : tuple of str, optional
         Effective rules in Fig. 3b: names of `stochlin.rules.effective_rule_names` or of unverified
         rules. The default is all verified rules and that of the paper.

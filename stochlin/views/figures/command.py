@@ -20,15 +20,15 @@ OPTIONS: dict[str, tuple[Any, Any, str]] = {
     "print_width": (METRES, None, "Width in print, such as 84mm: no title and notes, larger text."),
     "damping": (RATIO, "0.05", "Damping ratio of the structures."),
     "hardening": (RATIO, "0.05", "Hardening ratio."),
-    "reduction_factors": (RATIOS, "1,2,4,6", "R of the curves in Figs. 4 and 5b."),
+    "reduction_factors": (RATIOS, "1,2,4,6", "R of the curves in Figs. 4, 5b and 9."),
     "plane_reduction_factor": (RATIO, "4", "R of Fig. 5a."),
     "ductility": (RATIO, "4", "Peak ductility in Fig. 3b."),
     "curves": (click.STRING, None, "Effective rules in Fig. 3b, such as iwan_1980,fema_440."),
     "ground_period": (SECONDS, "2s", "Period of the model grounds [s]."),
     "ground_dampings": (RATIOS, "0.05,0.6", "Damping of the model grounds: a panel for each."),
     "points": (POINTS, 161, "Number of periods along an axis."),
-    "paths": (POINTS, 64, "Simulated motions."),
-    "simulated_points": (COUNT, None, "Simulated periods: 21 in Fig. 4, 41 in Fig. 5a; 0 for none."),
+    "paths": (POINTS, 64, "Simulated motions; 32 times as many in Fig. 9."),
+    "simulated_points": (COUNT, None, "Simulated periods: 21 in Fig. 4, 41 in 5a, 11 in 9; 0 for none."),
 }
 
 COMPARISON = "Draw a second picture of Figs. 4 and 5, with linearization, drift closure and simulation."
@@ -59,7 +59,7 @@ def charts(
     \b
     Of a record or a simulated motion fig1 (pseudo energy radius), fig1b (energies), fig2 (critical gap);
     fig3a, fig3b; with a panel for each ground fig4a, fig4b, fig4c, fig5a, fig5b; of contact elements
-    fig6, fig7, fig8.
+    fig6, fig7, fig8; of the required gap fig9.
 
     \b
     Examples:

@@ -201,7 +201,7 @@ def with_errors(
     for method, values in (("linearized", chart[name]), ("drift closure", chart[f"{name}_drift"])):
         off = abs(values - simulated) / (1.0 if of_rho else simulated)
         each = (np.atleast_1d(of(simulated.dims[-2:])) for of in (off.mean, off.max))
-        of_grounds = zip(_bands(chart), *each, strict=True)
+        of_grounds = zip(bands(chart), *each, strict=True)
         shown = (f"{band}{mean:.2g} ({most:.2g})" for band, mean, most in of_grounds)
         texts.append(f"{method} {', '.join(shown)}")
     comment = (
@@ -212,7 +212,7 @@ def with_errors(
     return chart.assign_attrs(comment=comment)
 
 
-def _bands(chart: xr.Dataset) -> list[str]:
+def bands(chart: xr.Dataset) -> list[str]:
     """The grounds of a chart in a word each, before a number; nothing for one ground."""
     if "ground" not in chart.dims:
         return [""]
@@ -241,9 +241,14 @@ def simulated_step(settings: ChartSettings, size: int, usual: int) -> int:
 
 
 def words(
-    settings: ChartSettings, ground: Ground, title: str, where: str = "", **pictures: str
+    settings: ChartSettings,
+    ground: Ground,
+    title: str,
+    where: str = "",
+    about: str = "linearized, Gaussian closure",
+    **pictures: str,
 ) -> dict[str, str]:
-    """Words and pictures of a chart of linearized structures, which is the same for any intensity."""
+    """Words and pictures of a chart of bilinear structures, which is the same for any intensity."""
     values = {name: np.unique(array) for name, array in ground.cells().items() if name != "intensity"}
     stated = ", ".join(
         f"{name.replace('_', ' ')} {' and '.join(f'{value:.3g}' for value in several)}"
@@ -252,6 +257,6 @@ def words(
     )
     caption = (
         f"{ground.name} ground, {stated}{where}\nBilinear structures: ξ = {settings.damping:g}, "
-        f"α = {settings.hardening:g}, R = 3 σel/uy; linearized, Gaussian closure"
+        f"α = {settings.hardening:g}, R = 3 σel/uy; {about}"
     )
     return {"title": title, "caption": caption, **pictures}
