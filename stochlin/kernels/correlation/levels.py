@@ -25,8 +25,8 @@ from stochlin.kernels.linearization.levels import Moving, StructureRows, grown
 
 # Nodes of the integral for l1 over ln s [1/s], with errors e^(-pi^2/h) by their step, and of 2 e^-10 by
 # their range for frequencies of 0.06 to 600 rad/s.
-STEP = 0.9
-NODES = np.exp(STEP * np.arange(-14, 19))[:, None]
+STEP = 0.7
+NODES = np.exp(STEP * np.arange(-18, 24))[:, None]
 LEAST_EASE = 0.3  # factor of eq. (6) by which a correction of rho is divided at least
 LEAST_MEMORY = 1e-6  # correlation of the offset from an instant to the next
 EQUAL = 1e-10  # variance of a difference over those of both, below which it is 0
