@@ -224,7 +224,8 @@ class TestSymmetryAndScaling:
             first = sl.Bilinear(periods, 0.05, 0.05, reduction_factor=factor)
             return sl.passage_gap(first, other, BROAD, gap=0.1, **QUAKE)
 
-        whole, lazy = table(period), table(period.chunk(period=2)).compute()
+        whole, delayed = table(period), table(period.chunk(period=2))
+        lazy, invalid = delayed.compute(), table(period[[1]])
         assert whole.status.isel(factor=0).values.tolist() == [0, 3, 0, 3]
         for n, p in ((0, 0.4), (2, 0.7)):
             first = sl.Bilinear(p, 0.05, 0.05, reduction_factor=5.0)
@@ -234,6 +235,7 @@ class TestSymmetryAndScaling:
                 assert found == pytest.approx(float(values), rel=1e-9), name
         for name in whole:
             np.testing.assert_allclose(lazy[name], whole[name], rtol=1e-5, err_msg=name)
+            assert invalid[name].dtype == delayed[name].dtype == whole[name].dtype, name
 
 
 @pytest.mark.oracle

@@ -90,8 +90,8 @@ def passage_gap(
     Notes
     -----
     Errors were measured on 900 simulated pairs. They are larger than usual, with ``caution``, for
-    periods within 8 %, on grounds with a damping below 0.2, for structures that are both stiffer than
-    the ground, and in less than a cycle of strong shaking: see ``docs/drift.md``.
+    periods within 8 %, on grounds with a damping of 0.2 or less, for structures that are both stiffer
+    than the ground, and in less than a cycle of strong shaking: see ``docs/drift.md``.
 
     References
     ----------

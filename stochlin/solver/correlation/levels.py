@@ -42,6 +42,7 @@ LEAST_SHARE = 1e-6  # of the drift in a standard deviation
 # Kinds of pairs with larger errors: logarithm of the ratio of periods, damping of the ground, smaller
 # frequency over that of the ground, and strong shaking over the longer period.
 ALIKE, NARROW, STIFF, BRIEF = 0.08, 0.2, 1.2, 0.7
+ROUNDING = 1e-9  # a damping of 0.2 counts as narrow
 # Mean absolute error of the gap for 90 % by kind, of 900 simulated pairs (benchmarks/finite_drift.py).
 ERRORS = {
     "usual": 0.05,
@@ -180,7 +181,7 @@ def expected_errors(cells: Sequence[Oscillators], ground: Ground, course: Course
     soil = ground.filter_of(cells[0].soil)
     if soil.oscillators:
         own = np.sqrt(soil.oscillators[0])
-        narrow = soil.oscillators[1] / (2 * own) < NARROW
+        narrow = soil.oscillators[1] / (2 * own) < NARROW * (1 + ROUNDING)
         stiff = frequencies.min(axis=0) > STIFF * own
     cycles = course.strong_seconds * frequencies.min(axis=0) / (2 * np.pi)
     error = np.where(cycles < BRIEF, ERRORS["brief"], ERRORS["usual"])
