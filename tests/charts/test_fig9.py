@@ -109,7 +109,7 @@ def test_a_panel_has_every_method_in_a_look_of_its_own(saved, width):
 @pytest.mark.cli
 def test_without_simulation_the_closure_is_drawn_alone_with_its_error():
     chart = required_gap_chart(ChartSettings(points=5, simulated_points=0, paths=2), GROUND)
-    assert "off by 6 % in the mean" in chart.comment
+    assert "off by 13 % or less in 95 % of the cases" in chart.comment
     assert set(chart.data_vars) == {"required_gap", "caution", "status"}
     figure = draw(chart)
     assert [len(axes.lines) for axes in figure.axes] == [1] * 4
