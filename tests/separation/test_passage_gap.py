@@ -21,7 +21,12 @@ from stochlin.kernels.passage import CHAIN, Passage, required_gaps, survival
 from stochlin.kernels.probability import accumulated, hazards
 from stochlin.solver.correlation.signatures import drifting_side
 from stochlin.solver.linearization.equivalent_systems import Oscillators, joined
-from stochlin.solver.linearization.levels import Course, distinct, solve_levels, structures_in_motion
+from stochlin.solver.linearization.levels import (
+    EnvelopesInTime,
+    distinct,
+    solve_levels,
+    structures_in_time,
+)
 from stochlin.solver.linearization.systems.systems import linearized_motion
 from stochlin.solver.tables.cells import flat
 
@@ -163,9 +168,9 @@ def test_bandwidth_of_a_difference_is_that_of_the_engine(name):
 def test_a_linear_structure_follows_white_noise_at_its_own_rate():
     structure, ground = sl.Bilinear(0.8, 0.05), sl.WhiteNoise(0.01)
     one = np.ones(1)
-    course = Course.of(None, 20.0, one, one)
+    course = EnvelopesInTime.of(None, 20.0, one, one)
     cells = Oscillators.of(flat({"structure": structure, "ground": ground}))
-    square = structures_in_motion(cells, ground, course).squares[:, 0, 0]
+    square = structures_in_time(cells, ground, course).squares[:, 0, 0]
     rate = 2 * 0.05 * 2 * np.pi / 0.8
     np.testing.assert_allclose(square, -np.expm1(-rate * course.times), atol=1e-9)
 

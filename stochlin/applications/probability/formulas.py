@@ -20,9 +20,9 @@ from stochlin.models.parameters import Parameter
 from stochlin.models.structures import DRIFT, Gap
 from stochlin.models.systems import Arrangement, first_period
 from stochlin.models.uncertain import median_of
-from stochlin.solver.correlation.levels import PairsInMotion, pairs_in_motion
+from stochlin.solver.correlation.levels import PairsInTime, pairs_in_time
 from stochlin.solver.linearization.equivalent_systems import Oscillators
-from stochlin.solver.linearization.levels import INSTANTS, Course, strengths
+from stochlin.solver.linearization.levels import INSTANTS, EnvelopesInTime, strengths
 from stochlin.solver.linearization.strength import strength_in_metres
 from stochlin.solver.linearization.systems.state_space import models_of, problem_of
 from stochlin.solver.linearization.transient_systems import TIME, TimeGrid, solve_course
@@ -170,7 +170,7 @@ class RelativeMotion(NamedTuple):
 class DriftingMotion(NamedTuple):
     """Two oscillators by the drift closure, in motions of k strengths."""
 
-    motions: PairsInMotion
+    motions: PairsInTime
     shown: Array  # indices of the instants of the result
 
     def variances(self) -> Variances:
@@ -212,10 +212,10 @@ def drifting_motions(
     """Two oscillators by the drift closure, in i motions of k sizes (i, k) with weights (k,)."""
     each = -(-(INSTANTS - 1) // (course.shown.size - 1))
     instants = (course.shown.size - 1) * each + 1
-    motions = pairs_in_motion(
+    motions = pairs_in_time(
         [Oscillators.of(flat({"structure": structure, "ground": ground})) for structure in pair],
         ground,
-        Course.of(
+        EnvelopesInTime.of(
             course.envelope, course.duration, sizes.ravel(), np.tile(weights, len(sizes)), instants
         ),
     )

@@ -16,9 +16,9 @@ from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground, scatter_of
 from stochlin.models.parameters import Parameter
 from stochlin.models.structures import Gap, Structure
-from stochlin.solver.correlation.levels import PairsInMotion, pairs_in_motion
+from stochlin.solver.correlation.levels import PairsInTime, pairs_in_time
 from stochlin.solver.linearization.equivalent_systems import Oscillators, in_columns
-from stochlin.solver.linearization.levels import Course, in_metres, strengths, why_no_drift
+from stochlin.solver.linearization.levels import EnvelopesInTime, in_metres, strengths, why_no_drift
 from stochlin.solver.linearization.transient_systems import check_course
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.cells import flat
@@ -113,7 +113,7 @@ def passage_gap(
     seconds = check_course(duration, envelope)
     check_duration(seconds, structures)
     scatter = scatter_of(ground, scatter)
-    course = Course.of(envelope, seconds, *strengths(scatter))
+    course = EnvelopesInTime.of(envelope, seconds, *strengths(scatter))
     models: dict[str, Any] = {**structures, "ground": ground}
     if gap is not None:
         models["distance"] = Gap(gap)
@@ -134,7 +134,7 @@ def passage_gap(
 def _of_cells(
     ground: Ground,
     *,
-    course: Course,
+    course: EnvelopesInTime,
     confidence: float,
     distance: Gap | None = None,
     **structures: Structure,
@@ -151,7 +151,7 @@ def _of_cells(
     of_role = [Oscillators.of(cells.of_structure(role)) for role in structures]
 
     def part(at: slice) -> dict[str, Array]:
-        pairs = pairs_in_motion([each.at(at) for each in of_role], ground, course)
+        pairs = pairs_in_time([each.at(at) for each in of_role], ground, course)
         return _columns(pairs, confidence, None if gaps is None else gaps[at])
 
     if count:
@@ -164,7 +164,7 @@ def _of_cells(
     return xr.Dataset({name: cells.array(row, BLANK.get(name, np.nan)) for name, row in columns.items()})
 
 
-def _columns(pairs: PairsInMotion, confidence: float, gaps: Array | None) -> dict[str, Array]:
+def _columns(pairs: PairsInTime, confidence: float, gaps: Array | None) -> dict[str, Array]:
     """The variables of cells (n,)."""
     first, second, mean = pairs.first, pairs.second, pairs.means
     apart = mean(pairs.difference)

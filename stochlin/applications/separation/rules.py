@@ -34,9 +34,9 @@ from stochlin.models.rules.peak_factors import PEAK_FACTORS, peak_factor_model
 from stochlin.models.structures import Structure
 from stochlin.models.systems import Arrangement, arrangement_of, first_mode
 from stochlin.solver.correlation.equation_4 import rho_effective
-from stochlin.solver.correlation.levels import PairsInMotion, pairs_in_motion
+from stochlin.solver.correlation.levels import PairsInTime, pairs_in_time
 from stochlin.solver.linearization.equivalent_systems import Oscillators, Solved, solved_together
-from stochlin.solver.linearization.levels import Course, why_no_drift
+from stochlin.solver.linearization.levels import EnvelopesInTime, why_no_drift
 from stochlin.solver.linearization.peaks import peak_table, response_moments
 from stochlin.solver.linearization.strength import solved_reduction_factor
 from stochlin.solver.linearization.systems.systems import linearized_motion
@@ -72,7 +72,7 @@ class PairInMotion:
     motions: xr.Dataset
     confidence: float
     strong_seconds: float  # [s], duration of the stationary motion with equal energy
-    course: Course  # of the motions, in sizes that scatter
+    course: EnvelopesInTime  # of the motions, in sizes that scatter
     site: Site  # what else the rules of codes ask
 
     @property
@@ -152,12 +152,12 @@ class PairInMotion:
         return correlation_of(self.linearized, *self.of_coordinates)
 
     @cached_property
-    def in_time(self) -> PairsInMotion:
+    def in_time(self) -> PairsInTime:
         """The structures in these motions by the drift closure; an error if there is none."""
         if missing := why_no_drift(self.structures):
             raise ValueError(missing)
         cells = [flat({"structure": each, "ground": self.ground}) for each in self.structures]
-        pairs = pairs_in_motion([Oscillators.of(each) for each in cells], self.ground, self.course)
+        pairs = pairs_in_time([Oscillators.of(each) for each in cells], self.ground, self.course)
         if pairs.failed.any():
             raise ArithmeticError("the drift closure has no solution")
         return pairs

@@ -33,7 +33,7 @@ from stochlin.models.grounds import Ground, scatter_of
 from stochlin.models.rules.codes import BOTH, Site
 from stochlin.models.systems import AnyStructure, first_period
 from stochlin.models.uncertain import median_of
-from stochlin.solver.linearization.levels import Course, strengths
+from stochlin.solver.linearization.levels import EnvelopesInTime, strengths
 from stochlin.solver.linearization.strength import strength_in_metres
 from stochlin.solver.simulation.finite_motions import (
     enough_motions,
@@ -238,7 +238,7 @@ def separation(
             # The rules take the structures at their medians, and the peaks of all samples.
             ground = median_of(ground)
             structures = tuple(strength_in_metres(structure, ground) for structure in known)
-            course = Course.of(envelope, duration, *strengths(scatter))
+            course = EnvelopesInTime.of(envelope, duration, *strengths(scatter))
             strong = strong_seconds(duration, envelope)
             pair = PairInMotion(structures, ground, motions, confidence, strong, course, site)
             table = _judged(all_rules(pair, rules), pair)

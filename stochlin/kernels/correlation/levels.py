@@ -21,7 +21,7 @@ from stochlin.kernels.linearization.covariance import (
     velocity_covariance,
 )
 from stochlin.kernels.linearization.drift import DriftingSide, drift_covariance
-from stochlin.kernels.linearization.levels import Moving, StructureRows, grown
+from stochlin.kernels.linearization.levels import StructureInTime, StructureRows, grown
 
 # Nodes of the integral for l1 over ln s [1/s], with errors e^(-pi^2/h) by their step, and of 2 e^-10 by
 # their range for frequencies of 0.06 to 600 rad/s.
@@ -157,7 +157,7 @@ class Difference(NamedTuple):
     memory: Array  # (instants - 1, c) correlation of the offset from each instant to the next
 
 
-def alone(structure: Moving, bandwidth: Array, step: float) -> Difference:
+def alone(structure: StructureInTime, bandwidth: Array, step: float) -> Difference:
     """The motion of one structure beside a line that does not move."""
     rows = structure.rows
     offset, memory = structure.offset, np.exp(-0.5 * (rows.relaxation[:-1] + rows.relaxation[1:]) * step)
@@ -167,7 +167,7 @@ def alone(structure: Moving, bandwidth: Array, step: float) -> Difference:
 
 
 def difference(
-    first: Moving, second: Moving, pair: PairRows, envelope: Array, step: float
+    first: StructureInTime, second: StructureInTime, pair: PairRows, envelope: Array, step: float
 ) -> tuple[Difference, Array]:
     """The motion of ``u_1 - u_2``, eqs. (17) to (19), and the covariance of ``u_1`` and ``u_2``."""
     rows_1, rows_2 = first.rows, second.rows

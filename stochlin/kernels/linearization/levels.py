@@ -182,7 +182,7 @@ def grown(source: Array, rate: Array, step: float, start: Array | float = 0.0) -
     return state
 
 
-class Moving(NamedTuple):
+class StructureInTime(NamedTuple):
     """A structure in a motion of finite length, over (instants, c)."""
 
     square: Array  # squared level of the structure
@@ -201,7 +201,9 @@ class Moving(NamedTuple):
         return self.rows.displacement**2 + self.offset
 
 
-def moving(tables: Tables, square: Array, envelope: Array, columns: Array, step: float) -> Moving:
+def moving(
+    tables: Tables, square: Array, envelope: Array, columns: Array, step: float
+) -> StructureInTime:
     """Structures with these numbers ``columns`` (c,) in the tables, at squared levels (instants, c)."""
     rows = StructureRows(*tables.at(square, columns))
     size = np.sqrt(square) * rows.correction
@@ -212,4 +214,4 @@ def moving(tables: Tables, square: Array, envelope: Array, columns: Array, step:
         slow_push=envelope * rows.correction * rows.slow_push,
     )
     drift = grown(rows.kick**2, 2 * rows.relaxation, step)
-    return Moving(square, rows, drift, grown(rows.slow_push**2, 2 * rows.slow_rate, step))
+    return StructureInTime(square, rows, drift, grown(rows.slow_push**2, 2 * rows.slow_rate, step))

@@ -23,16 +23,16 @@ from stochlin.kernels.correlation.pairs import drifting_pair, over_pairs, taken
 from stochlin.kernels.linearization.covariance import own_covariance
 from stochlin.kernels.linearization.drift import drifting_correlation
 from stochlin.kernels.linearization.harmonic import Harmonic, load_levels, share_of_load
-from stochlin.kernels.linearization.levels import Moving, Tables, levels_for
+from stochlin.kernels.linearization.levels import StructureInTime, Tables, levels_for
 from stochlin.kernels.linearization.spectral_moments import displacement_moments
 from stochlin.kernels.passage import CHAIN, LEVELS, Passage, required_gaps, survival
 from stochlin.models.grounds import Ground
 from stochlin.solver.correlation.signatures import drifting
 from stochlin.solver.linearization.equivalent_systems import Oscillators, joined
 from stochlin.solver.linearization.levels import (
-    Course,
+    EnvelopesInTime,
     SolvedLevels,
-    structures_in_motion,
+    structures_in_time,
     yielding,
 )
 from stochlin.solver.linearization.transient_systems import STRONG
@@ -61,12 +61,12 @@ class ExpectedErrors(NamedTuple):
     caution: Array  # (n,) 1 where errors are larger than usual, 2 on grounds that were not simulated
 
 
-class PairsInMotion(NamedTuple):
+class PairsInTime(NamedTuple):
     """n pairs, or structures alone, in m motions of one course: arrays (instants, n m)."""
 
-    course: Course
-    first: Moving
-    second: Moving | None
+    course: EnvelopesInTime
+    first: StructureInTime
+    second: StructureInTime | None
     moves: Difference
     joint: Array  # covariance of both displacements [m^2]
     gaussian: Array  # levels of the load, see `Passage`
@@ -84,7 +84,7 @@ class PairsInMotion(NamedTuple):
         rows = [np.ascontiguousarray(row.T) for row in (std, rate, bandwidth, offset, memory)]
         return Passage(rows[0], rows[1], rows[2], rows[3], rows[4], seconds, self.gaussian)
 
-    def part(self, motions: slice) -> PairsInMotion:
+    def part(self, motions: slice) -> PairsInTime:
         """Some of the motions of a single pair."""
 
         def some(rows: Any) -> Any:
@@ -143,9 +143,9 @@ class PairsInMotion(NamedTuple):
 
 
 @np.errstate(all="ignore")  # failed structures are NaN
-def pairs_in_motion(cells: Sequence[Oscillators], ground: Ground, course: Course) -> PairsInMotion:
+def pairs_in_time(cells: Sequence[Oscillators], ground: Ground, course: EnvelopesInTime) -> PairsInTime:
     """One or two structures in each of n cells, with strengths in metres."""
-    structures = structures_in_motion(joined(cells), ground, course)
+    structures = structures_in_time(joined(cells), ground, course)
     sides = structures.number.reshape(len(cells), -1)
     first, solved = structures.moving(sides[0]), structures.solved
     motions, second = course.weights.size, None
@@ -160,7 +160,7 @@ def pairs_in_motion(cells: Sequence[Oscillators], ground: Ground, course: Course
         rows = PairRows(*tables.at(square, np.repeat(np.arange(sides.shape[1]), motions)))
         envelope = np.tile(course.envelope, sides.shape[1])
         moves, joint = difference(first, second, rows, envelope, course.step)
-    return PairsInMotion(
+    return PairsInTime(
         course=course,
         first=first,
         second=second,
@@ -172,7 +172,9 @@ def pairs_in_motion(cells: Sequence[Oscillators], ground: Ground, course: Course
     )
 
 
-def expected_errors(cells: Sequence[Oscillators], ground: Ground, course: Course) -> ExpectedErrors:
+def expected_errors(
+    cells: Sequence[Oscillators], ground: Ground, course: EnvelopesInTime
+) -> ExpectedErrors:
     """Expected errors of pairs by their kind."""
     frequencies = np.array([2 * np.pi / each.period for each in cells])
     alike = np.ptp(np.log(frequencies), axis=0) < ALIKE if len(cells) > 1 else False
@@ -222,7 +224,7 @@ def _pair_rows(solved: SolvedLevels, first: Array, second: Array) -> PairRows:
     return pair_rows(of_first, of_second, np.clip(np.nan_to_num(added), -1, 1))
 
 
-def _levels_of_load(cells: Sequence[Oscillators], ground: Ground, course: Course) -> Array:
+def _levels_of_load(cells: Sequence[Oscillators], ground: Ground, course: EnvelopesInTime) -> Array:
     """Levels (n m, instants, levels) of the load where it is that which is Gaussian, eq. (20)."""
     soil = ground.filter_of(cells[0].soil)
     none = np.empty((0, 0, 0))

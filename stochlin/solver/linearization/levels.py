@@ -12,7 +12,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing
 from stochlin.kernels.linearization.filters import Filter
 from stochlin.kernels.linearization.levels import (
-    Moving,
+    StructureInTime,
     StructureRows,
     Tables,
     lagged,
@@ -53,7 +53,7 @@ def strengths(scatter: float) -> tuple[Array, Array]:
     return np.exp(scatter * normal), weights / weights.sum()
 
 
-class Course(NamedTuple):
+class EnvelopesInTime(NamedTuple):
     """Motions of one duration and shape, in m sizes."""
 
     times: Array  # (instants,) [s]
@@ -71,7 +71,7 @@ class Course(NamedTuple):
         sizes: Array,
         weights: Array,
         instants: int = INSTANTS,
-    ) -> Course:
+    ) -> EnvelopesInTime:
         """The course of motions of these sizes (m,)."""
         times, steps = np.linspace(0, duration, instants), (instants - 1) * STEPS
         middle = (np.arange(steps) + 0.5) * duration / steps
@@ -163,15 +163,15 @@ def solve_levels(columns: Array, ground: Ground, levels: Array) -> SolvedLevels:
     return SolvedLevels(levels, solved, filters, system, forcing, rows, tables, np.any(failed, axis=1))
 
 
-class StructuresInMotion(NamedTuple):
+class StructuresInTime(NamedTuple):
     """Structures of c cells in motions of one course; equal ones are solved once."""
 
-    course: Course
+    course: EnvelopesInTime
     solved: SolvedLevels  # the different structures
     number: Array  # (c,) of the structure of each cell
     squares: Array  # (instants, structures, m) squared levels
 
-    def moving(self, numbers: Array) -> Moving:
+    def moving(self, numbers: Array) -> StructureInTime:
         """The structures with these numbers (n,) in all motions, over (instants, n m)."""
         course, motions = self.course, self.course.weights.size
         square = self.squares[:, numbers].reshape(course.times.size, -1)
@@ -179,7 +179,7 @@ class StructuresInMotion(NamedTuple):
         return moving(self.solved.tables, square, envelope, np.repeat(numbers, motions), course.step)
 
 
-def structures_in_motion(cells: Oscillators, ground: Ground, course: Course) -> StructuresInMotion:
+def structures_in_time(cells: Oscillators, ground: Ground, course: EnvelopesInTime) -> StructuresInTime:
     """Structures of cells with strengths in metres, from rest on."""
     columns, number = distinct(cells.stronger(ground, course.scale**2))
     solved = solve_levels(columns, ground, levels_for(course.spread))
@@ -188,4 +188,4 @@ def structures_in_motion(cells: Oscillators, ground: Ground, course: Course) -> 
     at_levels = solved.tables.at(behind.reshape(instants, -1), np.repeat(np.arange(structures), motions))
     lags = StructureRows(*at_levels).resonant.reshape(behind.shape)
     squares = lags * behind + (1 - lags) * course.envelope[:, None] ** 2
-    return StructuresInMotion(course, solved, number, squares)
+    return StructuresInTime(course, solved, number, squares)

@@ -20,11 +20,11 @@ from stochlin.models.structures import DRIFT, GAUSSIAN, Structure
 from stochlin.solver.linearization.equivalent_systems import Oscillators, solve_elastic
 from stochlin.solver.linearization.levels import (
     INSTANTS,
-    Course,
-    StructuresInMotion,
+    EnvelopesInTime,
+    StructuresInTime,
     in_metres,
     strengths,
-    structures_in_motion,
+    structures_in_time,
     why_no_drift,
 )
 from stochlin.solver.linearization.systems.state_space import problem_of
@@ -211,8 +211,8 @@ def _drifting(
     if not cells.where.size:
         raise ValueError("no structure has valid parameters; correct those that are out of range")
     each = -(-(INSTANTS - 1) // (points - 1))
-    course = Course.of(envelope, seconds, *strengths(0.0), (points - 1) * each + 1)
-    structures = structures_in_motion(Oscillators.of(cells), ground, course)
+    course = EnvelopesInTime.of(envelope, seconds, *strengths(0.0), (points - 1) * each + 1)
+    structures = structures_in_time(Oscillators.of(cells), ground, course)
     failed, shape = structures.solved.failed[structures.number], cells.shape
     table = xr.Dataset(coords=shape.coords)
     for name, row in _with_drift(structures).items():
@@ -222,7 +222,7 @@ def _drifting(
     return table.assign(status=cells.table(status, blank=labels.INVALID_INPUT))
 
 
-def _with_drift(structures: StructuresInMotion) -> dict[str, Array]:
+def _with_drift(structures: StructuresInTime) -> dict[str, Array]:
     """Variables over (instants, c) of structures by the drift closure."""
     solved, number = structures.solved, structures.number
     values, moves = solved.solved.values, structures.moving(number)
