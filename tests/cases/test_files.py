@@ -153,9 +153,9 @@ def test_answer_is_that_of_the_library(tmp_path: Path) -> None:
     sites = {"height_1": 24.0, "height_2": 15.0, "storeys_1": 8, "storeys_2": 5, "zone": "II"}
     sites |= dict.fromkeys(("floors_align", "same_property", "same_system"), True)
     expected = sl.separation(*pair, ground, 20.0, **motion, codes=sites, records={"wave.txt": record})
-    # Sums over modes are rounded otherwise by the oldest libraries.
+    # Sums over modes and products of matrices are not always rounded alike.
     common_part = answer.separation[list(expected.data_vars)]
-    xr.testing.assert_allclose(common_part, expected, rtol=1e-13, atol=1e-15)
+    xr.testing.assert_allclose(common_part, expected, rtol=1e-10, atol=1e-15)
     scattered = sl.separation(*pair, ground, 20.0, **motion, scatter=0.3).sel(rule="simulation")
     assert float(answer.separation.gap_with_scatter) == pytest.approx(float(scattered.gap), rel=1e-13)
     assert answer.existing is not None
