@@ -39,7 +39,7 @@ CAUTION_FINITE_DRIFT = (
     "Compared with simulation of 300 random pairs, the gap for 90 % by the drift closure in time is off "
     "by 13 % or less in 95 % of the cases, and at most 17 % too small; on narrow bands, in motions of "
     "few cycles, and where both structures are stiffer than the ground or have nearly the same period, "
-    "up to 42 % too small."
+    "up to 41 % too small."
 )
 CAUTION_DRIFT = (
     "Compared with nonlinear simulation of 500 random pairs, displacements by the drift closure, which "
