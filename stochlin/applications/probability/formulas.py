@@ -12,6 +12,7 @@ from scipy.optimize import elementwise
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
+from stochlin.kernels.linearization.spectral_moments import bandwidth_of
 from stochlin.kernels.linearization.systems.springs import Springs
 from stochlin.kernels.linearization.systems.substitution import Linear, response_of
 from stochlin.kernels.linearization.transient import TransientMoments
@@ -20,15 +21,13 @@ from stochlin.models.parameters import Parameter
 from stochlin.models.structures import DRIFT, Gap
 from stochlin.models.systems import Arrangement, first_period
 from stochlin.models.uncertain import median_of
-from stochlin.solver.correlation.levels import PairsInTime, pairs_in_time
-from stochlin.solver.linearization.equivalent_systems import Oscillators
+from stochlin.solver.correlation.levels import PairsInTime, lone_pair_in_time
 from stochlin.solver.linearization.levels import INSTANTS, EnvelopesInTime, strengths
 from stochlin.solver.linearization.strength import strength_in_metres
 from stochlin.solver.linearization.systems.state_space import models_of, problem_of
 from stochlin.solver.linearization.transient_systems import TIME, TimeGrid, solve_course
 from stochlin.solver.simulation.structures_in_motion import PATH, at_height, meeting_heights
 from stochlin.solver.tables import labels
-from stochlin.solver.tables.cells import flat
 from stochlin.solver.tables.lazy import check_names
 
 HEIGHT = "height"
@@ -100,9 +99,9 @@ def _bandwidths(moments: TransientMoments, problem: Springs, rows: Array, times:
         linear = Linear(moments.slip[instant], moments.relaxation[instant], problem.dashpots)
         with np.errstate(invalid="ignore", divide="ignore"):
             l0, l1, l2 = response_of(problem, linear).spectral_moments(rows)
-            narrow = 1 - l1**2 / (l0 * l2)
+            bandwidth = bandwidth_of(l0, l1, l2)
         # NaN, for structures that move together, becomes 1: crossings are then independent.
-        table.append(np.sqrt(np.clip(np.nan_to_num(narrow, nan=1.0), 0, 1)))
+        table.append(np.nan_to_num(bandwidth, nan=1.0))
     columns = np.reshape(table, (chosen.size, -1)).T
     over_time = [np.interp(times, times[chosen], column) for column in columns]
     return np.stack(over_time, axis=1).reshape(times.size, *table[0].shape)
@@ -212,15 +211,9 @@ def drifting_motions(
     """Two oscillators by the drift closure, in i motions of k sizes (i, k) with weights (k,)."""
     each = -(-(INSTANTS - 1) // (course.shown.size - 1))
     instants = (course.shown.size - 1) * each + 1
-    motions = pairs_in_time(
-        [Oscillators.of(flat({"structure": structure, "ground": ground})) for structure in pair],
-        ground,
-        EnvelopesInTime.of(
-            course.envelope, course.duration, sizes.ravel(), np.tile(weights, len(sizes)), instants
-        ),
-    )
-    if motions.failed.any():
-        raise ArithmeticError("the drift closure has no solution; give less extreme parameters")
+    tiled = np.tile(weights, len(sizes))
+    envelopes = EnvelopesInTime.of(course.envelope, course.duration, sizes.ravel(), tiled, instants)
+    motions = lone_pair_in_time(pair, ground, envelopes)
     shown = np.arange(0, instants, each)
     ranges = (slice(begin, begin + weights.size) for begin in range(0, sizes.size, weights.size))
     return [DriftingMotion(motions.part(part), shown) for part in ranges]

@@ -34,14 +34,13 @@ from stochlin.models.rules.peak_factors import PEAK_FACTORS, peak_factor_model
 from stochlin.models.structures import Structure
 from stochlin.models.systems import Arrangement, arrangement_of, first_mode
 from stochlin.solver.correlation.equation_4 import rho_effective
-from stochlin.solver.correlation.levels import PairsInTime, pairs_in_time
-from stochlin.solver.linearization.equivalent_systems import Oscillators, Solved, solved_together
+from stochlin.solver.correlation.levels import PairsInTime, lone_pair_in_time
+from stochlin.solver.linearization.equivalent_systems import Solved, solved_together
 from stochlin.solver.linearization.levels import EnvelopesInTime, why_no_drift
 from stochlin.solver.linearization.peaks import peak_table, response_moments
 from stochlin.solver.linearization.strength import solved_reduction_factor
 from stochlin.solver.linearization.systems.systems import linearized_motion
 from stochlin.solver.simulation.finite_motions import mean_with_error, pair_peaks, quantiles_of
-from stochlin.solver.tables.cells import flat
 
 EQ_3 = "eq. (3) with the peaks of both structures"
 COMBINES = "needs a second building: eq. (3) combines the peaks of two"
@@ -156,11 +155,7 @@ class PairInMotion:
         """The structures in these motions by the drift closure; an error if there is none."""
         if missing := why_no_drift(self.structures):
             raise ValueError(missing)
-        cells = [flat({"structure": each, "ground": self.ground}) for each in self.structures]
-        pairs = pairs_in_time([Oscillators.of(each) for each in cells], self.ground, self.course)
-        if pairs.failed.any():
-            raise ArithmeticError("the drift closure has no solution")
-        return pairs
+        return lone_pair_in_time(self.structures, self.ground, self.course)
 
     def drift_rho(self) -> Array:
         """Correlation by the drift closure [-], (1,), while the shaking is strong."""

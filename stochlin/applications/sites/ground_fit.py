@@ -24,6 +24,7 @@ from stochlin.applications.sites.simulated_spectra import Motions, peak_accelera
 from stochlin.applications.sites.spectra import SHORTEST, checked_spectrum, interpolated, is_spectrum
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
+from stochlin.kernels.linearization.spectral_moments import bandwidth_of
 from stochlin.messages import DoubtfulInput, refuse
 from stochlin.models.arguments import Duration, OneOf, Seed, Truth, TwoNumbers, Whole, checked
 from stochlin.models.envelopes import Envelope, strong_seconds
@@ -356,8 +357,7 @@ class _Search:
     def _peak_factors(self, fit: FittedFilters) -> Array:
         l0, l1, l2 = (moment @ _psd(fit.logs, self._frequency) for moment in self._moments)
         crossings = np.sqrt(l2 / l0) * self.wanted.strong / np.pi
-        bandwidth = np.sqrt(np.clip(1 - l1**2 / (l0 * l2), 0, 1))
-        return peak_factor_model("vanmarcke").mean(np.maximum(crossings, 1.0), bandwidth)
+        return peak_factor_model("vanmarcke").mean(np.maximum(crossings, 1.0), bandwidth_of(l0, l1, l2))
 
     def corrected(self, fit: FittedFilters, accelerations: Array) -> FittedFilters:
         """The fit with the peak factors of a simulation, whose mean spectrum is ``accelerations``."""

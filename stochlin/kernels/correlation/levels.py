@@ -18,10 +18,10 @@ from stochlin.kernels.linearization.covariance import (
     Residues,
     displacement_covariance,
     residues,
-    velocity_covariance,
 )
-from stochlin.kernels.linearization.drift import DriftingSide, drift_covariance
+from stochlin.kernels.linearization.drift import DriftingSide, coherence_of, drift_covariance
 from stochlin.kernels.linearization.levels import StructureInTime, StructureRows, grown
+from stochlin.kernels.linearization.spectral_moments import bandwidth_of
 
 # Nodes of the integral for l1 over ln s [1/s], with errors e^(-pi^2/h) by their step, and of 2 e^-10 by
 # their range for frequencies of 0.06 to 600 rad/s.
@@ -63,10 +63,9 @@ def pair_rows(first: AtLevels, second: AtLevels, added: Array) -> PairRows:
     of_pair = residues(motion_1, motion_2)
     joint = displacement_covariance(motion_1, motion_2, of_pair)
     ahead, velocity = covariances_with_rates(motion_1, motion_2, of_pair)
-    coherence = velocity_covariance(motion_1, motion_2, of_pair)
-    coherence = np.clip(coherence / np.sqrt(first.side.noisy * second.side.noisy), -1.0, 1.0)
     unrelaxed = (side._replace(rate=np.array(0.5)) for side in (first.side, second.side))
-    kicks, both = drift_covariance(coherence, *unrelaxed), first.rows.kick * second.rows.kick
+    kicks = drift_covariance(coherence_of(first.side, second.side, of_pair), *unrelaxed)
+    both = first.rows.kick * second.rows.kick
     rate_1, rate_2 = first.side.rate, second.side.rate
     ease = 2 * np.sqrt(rate_1 * rate_2) / (rate_1 + rate_2)
     kappa = np.where(both > 0, kicks / np.where(both > 0, both, 1.0), 0.0)
@@ -84,7 +83,7 @@ def pair_rows(first: AtLevels, second: AtLevels, added: Array) -> PairRows:
         ),
         velocity / (level**2 * rows_1.velocity * rows_2.velocity),
         np.clip(kappa + added / np.fmax(ease, LEAST_EASE), -1, 1),
-        np.sqrt(np.clip(np.nan_to_num(1 - l1**2 / (l0 * l2), nan=1.0), 0, 1)),
+        np.nan_to_num(bandwidth_of(l0, l1, l2), nan=1.0),
     )
 
 
@@ -120,7 +119,8 @@ def decay(first: AtLevels, second: AtLevels, joint: Array, ahead: Array, velocit
     The covariances of both structures are ``joint``, ``E[u_1 v_2] = ahead`` and ``velocity``. It is as
     in `spectral_moments`, for two structures whose states have covariances with ``u_1 - u_2``.
     """
-    drive, forcing = first.later - second.later, first.forcing.mu - second.forcing.mu
+    drive = first.later - second.later
+    forcing = first.forcing.mu - second.forcing.mu
     place_1, place_2 = first.own.mu_mu - joint, joint - second.own.mu_mu
     rate_1, rate_2 = first.own.v_v - velocity, velocity - second.own.v_v
     of_first = _decay(first.system, place_1, ahead, rate_1, forcing, drive)
@@ -159,10 +159,9 @@ class Difference(NamedTuple):
 
 def alone(structure: StructureInTime, bandwidth: Array, step: float) -> Difference:
     """The motion of one structure beside a line that does not move."""
-    rows = structure.rows
-    offset, memory = structure.offset, np.exp(-0.5 * (rows.relaxation[:-1] + rows.relaxation[1:]) * step)
+    rows, offset = structure.rows, structure.offset
     both = np.sqrt(offset[:-1] * offset[1:])
-    memory = _share(structure.offset[:-1] * memory, both)
+    memory = _share(offset[:-1] * _stays(rows, step), both)
     return Difference(rows.displacement, rows.velocity, bandwidth, np.sqrt(offset), memory)
 
 
@@ -178,8 +177,8 @@ def difference(
     turn = 1j * (rows_1.velocity / rows_1.displacement - rows_2.velocity / rows_2.displacement)
     growth = 0.5 * (rows_1.growth + rows_2.growth)
     stationary = pair.displacement + 1j * pair.ahead
-    source, rate = (growth - turn) * stationary * ahead, growth * ahead - turn
-    follows = grown(source, rate, step, stationary[0]).real
+    source = (growth - turn) * stationary * ahead
+    follows = grown(source, growth * ahead - turn, step, stationary[0]).real
     rho = np.clip(follows, -1, 1)
     rho_velocity = np.clip(pair.velocity + follows - pair.displacement, -1, 1)
     joint = rho * rows_1.displacement * rows_2.displacement
@@ -188,16 +187,21 @@ def difference(
         rows_1.velocity**2 + rows_2.velocity**2 - 2 * rho_velocity * rows_1.velocity * rows_2.velocity
     )
     offset = _but_rounding(first.offset, second.offset, drift + slow)
-    stays = [
-        np.exp(-0.5 * (rows.relaxation[:-1] + rows.relaxation[1:]) * step) for rows in (rows_1, rows_2)
-    ]
-    lagged = first.offset[:-1] * stays[0] + second.offset[:-1] * stays[1]
-    lagged = lagged - (drift + slow)[:-1] * (stays[0] + stays[1])
+    stays_1 = _stays(rows_1, step)
+    stays_2 = _stays(rows_2, step)
+    lagged = first.offset[:-1] * stays_1 + second.offset[:-1] * stays_2
+    lagged = lagged - (drift + slow)[:-1] * (stays_1 + stays_2)
     memory = _share(lagged, np.sqrt(offset[:-1] * offset[1:]))
     velocity = np.maximum(velocity, 0.0)
     stds = np.sqrt(fast), np.sqrt(velocity), pair.bandwidth, np.sqrt(offset)
     moves = Difference(*stds, memory)
     return moves, joint + drift + slow
+
+
+def _stays(rows: StructureRows, step: float) -> Array:
+    """Share of a drift (instants - 1, c) that is left at the next instant."""
+    stays: Array = np.exp(-0.5 * (rows.relaxation[:-1] + rows.relaxation[1:]) * step)
+    return stays
 
 
 def _but_rounding(first: Array, second: Array, joint: Array) -> Array:

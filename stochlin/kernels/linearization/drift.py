@@ -19,6 +19,7 @@ from stochlin.kernels.basics.arrays import Array, on_arrays
 from stochlin.kernels.linearization.covariance import (
     EquivalentSystem,
     Motion,
+    Residues,
     characteristic,
     displacement_covariance,
     own_covariance,
@@ -278,8 +279,9 @@ class DriftingSide(NamedTuple):
 
 
 def at_unit_intensity(side: DriftingSide, intensity: Array) -> DriftingSide:
-    """The structure as it would be if all were smaller, on ground of this intensity, for that of 1."""
-    motion, size = side.motion, np.sqrt(intensity)
+    """The structure on ground of the intensity 1 instead of this one, its strength in proportion."""
+    motion = side.motion
+    size = np.sqrt(intensity)
     free = {name: getattr(motion, name) / intensity for name in ("free_2", "free_1", "free_0")}
     return DriftingSide(
         motion._replace(**free), side.rate, side.kicks / size, side.noisy, side.variance / intensity
@@ -301,14 +303,20 @@ def drift_covariance(coherence: Array, first: DriftingSide, second: DriftingSide
     return coherence * total / (first.rate + second.rate)
 
 
+def coherence_of(first: DriftingSide, second: DriftingSide, of_pair: Residues) -> Array:
+    """``r_v`` of eq. (7): correlation of the velocities of equivalent systems under one white noise.
+
+    It measures what is new and common to both responses in every half-cycle, without a spectral line of
+    the ground that both follow.
+    """
+    joint = velocity_covariance(first.motion, second.motion, of_pair)
+    return np.clip(joint / np.sqrt(first.noisy * second.noisy), -1.0, 1.0)
+
+
 def drifting_correlation(first: DriftingSide, second: DriftingSide) -> Array:
     """Correlation of two displacements with their drifts: at most 1, and 1 for equal structures."""
     of_pair = residues(first.motion, second.motion)
-    # Eq. (7), the correlation of the velocities of both equivalent systems under one white noise. It
-    # measures what is new and common to both responses in every half-cycle, without a spectral line of
-    # the ground that both follow.
-    coherence = velocity_covariance(first.motion, second.motion, of_pair)
-    coherence = np.clip(coherence / np.sqrt(first.noisy * second.noisy), -1.0, 1.0)
+    coherence = coherence_of(first, second, of_pair)
     joint = displacement_covariance(first.motion, second.motion, of_pair)
     joint = joint + drift_covariance(coherence, first, second)
     return joint / np.sqrt(first.variance * second.variance)

@@ -41,6 +41,12 @@ class SpectralMoments(NamedTuple):
     l2: Array
 
 
+def bandwidth_of(l0: Array, l1: Array, l2: Array) -> Array:
+    """Bandwidth ``sqrt(1 - l1^2/(l0 l2))`` [-]; NaN without motion."""
+    bandwidth: Array = np.sqrt(np.clip(1 - l1**2 / (l0 * l2), 0, 1))
+    return bandwidth
+
+
 @np.errstate(all="ignore")  # NaN without motion
 def displacement_moments(system: EquivalentSystem, forcing: Forcing, ground: Filter) -> SpectralMoments:
     """Spectral moments of one structure's displacement, for cells (n,)."""

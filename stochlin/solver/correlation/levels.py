@@ -24,9 +24,10 @@ from stochlin.kernels.linearization.covariance import own_covariance
 from stochlin.kernels.linearization.drift import drifting_correlation
 from stochlin.kernels.linearization.harmonic import Harmonic, load_levels, share_of_load
 from stochlin.kernels.linearization.levels import StructureInTime, Tables, levels_for
-from stochlin.kernels.linearization.spectral_moments import displacement_moments
+from stochlin.kernels.linearization.spectral_moments import bandwidth_of, displacement_moments
 from stochlin.kernels.passage import CHAIN, LEVELS, Passage, required_gaps, survival
 from stochlin.models.grounds import Ground
+from stochlin.models.structures import Structure
 from stochlin.solver.correlation.signatures import drifting
 from stochlin.solver.linearization.equivalent_systems import Oscillators, joined
 from stochlin.solver.linearization.levels import (
@@ -36,6 +37,7 @@ from stochlin.solver.linearization.levels import (
     yielding,
 )
 from stochlin.solver.linearization.transient_systems import STRONG
+from stochlin.solver.tables.cells import flat
 from stochlin.solver.tables.checks import USUAL
 
 LEAST_SHARE = 1e-6  # of the drift in a standard deviation
@@ -172,6 +174,17 @@ def pairs_in_time(cells: Sequence[Oscillators], ground: Ground, course: Envelope
     )
 
 
+def lone_pair_in_time(
+    structures: Sequence[Structure], ground: Ground, course: EnvelopesInTime
+) -> PairsInTime:
+    """One pair, or one structure, with strengths in metres; an ArithmeticError without a solution."""
+    cells = [flat({"structure": structure, "ground": ground}) for structure in structures]
+    pairs = pairs_in_time([Oscillators.of(each) for each in cells], ground, course)
+    if pairs.failed.any():
+        raise ArithmeticError("the drift closure has no solution; give less extreme parameters")
+    return pairs
+
+
 def expected_errors(
     cells: Sequence[Oscillators], ground: Ground, course: EnvelopesInTime
 ) -> ExpectedErrors:
@@ -197,8 +210,7 @@ def expected_errors(
 
 def _bandwidth(solved: SolvedLevels) -> Array:
     """Bandwidth of the displacement of each structure at each level."""
-    l0, l1, l2 = displacement_moments(solved.system, solved.forcing, solved.soil)
-    return np.sqrt(np.clip(1 - l1**2 / (l0 * l2), 0, 1))
+    return bandwidth_of(*displacement_moments(solved.system, solved.forcing, solved.soil))
 
 
 def _pair_rows(solved: SolvedLevels, first: Array, second: Array) -> PairRows:
