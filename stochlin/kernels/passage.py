@@ -18,10 +18,15 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.compiled import compiled, entry
 
 PLACES = 21
-CLOSE, TRIALS = 1e-4, 60  # relative tolerance of a gap, and the largest number of trials
-NARROWEST, USUAL, WIDEST = 1e-3, 2.5, 14.0  # gaps of a search, over the largest standard deviation
+CLOSE = 1e-4  # relative tolerance of a gap
+TRIALS = 60  # largest number of trials
+# gaps of a search, over the largest standard deviation
+NARROWEST = 1e-3
+USUAL = 2.5
+WIDEST = 14.0
 SLOPE = 5.0  # usual slope of the reduced variate over the logarithm of the gap
-TINY, EPS = 1e-300, 1e-15  # least probability, and least of its complement
+TINY = 1e-300  # least probability
+EPS = 1e-15  # least of its complement
 SQRT_2PI = np.sqrt(2 * np.pi)
 
 
@@ -36,14 +41,16 @@ class Chain(NamedTuple):
 
 def ehrenfest(places: int) -> Chain:
     """Ehrenfest's chain."""
-    last, number = places - 1, np.arange(places)
+    last = places - 1
+    number = np.arange(places)
     rates = (
         np.diag((last - number[:-1]) / 2, 1) + np.diag(number[1:] / 2, -1) - last / 2 * np.eye(places)
     )
     root = np.sqrt(binom.pmf(number, last, 0.5))
     _, vector = np.linalg.eigh(root[:, None] * rates / root)
     vector = vector[:, ::-1]  # from the constant on
-    into, back = (vector / root[:, None]).T, vector * root[:, None]
+    into = (vector / root[:, None]).T
+    back = vector * root[:, None]
     return Chain((2 * number - last) / np.sqrt(last), root**2, into.copy(), back.copy())
 
 
@@ -64,7 +71,8 @@ class Passage(NamedTuple):
     gaussian: Array
 
 
-LEVEL_STEP, HIGH = 0.25, 12.0  # steps of a table of levels; level beyond which nothing is crossed
+LEVEL_STEP = 0.25  # steps of a table of levels
+HIGH = 12.0  # level beyond which nothing is crossed
 LEVELS = LEVEL_STEP * np.arange(57)  # over the standard deviation
 
 
@@ -74,7 +82,8 @@ def survival(gaps, passage, chain, shares):  # type: ignore[no-untyped-def]
 
     ``shares`` are (c, g, instants).
     """
-    now, modes = np.empty_like(chain.share), np.empty_like(chain.share)
+    now = np.empty_like(chain.share)
+    modes = np.empty_like(chain.share)
     for case in range(gaps.shape[0]):
         for number in range(gaps.shape[1]):
             _follow(gaps[case, number], case, passage, chain, now, modes, shares[case, number])
@@ -86,8 +95,11 @@ def required_gaps(confidence, weights, passage, chain, gaps):  # type: ignore[no
 
     By secants of the reduced variate ``-ln(-ln P)`` over the logarithm of the gap, within brackets.
     """
-    wanted, instants = -np.log(-np.log(confidence)), passage.std.shape[1]
-    now, modes, shares = np.empty_like(chain.share), np.empty_like(chain.share), np.empty(instants)
+    wanted = -np.log(-np.log(confidence))
+    instants = passage.std.shape[1]
+    now = np.empty_like(chain.share)
+    modes = np.empty_like(chain.share)
+    shares = np.empty(instants)
     for number in range(len(gaps)):
         begin = number * len(weights)
         largest = 0.0
@@ -99,19 +111,23 @@ def required_gaps(confidence, weights, passage, chain, gaps):  # type: ignore[no
             gaps[number] = largest  # 0, or NaN
             continue
         low, high = np.log(NARROWEST * np.sqrt(largest)), np.log(WIDEST * np.sqrt(largest))
-        at, last, reduced = np.log(USUAL * np.sqrt(largest)), 0.0, 0.0
+        at = np.log(USUAL * np.sqrt(largest))
+        last = 0.0
+        reduced = 0.0
         for trial in range(TRIALS):
             stays = 0.0
             for case in range(begin, begin + len(weights)):
                 _follow(np.exp(at), case, passage, chain, now, modes, shares)
                 stays += weights[case - begin] * shares[-1]
-            before, reduced = reduced, -np.log(-np.log(min(max(stays, TINY), 1 - EPS)))
+            before = reduced
+            reduced = -np.log(-np.log(min(max(stays, TINY), 1 - EPS)))
             if reduced < wanted:
                 low = at
             else:
                 high = at
             slope = (reduced - before) / (at - last) if trial > 0 else SLOPE
-            last, step = at, (wanted - reduced) / slope
+            last = at
+            step = (wanted - reduced) / slope
             at = at + step
             if not low < at < high:
                 at = 0.5 * (low + high)
@@ -123,7 +139,8 @@ def required_gaps(confidence, weights, passage, chain, gaps):  # type: ignore[no
 @compiled
 def _follow(gap, case, passage, chain, now, modes, shares):  # type: ignore[no-untyped-def]
     """Write the probabilities that ``d`` of a case stays below the gap; ``now``, ``modes`` are work."""
-    places, instants = len(now), passage.std.shape[1]
+    places = len(now)
+    instants = passage.std.shape[1]
     warped = len(passage.gaussian) > 0
     now[:] = chain.share
     share = 1.0
@@ -140,7 +157,8 @@ def _follow(gap, case, passage, chain, now, modes, shares):  # type: ignore[no-u
                 for place in range(places):
                     now[place] += chain.back[place, mode] * (factor * modes[mode])
                 factor *= memory
-        std, offset = passage.std[case, instant], passage.offset[case, instant]
+        std = passage.std[case, instant]
+        offset = passage.offset[case, instant]
         bandwidth = SQRT_2PI * passage.bandwidth[case, instant]
         most = passage.crossings[case, instant] * passage.seconds[instant]
         for place in range(places):

@@ -68,7 +68,8 @@ def hazards(gap: Array, d_d: Array, d_v: Array, v_v: Array, bandwidth: Array) ->
     ``E[d d']``, ``E[d'^2]`` of ``d`` and ``d'`` broadcast with the gap [m].
     """
     moving = (d_d > 0) & (v_v > 0)
-    s, sv = np.sqrt(np.where(moving, d_d, 1.0)), np.sqrt(np.where(moving, v_v, 1.0))
+    s = np.sqrt(np.where(moving, d_d, 1.0))
+    sv = np.sqrt(np.where(moving, v_v, 1.0))
     kappa = np.clip(np.where(moving, d_v, 0.0) / (s * sv), -1, 1)
     h = np.where(moving, gap / s, np.inf)
     finite = np.where(moving, h, 0.0)

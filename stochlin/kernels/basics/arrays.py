@@ -48,7 +48,9 @@ def solve_3x3(matrix: Sequence[Sequence[Array]], right: Sequence[Array]) -> tupl
     """
     (a, b, c), (d, e, f), (g, h, i) = matrix
     x, y, z = right
-    cofactor_1, cofactor_2, cofactor_3 = e * i - f * h, c * h - b * i, b * f - c * e
+    cofactor_1 = e * i - f * h
+    cofactor_2 = c * h - b * i
+    cofactor_3 = b * f - c * e
     determinant = a * cofactor_1 + d * cofactor_2 + g * cofactor_3
     return (
         (cofactor_1 * x + cofactor_2 * y + cofactor_3 * z) / determinant,

@@ -127,10 +127,12 @@ def _folder_in(place: Path) -> Path | None:
 @contextmanager
 def _kept_on_disk(function: Any) -> Iterator[bool]:
     """Have numba keep on the disk what it is asked to keep in this block; False if it cannot."""
-    module, line = function.__module__.rpartition(".")[2], function.__code__.co_firstlineno
+    module = function.__module__.rpartition(".")[2]
+    line = function.__code__.co_firstlineno
     code = f"{module}.{function.__qualname__}-{line}."
     with _naming_folder:
-        folder, named = code_folder(), CONFIG.CACHE_DIR
+        folder = code_folder()
+        named = CONFIG.CACHE_DIR
         if folder is None:
             warn_once(NOT_KEPT)
         for call in tuple(WHEN_COMPILING):
@@ -147,7 +149,8 @@ class Entry:
     """A function that numba compiles at its first call, or finds compiled on the disk."""
 
     def __init__(self, function: Any) -> None:
-        self.py_func, self.__doc__ = function, function.__doc__
+        self.py_func = function
+        self.__doc__ = function.__doc__
         self.dispatcher: Any = nb.njit(**OPTIONS)(function)
         self._ready = False
 
@@ -176,7 +179,8 @@ def entry(function: Any) -> Any:
 def variant(function: Any, name: str) -> Any:
     """The same function under a name of its own, for arguments of other types."""
     copy = types.FunctionType(function.__code__, function.__globals__, function.__name__)
-    copy.__qualname__, copy.__doc__ = name, function.__doc__
+    copy.__qualname__ = name
+    copy.__doc__ = function.__doc__
     return copy
 
 

@@ -77,7 +77,8 @@ def process_folder() -> Path:
     place = Path(tempfile.gettempdir())
     remove_left(place, _PREFIX)
     folder = Path(tempfile.mkdtemp(prefix=_PREFIX, dir=place))
-    handle, process = mark(folder), os.getpid()
+    handle = mark(folder)
+    process = os.getpid()
 
     @atexit.register
     def remove() -> None:

@@ -12,11 +12,14 @@ import numpy as np
 from stochlin.kernels.basics.compiled import called_often
 
 # log 2 in two parts, of which the first has so few digits that its products with whole numbers are exact
-LOG_2, LOG_2_REST = 6.93147180369123816490e-01, 1.90821492927058770002e-10
+LOG_2 = 6.93147180369123816490e-01
+LOG_2_REST = 1.90821492927058770002e-10
 SHIFT = 6755399441055744.0  # 1.5 * 2^52: adding it rounds to whole numbers, kept in the lowest digits
 SHIFT_BITS = int(np.float64(SHIFT).view(np.int64))
 ROOT_HALF_BITS = int(np.float64(np.sqrt(0.5)).view(np.int64))
-LOWEST, HIGHEST = -708.0, 709.0  # beyond, the exponential is zero or infinite, or nearly so
+# beyond, the exponential is zero or infinite, or nearly so
+LOWEST = -708.0
+HIGHEST = 709.0
 TINY = 2.2250738585072014e-308  # the smallest normal number
 
 

@@ -80,7 +80,8 @@ class System(NamedTuple):
     @property
     def state_matrix(self) -> Array:
         """State matrix (..., 2 n, 2 n) of ``q`` and ``q'`` while all elements are elastic."""
-        cells, n = self.mass.shape[:-1], self.mass.shape[-1]
+        cells = self.mass.shape[:-1]
+        n = self.mass.shape[-1]
         matrix = np.zeros((*cells, 2 * n, 2 * n))
         matrix[..., :n, n:] = np.eye(n)
         matrix[..., n:, :n] = -self.stiffness / self.mass[..., None]
@@ -96,7 +97,8 @@ class System(NamedTuple):
         """Modes of one system, each with the displacement of its floors by its participation factor."""
         root = np.sqrt(self.mass)
         squares, vectors = scipy.linalg.eigh(self.stiffness / np.outer(root, root))
-        w, shapes = np.sqrt(squares), vectors / root[:, None]
+        w = np.sqrt(squares)
+        shapes = vectors / root[:, None]
         damping = np.einsum("in,ij,jn->n", shapes, self.damping, shapes) / (2 * w)
         return Modes(2 * np.pi / w, damping, (self.shapes @ shapes) * (self.mass @ shapes))
 

@@ -18,7 +18,8 @@ from stochlin.kernels.linearization.gaussian import gaussian
 from stochlin.kernels.linearization.grounds import Soil, forcing_of
 
 ELASTIC = 1e-18  # slip and relaxation over w below which the structure is taken as elastic
-CLOSE, MOST = 1e-10, 200  # Newton's step at the end, and the number of steps
+CLOSE = 1e-10  # Newton's step at the end
+MOST = 200  # number of steps
 for _formula in (*covariance.FORMULAS, *grounds.FORMULAS, *balance.FORMULAS):
     called_often(_formula)
 
@@ -100,7 +101,8 @@ def _structure(structure, ground, oscillators, functions):
     if converged:
         log_slip, _ = interpolated_number(functions, 0, z)
         log_relaxation, _ = interpolated_number(functions, 1, z)
-        p, k = math.exp(log_slip), math.exp(log_relaxation + v)
+        p = math.exp(log_slip)
+        k = math.exp(log_relaxation + v)
     system = EquivalentSystem(yielding[0], yielding[1], yielding[2], p, k)
     if p < ELASTIC and k < ELASTIC * w:
         system = elastic

@@ -82,7 +82,8 @@ def white_noise_correlation(
 
 def _rho(b: Array, xi_1: Array, xi_2: Array, unit: Array | float) -> Array:
     """Eq. (4) with the damping ratios in a unit."""
-    w1, w2 = b, 1 / b
+    w1 = b
+    w2 = 1 / b
     mixed = xi_1 * w1 + xi_2 * w2
     crossed = xi_1 * w2 + xi_2 * w1
     detuning = (w1 - w2) * (w1 + w2) / unit

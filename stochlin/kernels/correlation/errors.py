@@ -17,7 +17,8 @@ NONE_LEFT = 1e-13
 # Errors by the smaller R/p of both structures: below the first bound, between them, above the last one.
 BOUNDS = np.array([0.5, 1.0, 2.0])
 # Expected relative errors of 1 - rho: of nearly equal structures, and of all others, as a share of rho.
-OF_NEARLY_EQUAL, OF_OTHERS = np.array([0.14, 0.10, 0.06, 0.05]), 0.18
+OF_NEARLY_EQUAL = np.array([0.14, 0.10, 0.06, 0.05])
+OF_OTHERS = 0.18
 SAFE_SIDE = 0.06  # relative bias, on the safe side, of u_1 - u_2 of nearly equal structures by eq. (13)
 
 
@@ -35,12 +36,14 @@ def error_of_difference(
     were independent. ``share`` is the weight of eq. (13) for nearly equal structures, which is biased to
     the safe side.
     """
-    joint, apart = std_1 * std_2 * _left(rho), _apart(std_1, std_2)
+    joint = std_1 * std_2 * _left(rho)
+    apart = _apart(std_1, std_2)
     square = apart**2 + 2 * joint
     part_1 = (joint + std_1 * apart) / square * error_1
     part_2 = (joint - std_2 * apart) / square * error_2
     part_3 = joint / square * error
-    total, bias = np.sqrt(part_1**2 + part_2**2 + part_3**2), SAFE_SIDE * share * 2 * joint / square
+    total = np.sqrt(part_1**2 + part_2**2 + part_3**2)
+    bias = SAFE_SIDE * share * 2 * joint / square
     equal = np.isfinite(error_1) & np.isfinite(error_2) & (square == 0)
     return np.where(equal, 0.0, total), np.where(equal, 0.0, bias)
 

@@ -59,17 +59,21 @@ class AtLevels(NamedTuple):
 
 def pair_rows(first: AtLevels, second: AtLevels, added: Array) -> PairRows:
     """Rows of pairs (n,); ``added`` is what simulations add to the correlation of both drifts."""
-    motion_1, motion_2 = first.side.motion, second.side.motion
+    motion_1 = first.side.motion
+    motion_2 = second.side.motion
     of_pair = residues(motion_1, motion_2)
     joint = displacement_covariance(motion_1, motion_2, of_pair)
     ahead, velocity = covariances_with_rates(motion_1, motion_2, of_pair)
     unrelaxed = (side._replace(rate=np.array(0.5)) for side in (first.side, second.side))
     kicks = drift_covariance(coherence_of(first.side, second.side, of_pair), *unrelaxed)
     both = first.rows.kick * second.rows.kick
-    rate_1, rate_2 = first.side.rate, second.side.rate
+    rate_1 = first.side.rate
+    rate_2 = second.side.rate
     ease = 2 * np.sqrt(rate_1 * rate_2) / (rate_1 + rate_2)
     kappa = np.where(both > 0, kicks / np.where(both > 0, both, 1.0), 0.0)
-    rows_1, rows_2, level = first.rows, second.rows, first.level
+    rows_1 = first.rows
+    rows_2 = second.rows
+    level = first.level
     shared = rows_1.slow_push * rows_2.slow_push / (rows_1.slow_rate + rows_2.slow_rate)
     l1 = (2 / np.pi) * STEP * (NODES * decay(first, second, joint, ahead, velocity)).sum(axis=0)
     l2 = first.own.v_v + second.own.v_v - 2 * velocity
@@ -89,8 +93,10 @@ def pair_rows(first: AtLevels, second: AtLevels, added: Array) -> PairRows:
 
 def covariances_with_rates(first: Motion, second: Motion, of_pair: Residues) -> tuple[Array, Array]:
     """``E[u_1 v_2]`` and ``E[v_1 v_2]`` of a pair, by the integrals of `displacement_covariance`."""
-    kick_1, kick_2 = (0.0, first.relaxation, 1.0), (0.0, second.relaxation, 1.0)
-    free_1, free_2 = _free_rate(first), _free_rate(second)
+    kick_1 = (0.0, first.relaxation, 1.0)
+    kick_2 = (0.0, second.relaxation, 1.0)
+    free_1 = _free_rate(first)
+    free_2 = _free_rate(second)
     place = (first.relaxation, 1.0, 0.0), (first.free_0, first.free_1, first.free_2)
     ahead = _integral(of_pair, place[0], free_2) + _integral(of_pair, place[1], kick_2)
     return ahead, _integral(of_pair, kick_1, free_2) + _integral(of_pair, free_1, kick_2)
@@ -121,8 +127,10 @@ def decay(first: AtLevels, second: AtLevels, joint: Array, ahead: Array, velocit
     """
     drive = first.later - second.later
     forcing = first.forcing.mu - second.forcing.mu
-    place_1, place_2 = first.own.mu_mu - joint, joint - second.own.mu_mu
-    rate_1, rate_2 = first.own.v_v - velocity, velocity - second.own.v_v
+    place_1 = first.own.mu_mu - joint
+    place_2 = joint - second.own.mu_mu
+    rate_1 = first.own.v_v - velocity
+    rate_2 = velocity - second.own.v_v
     of_first = _decay(first.system, place_1, ahead, rate_1, forcing, drive)
     return of_first - _decay(second.system, place_2, ahead, rate_2, forcing, drive)
 
@@ -140,7 +148,8 @@ def _decay(
     ``place`` and ``rate`` are the covariances of its displacement and its velocity with ``u_1 - u_2``,
     ``rates`` that of both velocities, and ``forcing`` and ``drive`` those of the forcing, now and later.
     """
-    (w2, d, h, p, k), s = system, NODES
+    w2, d, h, p, k = system
+    s = NODES
     slip = w2 * place + d * rate - forcing - rates  # h times the covariance of the slip
     right = (s + k) * (w2 * place - s * (drive + rate)) - (s * slip + h * k * place)
     decays: Array = right / ((s + k) * ((s + d) * s + w2) - h * (k + p * s))
@@ -159,7 +168,8 @@ class Difference(NamedTuple):
 
 def alone(structure: StructureInTime, bandwidth: Array, step: float) -> Difference:
     """The motion of one structure beside a line that does not move."""
-    rows, offset = structure.rows, structure.offset
+    rows = structure.rows
+    offset = structure.offset
     both = np.sqrt(offset[:-1] * offset[1:])
     memory = _share(offset[:-1] * _stays(rows, step), both)
     return Difference(rows.displacement, rows.velocity, bandwidth, np.sqrt(offset), memory)
@@ -169,7 +179,8 @@ def difference(
     first: StructureInTime, second: StructureInTime, pair: PairRows, envelope: Array, step: float
 ) -> tuple[Difference, Array]:
     """The motion of ``u_1 - u_2``, eqs. (17) to (19), and the covariance of ``u_1`` and ``u_2``."""
-    rows_1, rows_2 = first.rows, second.rows
+    rows_1 = first.rows
+    rows_2 = second.rows
     drift = grown(pair.kick * rows_1.kick * rows_2.kick, rows_1.relaxation + rows_2.relaxation, step)
     slow = grown(rows_1.slow_push * rows_2.slow_push, rows_1.slow_rate + rows_2.slow_rate, step)
     level = np.sqrt(first.square * second.square)

@@ -31,12 +31,16 @@ from stochlin.kernels.linearization.iteration import (
 UNIVERSAL = (gaussian, clipped)  # closures of one law without parameters
 # Range of log sz: below it slip has no effect on the response in double precision, above it the shaking
 # is a thousand times too strong for the structure; and points between which the functions are cubic.
-FIRST, LAST, POINTS = float(np.log(0.04)), float(np.log(400.0)), 4096
+FIRST = float(np.log(0.04))
+LAST = float(np.log(400.0))
+POINTS = 4096
 WIDTH = (LAST - FIRST) / (POINTS - 1)
 SOLVING = 12  # Newton's steps for the correlations
 # The damping c, with which cells need 4 to 6 steps on average; and that after so many steps, for cells
 # whose steps overshoot again and again.
-DAMPING, LATER, ENOUGH = 0.3, 2.0, 6
+DAMPING = 0.3
+LATER = 2.0
+ENOUGH = 6
 
 
 @cache
@@ -46,7 +50,8 @@ def functions_of(closure: Closure) -> Array:
     Their values are the logarithms of ``1 + c_e``, ``k_e/sv`` and ``Var z``, and ``atanh r``.
     """
     places = np.linspace(FIRST, LAST, POINTS)
-    sz, none = np.exp(places), np.empty((0, POINTS))
+    sz = np.exp(places)
+    none = np.empty((0, POINTS))
 
     def excess(correlated: Array) -> Array:
         latent = np.array([np.ones(POINTS), sz, np.tanh(correlated)])
@@ -72,7 +77,10 @@ def interpolated(functions: Array, place: Array) -> tuple[Array, Array]:
 
 def cubic(coefficients: Any, x: Any) -> tuple[Any, Any]:
     """Value and slope of cubic polynomials, whose coefficients begin with that of the highest power."""
-    c3, c2, c1, c0 = coefficients[0], coefficients[1], coefficients[2], coefficients[3]
+    c3 = coefficients[0]
+    c2 = coefficients[1]
+    c1 = coefficients[2]
+    c0 = coefficients[3]
     return ((c3 * x + c2) * x + c1) * x + c0, (3 * c3 * x + 2 * c2) * x + c1
 
 
@@ -105,7 +113,8 @@ def newton_step(
     z_by_z = 0.5 / ALONG * (after_z.z_z / response.z_z - 1)
     norm = np.sqrt(off_v * off_v + off_z * off_z)
     push = (DAMPING if number <= ENOUGH else LATER) * norm
-    a, d = 1 + push - v_by_v, 0.5 * z_z_by_z + push - z_by_z
+    a = 1 + push - v_by_v
+    d = 0.5 * z_z_by_z + push - z_by_z
     determinant = a * d - v_by_z * z_by_v
     step_v = (d * off_v + v_by_z * off_z) / determinant
     step_z = (a * off_z + z_by_v * off_v) / determinant
@@ -138,7 +147,8 @@ def settled(
         # Numbers of Python, as those of numpy take twice the time, by numpy's exponential, as in arrays.
         closed = float(np.exp(slip)), float(np.exp(relaxation + v)), z_z, *slopes
         step_v, step_z, change, norm = newton_step(v, z, number, closed, structure, soil)
-        v, z = float(v + step_v), float(z + step_z)
+        v = float(v + step_v)
+        z = float(z + step_z)
         if change <= rtol and norm <= LARGEST_MISMATCH:
             return v, z, number, norm, True
     return v, z, most, norm, False
@@ -178,7 +188,8 @@ class BalancedStructures(NamedTuple):
         """
         solution = FixedPoint(start.copy(), *np.zeros((3, start.shape[1])))
         for n in range(start.shape[1]):
-            own, (v, z) = self.structure[:, n].tolist(), start[:, n].tolist()
+            own = self.structure[:, n].tolist()
+            v, z = start[:, n].tolist()
             soil = Soil(tuple(self.ground[:, n].tolist()), self.oscillators)
             with suppress(ArithmeticError, ValueError):
                 v, z, *ended = settled(v, z, own, soil, self.functions, self.rtol, most)

@@ -187,7 +187,8 @@ def displacement_covariance(first: Motion, second: Motion, of_pair: Residues) ->
 
 def velocity_covariance(first: Motion, second: Motion, of_pair: Residues) -> Array:
     """``E[mu_1' mu_2']`` of a pair with these `residues`, under white noise of the intensity 1."""
-    k1, k2 = first.relaxation, second.relaxation
+    k1 = first.relaxation
+    k2 = second.relaxation
     joint = of_pair.even_4 + (k2 - k1) * of_pair.odd_3 + k1 * k2 * of_pair.even_2
     return 2 * joint / of_pair.determinant
 

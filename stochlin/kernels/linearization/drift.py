@@ -91,7 +91,9 @@ def _relaxation(system: EquivalentSystem, latent: Array, slip: SlipQuadrant) -> 
     """Relaxation rate of the drift [1/s], eq. (4), from the derivatives of the mean slip rate."""
     by_velocity = 2 * slip.probability
     by_z = 2 * latent[0] * slip.h * slip.flow / erf(slip.h / np.sqrt(2))
-    w2, d, coupling = system.stiffness, system.damping, system.coupling
+    w2 = system.stiffness
+    d = system.damping
+    coupling = system.coupling
     return (w2 - coupling) * by_z / (w2 - coupling * by_velocity + d * by_z)
 
 
@@ -106,12 +108,16 @@ def _orders(sz: Array) -> Array:
     # The sizes sqrt(2 E) sz - 1 at the nodes, without cancellation.
     sizes = np.sqrt(2 * (threshold + _EXCESS))
     sizes = 2 * sz**2 * _EXCESS / (sz * sizes + 1)
-    of_excess, square = _POLYNOMIALS @ sizes, _WEIGHT @ (sizes * sizes)
-    moments, before, polynomial = of_excess.copy(), np.ones_like(sz), -threshold
+    of_excess = _POLYNOMIALS @ sizes
+    square = _WEIGHT @ (sizes * sizes)
+    moments = of_excess.copy()
+    before = np.ones_like(sz)
+    polynomial = -threshold
     for order in range(1, ORDERS + 1):
         moments[order:] += polynomial * of_excess[: ORDERS + 1 - order]
         following = ((2 * order - threshold) * polynomial - (order - 1) * before) / (order + 1)
-        before, polynomial = polynomial, following
+        before = polynomial
+        polynomial = following
     mean, *others = moments
     variances = [(moment / mean) ** 2 for moment in others]
     left = square / mean**2 * np.exp(threshold) - 1
@@ -125,7 +131,9 @@ def _sums_of_powers(memory: Array) -> Array:
     negative.
     """
     window = 2 * (1 - np.arange(1, len(memory) + 1) / len(memory))
-    power, square, sums = memory * window[:, None], memory**2, []
+    power = memory * window[:, None]
+    square = memory**2
+    sums = []
     for _ in range(ORDERS):
         power *= square
         sums.append(power.sum(axis=0))
@@ -146,12 +154,14 @@ def half_cycles(system: EquivalentSystem, ground: Filter) -> HalfCycles:
     with_soil = with_mu - with_slip
     # The variance of z' = (1 - p) v - k z follows with E[z z'] = 0.
     time = np.pi * np.sqrt(own.z_z / ((1 - p) ** 2 * own.v_v - k**2 * own.z_z))
-    memory, largest = np.empty((HALF_CYCLES, time.size)), np.full(time.size, np.inf)
+    memory = np.empty((HALF_CYCLES, time.size))
+    largest = np.full(time.size, np.inf)
     if ground.in_closed_form:
         memory, largest = _by_modes(system, ground.oscillators, with_soil.T / own.z_z, time)
     left = np.flatnonzero(~(largest < LARGEST_MODE))
     if left.size:
-        some, moments = (on_arrays(lambda row: row[left], cells) for cells in (system, own))
+        some = on_arrays(lambda row: row[left], system)
+        moments = on_arrays(lambda row: row[left], own)
         own_states = moments.mu_z, moments.v_z, moments.mu_z - moments.z_z
         with_z = np.column_stack([*own_states, with_soil[left]])
         memory[:, left] = _by_exponentials(some, ground.at(left), with_z, time[left]) / moments.z_z
@@ -167,9 +177,12 @@ def _by_modes(
     value 1, the rate 0 and the curvature at first.
     """
     parts = followed(system, oscillators, with_soil)
-    value, rate, bend = np.ones_like(time), np.zeros_like(time), -((np.pi / time) ** 2)
+    value = np.ones_like(time)
+    rate = np.zeros_like(time)
+    bend = -((np.pi / time) ** 2)
     for stiffness, damping, of_value, of_rate in parts:
-        value, rate = value - of_value, rate - of_rate
+        value = value - of_value
+        rate = rate - of_rate
         bend = bend + stiffness * of_value + damping * of_rate
     root, b1, b0 = factors(*characteristic(*system))
     single = (bend + b1 * rate + b0 * value) / (root * root + b1 * root + b0)
@@ -181,16 +194,20 @@ def _by_modes(
     stiffness, damping, value, rate = table
     half = 0.5 * damping * time
     beyond = half * half - stiffness * time * time
-    angle, decays = np.sqrt(np.abs(beyond)), beyond > 0
+    angle = np.sqrt(np.abs(beyond))
+    decays = beyond > 0
     growth = np.where(decays, angle, 0.0)
-    least, slower = np.expm1(-2 * growth), np.exp(growth - half)
+    least = np.expm1(-2 * growth)
+    slower = np.exp(growth - half)
     cosine = slower * np.where(decays, 1 + 0.5 * least, np.cos(angle))
     sine = slower * np.where(decays, -0.5 * least, np.sin(angle))
     after = value * cosine + (rate * time + half * value) * np.where(angle > 0, sine / angle, slower)
     # x(n + 1) = twice x(n) - square x(n - 1); the last mode is that of the single root.
     factor = np.exp(root * time)
-    twice, square = np.vstack([2 * cosine, factor]), np.vstack([np.exp(-2 * half), 0 * factor])
-    before, now = np.vstack([value, single]), np.vstack([after, single * factor])
+    twice = np.vstack([2 * cosine, factor])
+    square = np.vstack([np.exp(-2 * half), 0 * factor])
+    before = np.vstack([value, single])
+    now = np.vstack([after, single * factor])
     largest = np.abs([*before, *(rate * time)]).max(axis=0)
     memory = np.empty((HALF_CYCLES, time.size))
     for row in memory:
@@ -207,8 +224,10 @@ def factors(a2: Array, a1: Array, a0: Array) -> tuple[Array, Array, Array]:
     By Cardano it is the root farthest from the others, which two of Newton's steps then make exact.
     """
     third = a2 / 3
-    p, q = a1 / 3 - third * third, 0.5 * (a0 - third * a1) + third**3
-    beyond, m = q * q + p**3, np.sqrt(np.abs(p))
+    p = a1 / 3 - third * third
+    q = 0.5 * (a0 - third * a1) + third**3
+    beyond = q * q + p**3
+    m = np.sqrt(np.abs(p))
     u = np.cbrt(np.abs(q) + np.sqrt(np.maximum(beyond, 0)))
     angle = np.arccos(np.minimum(np.abs(q) / m**3, 1)) / 3
     root = -np.copysign(np.where(beyond < 0, 2 * m * np.cos(angle), u - p / u), q) - third
@@ -222,18 +241,27 @@ def factors(a2: Array, a1: Array, a0: Array) -> tuple[Array, Array, Array]:
 
 def _by_exponentials(system: EquivalentSystem, ground: Filter, with_z: Array, time: Array) -> Array:
     """Covariance of ``z`` after each half-cycle, from those of all states ``with_z`` (n, states)."""
-    (w2, d, h, p, k), soil = system, ground.arrays
+    w2, d, h, p, k = system
+    soil = ground.arrays
     size = with_z.shape[1]
     a = np.zeros((w2.size, size, size))
-    a[:, 0, 1], a[:, 1, 0], a[:, 1, 1], a[:, 1, 2] = 1, -w2, -d, h
-    a[:, 2, 0], a[:, 2, 1], a[:, 2, 2] = k, p, -k
-    a[:, 1, 3:], a[:, 3:, 3:] = soil.output, soil.matrix
+    a[:, 0, 1] = 1
+    a[:, 1, 0] = -w2
+    a[:, 1, 1] = -d
+    a[:, 1, 2] = h
+    a[:, 2, 0] = k
+    a[:, 2, 1] = p
+    a[:, 2, 2] = -k
+    a[:, 1, 3:] = soil.output
+    a[:, 3:, 3:] = soil.matrix
     both_ways = np.abs(soil.matrix * soil.matrix.swapaxes(-2, -1))
     rates = np.sqrt(w2) + d + k + np.sqrt(h * p) + np.sqrt(both_ways).sum(axis=(-2, -1))
     step = _exponentials(a * time[:, None, None], rates * time)
-    rows, columns = step[:, :1] - step[:, 2:3], [with_z[..., None]]
+    rows = step[:, :1] - step[:, 2:3]
+    columns = [with_z[..., None]]
     for _ in range(DOUBLINGS):  # z after 1 half-cycle; then after 1 and 2, 1 to 4, and so on
-        rows, step = np.concatenate([rows, rows @ step], axis=1), step @ step
+        rows = np.concatenate([rows, rows @ step], axis=1)
+        step = step @ step
     while rows.shape[1] * len(columns) < HALF_CYCLES:  # the states before, and after all of these
         columns.append(step @ columns[-1])
     return (rows @ np.concatenate(columns, axis=2)).transpose(2, 1, 0).reshape(HALF_CYCLES, w2.size)
@@ -247,7 +275,9 @@ def _exponentials(matrices: Array, rates: Array) -> Array:
     halvings = np.where(np.isfinite(rates), np.ceil(np.log2(np.maximum(rates, SMALL) / SMALL)), 0.0)
     first = matrices * 0.5 ** halvings[:, None, None]
     second = first @ first
-    third, fourth, identity = second @ first, second @ second, np.eye(matrices.shape[1])
+    third = second @ first
+    fourth = second @ second
+    identity = np.eye(matrices.shape[1])
     exponential = TAYLOR[12] * fourth
     for n in (8, 4, 0):
         exponential += TAYLOR[n + 3] * third + TAYLOR[n + 2] * second + TAYLOR[n + 1] * first

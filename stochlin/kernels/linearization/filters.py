@@ -81,10 +81,12 @@ class Filter:
 
     def clough_penzien(self, frequency: Entry, damping: Entry) -> Filter:
         """The Kanai-Tajimi ground through a high-pass oscillator of ``wf`` [rad/s] and ``xif``."""
-        layer, still = (frequency**2, 2 * damping * frequency), (0.0, 0.0)
+        layer = (frequency**2, 2 * damping * frequency)
+        still = (0.0, 0.0)
         output = (*self.output, -layer[0], -layer[1])
         matrix = (*((*row, *still) for row in self.matrix), (*still, 0.0, 1.0), output)
-        states, noise = (*self.states, "xf", "xf_rate"), (*self.noise, *still)
+        states = (*self.states, "xf", "xf_rate")
+        noise = (*self.noise, *still)
         return Filter(self.intensity, states, matrix, noise, output, (*self.oscillators, *layer))
 
     def at(self, cells: Any) -> Self:
@@ -95,7 +97,8 @@ class Filter:
     def arrays(self) -> Matrices:
         """The coefficients as arrays over the cells."""
         entries = [*self.output, *self.noise, *(entry for row in self.matrix for entry in row)]
-        cells, m = np.broadcast_shapes(*map(np.shape, entries)), len(self.states)
+        cells = np.broadcast_shapes(*map(np.shape, entries))
+        m = len(self.states)
         wide = [np.broadcast_to(np.asarray(entry, float), cells) for entry in entries]
         stacked = np.stack(wide, axis=-1) if wide else np.zeros((*cells, 0))
         return Matrices(
@@ -177,18 +180,26 @@ class Filter:
             parts = grounds.driven_rows(system, self.oscillators[:2], ends), *layer
             rows: Any = (sum(pairs, ()) for pairs in zip(*parts, strict=True))
             return np.moveaxis(np.array([np.broadcast_arrays(*row) for row in rows]), 1, -1)
-        soil, m = self.arrays, len(self.states)
+        soil = self.arrays
+        m = len(self.states)
         cells = np.broadcast_shapes(soil.noise.shape[:-1], *map(np.shape, (*system, self.intensity)))
         matrix = np.broadcast_to(soil.matrix, (*cells, m, m)).reshape(-1, m, m)
         noise, output = (np.broadcast_to(row, (*cells, m)).reshape(-1, m) for row in soil[1:])
         wide = [np.broadcast_to(row, cells).ravel() for row in (*system, self.intensity)]
         w2, d, h, p, k, intensity = wide
-        covariance, w = stationary(matrix, noise), np.sqrt(w2)
+        covariance = stationary(matrix, noise)
+        w = np.sqrt(w2)
         std = np.sqrt(np.diagonal(covariance, axis1=-2, axis2=-1))
         std = np.where(std > 0, std, 1.0)
-        own, right = np.zeros((w.size, 3, 3)), np.zeros((w.size, 3, m, 1))
-        own[:, 0, 1], own[:, 1, 0], own[:, 1, 1], own[:, 1, 2] = w, -w, -d, h / w
-        own[:, 2, 0], own[:, 2, 1], own[:, 2, 2] = k, p * w, -k
+        own = np.zeros((w.size, 3, 3))
+        right = np.zeros((w.size, 3, m, 1))
+        own[:, 0, 1] = w
+        own[:, 1, 0] = -w
+        own[:, 1, 1] = -d
+        own[:, 1, 2] = h / w
+        own[:, 2, 0] = k
+        own[:, 2, 1] = p * w
+        own[:, 2, 2] = -k
         drive = 2 * np.pi * intensity[:, None] * (covariance @ output[..., None])[..., 0] / std
         right[:, 1, :, 0] = drive / w[:, None]
         cross = _sylvester_of_matrices(own, matrix * std[:, None] / std[..., None], right)[..., 0]
@@ -219,12 +230,14 @@ def stationary(matrix: Array, noise: Array) -> Array:
     both = np.concatenate([matrix.reshape(-1, m * m), noise], axis=1)
     alike, which = np.unique(both, axis=0, return_inverse=True)
     alike[~np.isfinite(alike).all(axis=1)] = 0.0
-    matrix, noise = alike[:, : m * m].reshape(-1, m, m), alike[:, m * m :]
+    matrix = alike[:, : m * m].reshape(-1, m, m)
+    noise = alike[:, m * m :]
     stable = np.linalg.eigvals(matrix).real.max(axis=-1) < 0
     safe = np.where(stable[:, None, None], matrix, -np.eye(m))
     scale = np.ones_like(noise)
     for _ in range(2):  # solve again in units of the standard deviations, which is more accurate
-        unit, push = safe * scale[:, None, :] / scale[..., None], noise / scale
+        unit = safe * scale[:, None, :] / scale[..., None]
+        push = noise / scale
         drive = push[:, :, None, None] * push[:, None, :, None]
         covariance = _sylvester_of_matrices(unit, unit, drive)[..., 0]
         covariance = covariance * scale[..., None] * scale[:, None, :]
@@ -235,7 +248,8 @@ def stationary(matrix: Array, noise: Array) -> Array:
 
 def _sylvester_of_matrices(a: Array, b: Array, right: Array) -> Array:
     """``X`` of ``A X + X B' + right = 0``, for each cell and each entry of the last dimension."""
-    p, q = a.shape[-1], b.shape[-1]
+    p = a.shape[-1]
+    q = b.shape[-1]
     left = a[..., :, None, :, None] * np.eye(q)[:, None, :]
     left = left + np.eye(p)[:, None, :, None] * b[..., None, :, None, :]
     x = np.linalg.solve(left.reshape(-1, p * q, p * q), -right.reshape(-1, p * q, right.shape[-1]))

@@ -77,7 +77,8 @@ def regress_slip(by_v: Array, by_z: Array, covariance: Array) -> Array:
 
 def slip_quadrant(sz: Array, r: Array) -> SlipQuadrant:
     """The moments for a standard deviation ``sz`` of ``z`` and the correlation ``r``."""
-    h, q = 1 / sz, np.sqrt((1 - r) * (1 + r))
+    h = 1 / sz
+    q = np.sqrt((1 - r) * (1 + r))
     probability = 0.5 * ndtr(-h) + owens_t(h, r / q)
     edge = np.exp(-0.5 * h * h) / SQRT_2PI * ndtr(r / q * h)
     corner = np.exp(-0.5 * (h / q) * (h / q)) / (2 * math.pi)
@@ -89,7 +90,8 @@ def slip_quadrant(sz: Array, r: Array) -> SlipQuadrant:
 
 def within_yield(h: Array) -> tuple[Array, Array, Array]:
     """``P(|x| < h)``, ``E[x^2; |x| < h]`` and ``P(|x| > h)`` of a standard Gaussian ``x``."""
-    half, tail = 0.5 * h * h, ndtr(-h)
+    half = 0.5 * h * h
+    tail = ndtr(-h)
     between = 2 * h * np.exp(-half) / SQRT_2PI
     series = 0.0 * h
     for coefficient in NARROW:

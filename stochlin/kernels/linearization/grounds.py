@@ -137,7 +137,8 @@ def clough_penzien(system: Any, ground: Any) -> tuple[Signal, tuple[Pair, Pair],
     all digits where the filter leaves little of the soil's motion.
     """
     intensity, stiffness, damping, layer_stiffness, layer_damping = ground
-    soil, layer = (stiffness, damping), (layer_stiffness, layer_damping)
+    soil = (stiffness, damping)
+    layer = (layer_stiffness, layer_damping)
     noise = np.pi * intensity / damping, np.pi * intensity
     alone = layer_stiffness, layer_damping, 0.0, 0.0, np.sqrt(layer_stiffness)
     _, ends = _driven(alone, soil, noise)

@@ -22,7 +22,9 @@ BEYOND = 0.5  # slope of the levels of the load above the largest amplitude of t
 LEAST = 1e-3  # of a level
 # Shares of the load's level, over the damping ratio of the ground and over the smaller frequency of the
 # structures, over that of the ground.
-NARROW, ABOVE, FAR_ABOVE = (0.1, 0.2), (1.0, 1.6), (1.5, 3.0)
+NARROW = (0.1, 0.2)
+ABOVE = (1.0, 1.6)
+FAR_ABOVE = (1.5, 3.0)
 
 
 class Harmonic(NamedTuple):
@@ -34,7 +36,8 @@ class Harmonic(NamedTuple):
     @classmethod
     def of(cls, w: float, damping: float, hardening: float, yields_at: float, load_w: float) -> Harmonic:
         """A structure with the frequency ``w`` at that of the load [rad/s]."""
-        ratio, yielding = load_w / w, SIZES > 1
+        ratio = load_w / w
+        yielding = SIZES > 1
         angle = np.arccos(1 - 2 / np.where(yielding, SIZES, 1.0))
         softer = (1 - hardening) / np.pi
         stiffness = np.where(yielding, hardening + softer * (angle - 0.5 * np.sin(2 * angle)), 1.0)

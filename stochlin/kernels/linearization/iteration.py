@@ -22,7 +22,11 @@ import numpy as np
 from stochlin.kernels.basics.arrays import Array
 
 WEAK = 0.3  # standard deviation of the elastic ductility at which hardly any structure yields
-FIRST_RISE, LONGER, SHORTER, LEAST_RISE = 0.5, 2.0, 0.5, 1e-4  # rise of the logarithm of the shaking
+# rise of the logarithm of the shaking
+FIRST_RISE = 0.5
+LONGER = 2.0
+SHORTER = 0.5
+LEAST_RISE = 1e-4
 ALONG = 1e-6  # step of the differences for slopes of the mismatch
 LARGEST_STEP = 1.0  # largest step in log(sigma) and atanh(corr)
 LARGEST_MISMATCH = 1e-7  # largest norm of the mismatch of a converged cell
@@ -40,7 +44,8 @@ class FixedPoint(NamedTuple):
 
 def elastic_limit(elastic: Array, springs: int) -> Array:
     """The unknowns (u, n) of the elastic response, with ``sigma_z`` of the ``springs`` at most 1."""
-    limited, z = elastic.copy(), slice(springs, 2 * springs)
+    limited = elastic.copy()
+    z = slice(springs, 2 * springs)
     limited[z] = np.minimum(elastic[z], 0.0)
     return limited
 
@@ -61,14 +66,17 @@ def follow(
     that is farther than `NEAR` from its extrapolation belongs to another branch, and the step is
     repeated with a lower level.
     """
-    m, n = springs, elastic.shape[1]
+    m = springs
+    n = elastic.shape[1]
     slope = np.ones_like(elastic)  # of the unknowns by the level, first that of the elastic response
     slope[2 * m : 3 * m] = 0.0  # which keeps its correlations
     strongest = elastic[m : 2 * m].max(axis=0, initial=-np.inf)
     level = np.minimum(0.0, np.log(WEAK) - strongest) - FIRST_RISE
-    y, rise = elastic + slope * level, np.full(n, FIRST_RISE)
+    y = elastic + slope * level
+    rise = np.full(n, FIRST_RISE)
     near = np.full(n, np.inf)  # the first solution may be anywhere
-    solution, cells = nothing(elastic), np.arange(n)
+    solution = nothing(elastic)
+    cells = np.arange(n)
     for _ in range(most_levels):
         at = np.minimum(0.0, level[cells] + rise[cells])
         guess = y[:, cells] + slope[:, cells] * (at - level[cells])
@@ -76,10 +84,13 @@ def follow(
         reached = fixed_point.unknowns
         good = fixed_point.converged & (np.abs(reached - guess).max(axis=0) <= near[cells])
         add(solution, cells, fixed_point._replace(converged=good & (at == 0)))
-        on, known = cells[good], np.isfinite(near[cells[good]])
+        on = cells[good]
+        known = np.isfinite(near[cells[good]])
         found_slope = (reached[:, good] - y[:, on]) / (at[good] - level[on])
         slope[:, on] = np.where(known, found_slope, slope[:, on])
-        y[:, on], level[on], near[on] = reached[:, good], at[good], NEAR
+        y[:, on] = reached[:, good]
+        level[on] = at[good]
+        near[on] = NEAR
         rise[cells] *= np.where(good, LONGER, SHORTER)
         cells = np.flatnonzero(~solution.converged & (rise > LEAST_RISE))
         if not cells.size:

@@ -24,13 +24,15 @@ from stochlin.kernels.linearization.covariance import (
 from stochlin.kernels.linearization.filters import Filter
 from stochlin.kernels.linearization.grounds import followed
 
-LEAST, LEVELS = 0.02, 16  # the lowest level for motions of one size, and the number from it to 1
+LEAST = 0.02  # lowest level for motions of one size
+LEVELS = 16  # number of levels from it to 1
 FINE = 8  # steps of a table between two levels
 AT_REST = 1e-12  # squared level of a motion that has not begun
 NEWTON = 5  # steps to a slow mode
 # The slow mode counts as part of the slow offset up to the first rate, over the frequency of the
 # structure, and as part of the fast response from the second one on.
-SLOW, FAST = 0.1, 0.2
+SLOW = 0.1
+FAST = 0.2
 LARGEST_SLOW = 0.9  # share of the slow mode in the variance
 
 Rows = TypeVar("Rows", bound=tuple[Array, ...])
@@ -58,10 +60,12 @@ class Tables(NamedTuple):
 
     def at(self, square: Array, columns: Array) -> Array:
         """Rows (rows, ..., c) at squared levels (..., c), of the structures with these numbers (c,)."""
-        first, step = self.points[0], self.points[1] - self.points[0]
+        first = self.points[0]
+        step = self.points[1] - self.points[0]
         place = np.clip((np.log(square) - first) / step, 0, self.points.size - 1)
         whole = np.minimum(place.astype(int), self.points.size - 2)
-        before, after = self.rows[:, columns, whole], self.rows[:, columns, whole + 1]
+        before = self.rows[:, columns, whole]
+        after = self.rows[:, columns, whole + 1]
         between: Array = before + (place - whole) * (after - before)
         return between
 
@@ -93,7 +97,8 @@ def structure_rows(
     ``drift`` is the standard deviation of the drift and its rate, and ``std`` that of the displacement
     with the drift, corrected by the map of simulations.
     """
-    own, (drift_std, rate) = own_covariance(system, forcing), drift
+    own = own_covariance(system, forcing)
+    drift_std, rate = drift
     level = np.tile(levels, std.size // levels.size)
     slow_rate, push = slow_mode(system, soil, own.mu_mu)
     return StructureRows(
@@ -158,7 +163,8 @@ def lagged(tables: Tables, growth: int, squares: Array, step: float) -> Array:
     ``growth`` is the number of the row of its rate, and ``squares`` (steps, m) are the squared envelopes
     in the middle of each step [s].
     """
-    structures, motions = tables.rows.shape[1], squares.shape[1]
+    structures = tables.rows.shape[1]
+    motions = squares.shape[1]
     rates = Tables(tables.points, tables.rows[[growth]])
     columns = np.repeat(np.arange(structures), motions)
     level = np.full((len(squares) + 1, columns.size), AT_REST)
@@ -174,7 +180,8 @@ def grown(source: Array, rate: Array, step: float, start: Array | float = 0.0) -
     mean = 0.5 * (rate[:-1] + rate[1:]) * step
     decays = mean != 0
     share = np.where(decays, -np.expm1(-mean) / np.where(decays, mean, 1.0), 1.0)
-    added, stays = 0.5 * (source[:-1] + source[1:]) * step * share, np.exp(-mean)
+    added = 0.5 * (source[:-1] + source[1:]) * step * share
+    stays = np.exp(-mean)
     state = np.empty(source.shape, added.dtype)
     state[0] = start
     for number in range(len(added)):

@@ -96,7 +96,8 @@ def _panels(
     edges += [np.clip(kink / sz, -REACH, REACH) for kink in kinks]
     border = np.sort(np.concatenate(edges, axis=1), axis=1)
     x, weights = gauss_legendre(order)
-    nodes, weights = 0.5 * x * (3 - x * x), 1.5 * (1 - x * x) * weights
+    nodes = 0.5 * x * (3 - x * x)
+    weights = 1.5 * (1 - x * x) * weights
     half = 0.5 * np.diff(border, axis=1)[:, :, None]
     middle = 0.5 * (border[:, 1:] + border[:, :-1])[:, :, None]
     shape = (sz.shape[0], -1)

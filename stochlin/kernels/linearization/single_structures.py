@@ -77,14 +77,16 @@ class SingleStructures(NamedTuple):
         system = EquivalentSystem(w2, d, h, slip, relaxation)
         own = own_covariance(system, self.ground.forcing(system))
         v_v = np.where(stable(*system) & (own.mu_mu > 0), own.v_v, np.nan)
-        corr, r = correlation((v_v, own.z_z, own.v_z)), correlation(assumed)
+        corr = correlation((v_v, own.z_z, own.v_z))
+        r = correlation(assumed)
         scales = 0.5 * np.log([v_v / assumed[0], own.z_z / assumed[1]]) + self.level
         return np.array([*scales, np.arctanh((corr - r) / (1 - corr * r))])
 
     def step(self, unknowns: Array, number: int) -> tuple[Array, Array, Array]:
         """Step (3, n) from these unknowns, norm of their mismatch, and whether they are a solution."""
         mismatch = self.mismatch(unknowns[:, None] + STEPS)
-        off, slopes = mismatch[:, 0], (mismatch[:, 1:] - mismatch[:, :1]) / ALONG
+        off = mismatch[:, 0]
+        slopes = (mismatch[:, 1:] - mismatch[:, :1]) / ALONG
         norm = np.sqrt((off * off).sum(axis=0))
         matrix: Any = DAMPING * norm * np.eye(3)[..., None] - slopes
         step = np.array(solve_3x3(matrix, [*off]))
@@ -110,7 +112,8 @@ def solve_structures(
     A cell has converged when a step changes the standard deviations by at most the share ``rtol``, and
     the correlation by at most ``rtol``.
     """
-    elastic, solution = np.array([*np.log(start[:2]), np.arctanh(start[2])]), nothing(start)
+    elastic = np.array([*np.log(start[:2]), np.arctanh(start[2])])
+    solution = nothing(start)
     cells = np.flatnonzero(one_solution)
     if problem.closure in UNIVERSAL and cells.size and problem.ground.in_closed_form:
         limited = elastic_limit(elastic[:, cells], 1)
@@ -133,7 +136,8 @@ def solve_structures(
 
 def balanced(problem: SingleStructures, start: Array, most: int) -> FixedPoint:
     """`iterate` in the first two of these unknowns, from which the third one follows."""
-    functions, n = functions_of(problem.closure), start.shape[1]
+    functions = functions_of(problem.closure)
+    n = start.shape[1]
     oscillators = problem.ground.oscillators
     ground = np.ones((5, n))
     for row, entry in zip(ground, (problem.ground.intensity, *oscillators), strict=False):
@@ -152,9 +156,11 @@ def iterate(problem: Any, start: Array, most: int) -> FixedPoint:
     """
     n = start.shape[1]
     solution = FixedPoint(start.copy(), np.zeros(n, np.int32), np.full(n, np.inf), np.zeros(n, bool))
-    base, cells = start, np.arange(n)
+    base = start
+    cells = np.arange(n)
     for number in range(1, most + 1):
-        unknowns, before = solution.unknowns[:, cells], solution.residual[cells]
+        unknowns = solution.unknowns[:, cells]
+        before = solution.residual[cells]
         step, norm, done = problem.step(unknowns, number)
         valid = np.isfinite(norm + step.sum(axis=0))
         shorter = base + 0.25 * (unknowns - base)
@@ -162,11 +168,14 @@ def iterate(problem: Any, start: Array, most: int) -> FixedPoint:
         solution.iterations[cells] += 1
         solution.residual[cells] = np.where(valid, norm, before)
         solution.converged[cells] = done = done & valid
-        base, left = np.where(valid, unknowns, base), np.flatnonzero(~done)
+        base = np.where(valid, unknowns, base)
+        left = np.flatnonzero(~done)
         if not left.size:
             break
         if left.size < cells.size:
-            cells, base, problem = cells[left], base[:, left], problem.at(left)
+            cells = cells[left]
+            base = base[:, left]
+            problem = problem.at(left)
     return solution
 
 

@@ -28,7 +28,8 @@ from stochlin.kernels.linearization.covariance import (
 )
 from stochlin.kernels.linearization.filters import Filter
 
-STEP, REACH = 0.33, 29.0  # step and range of x, with errors e^(-pi^2/h) and 2 e^-reach, about 5e-13
+STEP = 0.33  # h of x, with an error of e^(-pi^2/h), about 5e-13
+REACH = 29.0  # range of x, with an error of 2 e^-reach, likewise
 NODES = np.exp(STEP * np.arange(-int(REACH / STEP), int(REACH / STEP) + 1))
 CELLS = 128  # cells computed together, so that their values at all nodes stay in the cache
 
@@ -55,7 +56,9 @@ def displacement_moments(system: EquivalentSystem, forcing: Forcing, ground: Fil
     for begin in range(0, l1.size, CELLS):
         cells = slice(begin, begin + CELLS)
         part = EquivalentSystem(*(row[cells, None] for row in system))
-        mu, mu_z, v_v = (row[cells, None] for row in (own.mu_mu, own.mu_z, own.v_v))
+        mu = own.mu_mu[cells, None]
+        mu_z = own.mu_z[cells, None]
+        v_v = own.v_v[cells, None]
         s = np.sqrt(v_v / mu) * NODES
         drive = ground.at((cells, None)).later(part, s)
         l1[cells] = (2 / np.pi) * STEP * (s * _decay(part, mu, mu - mu_z, drive, s)).sum(axis=1)

@@ -26,7 +26,8 @@ from stochlin.kernels.linearization.systems.springs import Springs, coefficients
 from stochlin.kernels.linearization.systems.state_space import state_space
 
 PHASE = 0.25  # length of a step, as phase of the fastest motion that is followed [rad]
-FIRST_PHASE, FIRST = 0.1, 30.0  # the same while a motion begins, and how long, as phase [rad]
+FIRST_PHASE = 0.1  # the same while a motion begins
+FIRST = 30.0  # how long that is, as phase [rad]
 STABLE = 3.0  # ratio of the fastest oscillation or decay of all to the one that is followed
 LEAST_PHASE = 4e-3  # shortest step, as the same phase
 FIRST_STEPS = 0.5 ** np.arange(12, 0, -1)  # ends within the first interval, where an envelope is steep
@@ -82,11 +83,16 @@ class TransientSystems:
     ) -> None:
         elastic = np.zeros_like(problem.strength)
         space = state_space(problem, elastic - 1, elastic, problem.dashpots)
-        self.blocks, self.yielding = space.blocks, space.yielding
-        self.laws, self.envelope, self.strength = problem.laws, envelope, problem.strength
-        self.extensions, self.most = space.extensions, limit**2
+        self.blocks = space.blocks
+        self.yielding = space.yielding
+        self.laws = problem.laws
+        self.envelope = envelope
+        self.strength = problem.strength
+        self.extensions = space.extensions
+        self.most = limit**2
         g, _, v, _ = self.blocks
-        self.matrix, self.modulated = space.matrix, np.zeros_like(space.matrix)
+        self.matrix = space.matrix
+        self.modulated = np.zeros_like(space.matrix)
         self.modulated[:, v, g] = self.matrix[:, v, g]
         self.matrix[:, v, g] = 0.0
         self.noise = space.noise[:, :, None] * space.noise[:, None] * space.intensity[:, None, None]
@@ -102,14 +108,17 @@ class TransientSystems:
 
     def coefficients(self, state: State) -> tuple[Array, Array]:
         """``1 + c_eq`` and ``k_eq`` (2, c, m), and the rates of the means."""
-        (_, _, v, z), unit = self.blocks, 1 / self.strength
+        _, _, v, z = self.blocks
+        unit = 1 / self.strength
         rate = self.yielding @ state.covariance[:, v]
         variance = _sums(rate[..., v], self.yielding)
-        z_z, v_z = (_diagonal(part) for part in (state.covariance[:, z, z], rate[..., z]))
+        z_z = _diagonal(state.covariance[:, z, z])
+        v_z = _diagonal(rate[..., z])
         sv = np.maximum(np.sqrt(np.maximum(variance, 0)) * unit, LEAST_RATE)
         sz = np.maximum(np.sqrt(np.maximum(z_z, 0)) * unit, LEAST_Z)
         r = np.clip(v_z * unit**2 / (sv * sz), -LARGEST_CORRELATION, LARGEST_CORRELATION)
-        moments, rates = np.stack([sv, sz, r]), np.zeros_like(state.means)
+        moments = np.stack([sv, sz, r])
+        rates = np.zeros_like(state.means)
         laws = [law.at_means(state.means[1:]) for law in self.laws]
         rates[0] = sv * sz * r
         for law in laws:
@@ -120,9 +129,11 @@ class TransientSystems:
 
     def rates(self, time: float, state: State) -> tuple[State, float]:
         """The rates at a time [s], and the fastest motion that they need to follow [rad/s]."""
-        level, (_, _, v, z) = self.envelope(time), self.blocks
+        level = self.envelope(time)
+        _, _, v, z = self.blocks
         (slip, relaxation), of_means = self.coefficients(state)
-        matrix, of_z = self.matrix + level * self.modulated, np.arange(z.start, z.stop)
+        matrix = self.matrix + level * self.modulated
+        of_z = np.arange(z.start, z.stop)
         matrix[:, z, v] = (1 - slip)[..., None] * self.yielding
         matrix[:, of_z, of_z] = -relaxation
         flow = matrix @ state.covariance
@@ -132,7 +143,8 @@ class TransientSystems:
 
     def advanced(self, begin: float, end: float, state: State) -> State:
         """The state at the end of an interval of time [s], by as many steps as its rates need."""
-        time, steps = begin, 2
+        time = begin
+        steps = 2
         while steps > 1:
             at_begin, fastest = self.rates(time, state)
             phase = PHASE if time * self.followed > FIRST else FIRST_PHASE
@@ -190,7 +202,8 @@ class TransientSystems:
         state = self.start
         yield 0.0, state
         inside = [kink for kink in kinks if 0 < kink < times[-1]]
-        ends, wanted = np.unique([*times, *(FIRST_STEPS * times[1]), *inside]), set(times.tolist())
+        ends = np.unique([*times, *(FIRST_STEPS * times[1]), *inside])
+        wanted = set(times.tolist())
         for begin, end in pairwise(ends.tolist()):
             state = self.advanced(begin, end, state)
             if end in wanted:
@@ -200,8 +213,11 @@ class TransientSystems:
         """Moments at one time."""
         _, q, v, z = self.blocks
         (slip, relaxation), _ = self.coefficients(state)
-        x, z_z = state.covariance, _diagonal(state.covariance[:, z, z])
-        u_u, u_v, v_v = (_sums(rows @ x[:, a, b], rows) for a, b in ((q, q), (q, v), (v, v)))
+        x = state.covariance
+        z_z = _diagonal(state.covariance[:, z, z])
+        u_u = _sums(rows @ x[:, q, q], rows)
+        u_v = _sums(rows @ x[:, q, v], rows)
+        v_v = _sums(rows @ x[:, v, v], rows)
         return TransientMoments(u_u, u_v, v_v, z_z, slip, relaxation, state.means)
 
 

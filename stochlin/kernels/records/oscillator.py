@@ -22,7 +22,9 @@ from stochlin.kernels.basics.compiled import called_once, compiled, entry
 PEAKS = 6
 HIGHEST, DISPLACEMENT, VELOCITY, ACCELERATION, RADIUS, RHO = range(PEAKS)
 # Columns of a state: u, u', y, and the input and hysteretic energy per unit mass so far.
-STATE, INPUT, HYSTERETIC = 5, 3, 4
+STATE = 5
+INPUT = 3
+HYSTERETIC = 4
 LONGEST = 1 / 3  # largest w h [rad]; the damping 2 xi w h is then below 2/3
 TERMS = 18  # of the Taylor series; those left out are below (2/3)^14 4! / 18!, 1e-17 of the first
 SMALLEST = 1e-12  # error of the time of a change of branch, and least time between two, in sub-steps
@@ -44,8 +46,10 @@ def _impulse(damping, stiffness, t):
 
     The equation of motion relates successive integrals: the Taylor series of two gives the others.
     """
-    before, term = 0.0, t**4 / 24
-    twice, third = 4 * term, term
+    before = 0.0
+    term = t**4 / 24
+    twice = 4 * term
+    third = term
     for n in range(5, TERMS):
         before, term = term, -damping * t / n * term - stiffness * t * t / (n * (n - 1)) * before
         third += term
@@ -64,7 +68,8 @@ def _after(o, side, v, push, slope, t):
     """
     stiffness = o.stiffness[abs(side)]
     g, once, twice, third = o.whole[abs(side)] if t == o.h else _impulse(o.damping, stiffness, t)
-    x, integral = g * v + once * push + twice * slope, once * v + twice * push + third * slope
+    x = g * v + once * push + twice * slope
+    integral = once * v + twice * push + third * slope
     v1 = v + (push + slope * t / 2) * t - o.damping * x - stiffness * integral
     return x, integral, v1, push + slope * t - o.damping * v1 - stiffness * x
 
@@ -79,16 +84,23 @@ def _part(o, y, side, v, push, slope, end, least):
     are between those at both ends if it does not. Where this does not decide, and yield is near, the
     time is halved. A change is located by Newton's method, and by halves where that leaves the bracket.
     """
-    begin, last, until, then, a = min(least, end), end, end, side, push - o.damping * v
+    begin = min(least, end)
+    last = end
+    until = end
+    then = side
+    a = push - o.damping * v
     while True:
         x, integral, v1, a1 = _after(o, side, v, push, slope, until)
         turns = a * a1 < 0 and abs(v) < until * abs(a)
-        outward, past, rate = -side, -side * v1, -side * a1
+        outward = -side
+        past = -side * v1
+        rate = -side * a1
         if side == 0:
             reach = until * (abs(v) + until * max(abs(a), abs(a1)))
             turns = (turns or v * v1 < 0) and abs(y) + reach > o.uy
             outward = 1 if x > 0 else -1
-            past, rate = outward * (y + x) - o.uy, outward * v1
+            past = outward * (y + x) - o.uy
+            rate = outward * v1
         if then == side:
             if turns and until > 2 * least:
                 until /= 2
@@ -109,50 +121,64 @@ def _part(o, y, side, v, push, slope, end, least):
 @called_once
 def _advance(o, state, side, ground, slope, peaks):
     """Advance ``state`` (STATE,) by a sub-step, in parts on one branch; returns the last branch."""
-    left, least, post = o.h, SMALLEST * o.h, o.stiffness[1]
+    left = o.h
+    least = SMALLEST * o.h
+    post = o.stiffness[1]
     couple = o.stiffness[0] - post
     while left > 0:
-        u, v, y = state[0], state[1], state[2]
+        u = state[0]
+        v = state[1]
+        y = state[2]
         push = -ground - post * u - couple * y
         length, then, x, integral, v1, a1 = _part(o, y, side, v, push, -slope, left, least)
         ground1 = ground + slope * length
         _update(o, side, length, u, v, push - o.damping * v, ground, u + x, v1, a1, ground1, peaks)
-        state[0], state[1] = u + x, v1
+        state[0] = u + x
+        state[1] = v1
         state[INPUT] -= ground1 * x - slope * integral  # exact, by parts
         if side == 0:
             state[2] = y + x if then == 0 else then * o.uy
         else:
             state[HYSTERETIC] += couple * o.uy * abs(x)
             state[1] = v1 if then == side else 0.0
-        side, left, least, ground = then, left - length, 2 * least, ground1
+        side = then
+        left = left - length
+        least = 2 * least
+        ground = ground1
     return side
 
 
 @called_once
 def _update(o, side, length, u, v, a, ground, u1, v1, a1, ground1, peaks):
     """Update peaks by a part of a sub-step on one branch, of this ``length``."""
-    elastic, stiffness = o.stiffness[0], o.stiffness[abs(side)]
+    elastic = o.stiffness[0]
+    stiffness = o.stiffness[abs(side)]
     turn = turning(length, u, v, u1, v1)
     peaks[HIGHEST] = max(peaks[HIGHEST], u1, turn)
     peaks[DISPLACEMENT] = max(peaks[DISPLACEMENT], abs(u1), abs(turn))
     peaks[VELOCITY] = max(peaks[VELOCITY], abs(v1), abs(turning(length, v, a, v1, a1)))
-    b, b1 = a + ground, a1 + ground1
+    b = a + ground
+    b1 = a1 + ground1
     turn = turning(length, b, -o.damping * a - stiffness * v, b1, -o.damping * a1 - stiffness * v1)
     peaks[ACCELERATION] = max(peaks[ACCELERATION], abs(b1), abs(turn))
     peaks[RADIUS] = max(peaks[RADIUS], u1 * u1 + v1 * v1 / elastic)
     # The rate of u^2 + u'^2/w^2 is 2 u' (u + u''/w^2). Where u' is zero, it is u^2. A zero of the other
     # factor by linear interpolation is near enough, since the radius is stationary there.
-    away, away1 = u * elastic + a, u1 * elastic + a1
+    away = u * elastic + a
+    away1 = u1 * elastic + a1
     if away * away1 < 0:
         s = away / (away - away1)
-        u, v = _cubic(s, length, u, v, u1, v1), _cubic(s, length, v, a, v1, a1)
+        u = _cubic(s, length, u, v, u1, v1)
+        v = _cubic(s, length, v, a, v1, a1)
         peaks[RADIUS] = max(peaks[RADIUS], u * u + v * v / elastic)
 
 
 @compiled
 def _cubic(s, length, value, rate, value1, rate1):
     """Value at the share ``s`` of a cubic polynomial with these values and rates at both ends."""
-    begin, end, rise = rate * length, rate1 * length, value1 - value
+    begin = rate * length
+    end = rate1 * length
+    rise = value1 - value
     return value + s * (begin + s * (3 * rise - 2 * begin - end + s * (begin + end - 2 * rise)))
 
 
@@ -183,13 +209,19 @@ def _oscillator(parameters, step):
 @called_once
 def _respond(ground, dt, structures, refine, results, path):
     """The response of one cell of `run`: ``structures`` (sides, 4), ``results`` (sides, columns)."""
-    sides, last = len(structures), refine * (len(ground) - 1)
+    sides = len(structures)
+    last = refine * (len(ground) - 1)
     step = dt / refine
     first, each_of_first = _oscillator(structures[0], step)
     second, each_of_second = _oscillator(structures[sides - 1], step)
-    branch_of_first, branch_of_second = 0, 0
-    apart, difference, speed = 0.0, 0.0, 0.0
-    square, product, square_2 = 0.0, 0.0, 0.0
+    branch_of_first = 0
+    branch_of_second = 0
+    apart = 0.0
+    difference = 0.0
+    speed = 0.0
+    square = 0.0
+    product = 0.0
+    square_2 = 0.0
     for at in range(last):
         s = at // refine
         slope = (ground[s + 1] - ground[s]) / dt
@@ -208,9 +240,11 @@ def _respond(ground, dt, structures, refine, results, path):
             for n in range(STATE):
                 path[at + 1, n] = results[0, PEAKS + n]
         if sides == 2:
-            u, u_2 = results[0, PEAKS], results[1, PEAKS]
+            u = results[0, PEAKS]
+            u_2 = results[1, PEAKS]
             weight = 1.0 if at + 1 < last else 0.5  # the trapezoidal rule
-            before, rate = difference, speed
+            before = difference
+            rate = speed
             difference = u - u_2
             speed = results[0, PEAKS + 1] - results[1, PEAKS + 1]
             apart = max(apart, difference, turning(step, before, rate, difference, speed))

@@ -13,7 +13,8 @@ from stochlin.kernels.records.oscillator import LONGEST, PEAKS, STATE, run
 
 PAIR = 2.0  # number of sub-steps of a pair over that of its stiffer structure alone
 EACH = 20.0  # what a structure takes besides its sub-steps, in sub-steps
-BLOCK, MOST_TASKS = 1e5, 1e4  # least number of sub-steps of a task, some milliseconds; most tasks
+BLOCK = 1e5  # least number of sub-steps of a task, some milliseconds
+MOST_TASKS = 1e4  # most tasks
 NO_PATH = np.empty((0, STATE))
 
 

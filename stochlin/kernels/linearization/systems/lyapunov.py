@@ -28,8 +28,10 @@ def stationary_covariance(matrix: Array, noise: Array, intensity: Array) -> tupl
 
     ``X`` is NaN where the matrix is not stable, or so close to instability that rounding errors decide.
     """
-    covariance, stable = np.full(matrix.shape, np.nan), np.zeros(len(matrix), bool)
-    drives, lwork = np.sqrt(intensity)[:, None] * noise, (3 + BLOCK) * noise.shape[1]
+    covariance = np.full(matrix.shape, np.nan)
+    stable = np.zeros(len(matrix), bool)
+    drives = np.sqrt(intensity)[:, None] * noise
+    lwork = (3 + BLOCK) * noise.shape[1]
     # With rates whose squares overflow, variances would be too small for a number.
     for cell in np.flatnonzero(np.isfinite(matrix * matrix).all(axis=(1, 2))).tolist():
         balanced, _, _, scale, _ = lapack.dgebal(matrix[cell], scale=1)
@@ -46,7 +48,8 @@ def stationary_covariance(matrix: Array, noise: Array, intensity: Array) -> tupl
 
 def _refined(matrix: Array, triangle: Array, vectors: Array, drive: Array) -> Array:
     """``X`` of ``A X + X A' + b b' = 0`` for the Schur form of ``A``; NaN if it is not accurate."""
-    x, before = np.zeros_like(matrix), np.inf
+    x = np.zeros_like(matrix)
+    before = np.inf
     for _ in range(REFINEMENTS):
         flow = matrix @ x
         turned = vectors.T @ (np.outer(drive, drive) + flow + flow.T) @ vectors

@@ -41,7 +41,8 @@ class StationaryResponse:
     @property
     def moments(self) -> Array:
         """Variances of the rate and of z of the yielding springs, and covariances of both (3, c, m)."""
-        rate, z = self.rows(self.system.yielding, rates=True), self._back[:, self.system.blocks[Z]]
+        rate = self.rows(self.system.yielding, rates=True)
+        z = self._back[:, self.system.blocks[Z]]
         return np.stack([self._covariances(*both) for both in ((rate, rate), (z, z), (rate, z))])
 
     def rows(self, weights: Array, *, rates: bool = False) -> Array:
@@ -59,9 +60,12 @@ class StationaryResponse:
         ``post`` is the post-yield stiffness, ``couple`` the elastic stiffness less this one, and
         ``dashpots`` the constants of the dashpots parallel to the springs, all (c, l).
         """
-        first, springs = len(self.system.extensions) - dashpots.shape[1], self.system.springs
-        extensions, yields = self.system.extensions[first:], springs >= first
-        drift, rate = self.rows(extensions), self.rows(extensions, rates=True)
+        first = len(self.system.extensions) - dashpots.shape[1]
+        springs = self.system.springs
+        extensions = self.system.extensions[first:]
+        yields = springs >= first
+        drift = self.rows(extensions)
+        rate = self.rows(extensions, rates=True)
         z = drift.copy()
         z[:, springs[yields] - first] = self._back[:, self.system.blocks[Z]][:, yields]
         return self._std(post[..., None] * drift + couple[..., None] * z + dashpots[..., None] * rate)
@@ -73,10 +77,14 @@ class StationaryResponse:
         the same integral for ``l1``: the correlation function ``R(t) = c e^(A t) X c'`` gives
         ``I(s) = -c A (s - A)^-1 X c'``.
         """
-        c, rates = self.rows(weights), self.rows(weights, rates=True)
-        l0, l2 = self._covariances(c, c), self._covariances(rates, rates)
-        with_c, identity = self._solution @ c.swapaxes(1, 2), np.eye(c.shape[-1])
-        scale, decay = np.sqrt(l2 / l0).max(axis=1)[:, None, None], 0.0
+        c = self.rows(weights)
+        rates = self.rows(weights, rates=True)
+        l0 = self._covariances(c, c)
+        l2 = self._covariances(rates, rates)
+        with_c = self._solution @ c.swapaxes(1, 2)
+        identity = np.eye(c.shape[-1])
+        scale = np.sqrt(l2 / l0).max(axis=1)[:, None, None]
+        decay = 0.0
         for s in (scale * node for node in NODES):
             decay = decay - s * rates @ np.linalg.solve(s * identity - self._matrix, with_c)
         l1 = (2 / np.pi) * STEP * np.diagonal(decay, axis1=1, axis2=2)
@@ -94,7 +102,9 @@ class StationaryResponse:
 
 def _in_extensions(system: StateSpace) -> tuple[Array, Array, Array]:
     """State matrix and noise in the states that are solved for, and the matrix back from these."""
-    matrix, (_, q, v, z), yielding = system.matrix, system.blocks, system.yielding
+    matrix = system.matrix
+    _, q, v, z = system.blocks
+    yielding = system.yielding
     weighted = system.extensions.T * np.sqrt(system.stiffness.mean(axis=0))
     *_, stiffest = scipy.linalg.qr(weighted, mode="r", pivoting=True)
     extensions = system.extensions[np.sort(stiffest[: system.extensions.shape[1]])]
@@ -105,9 +115,11 @@ def _in_extensions(system: StateSpace) -> tuple[Array, Array, Array]:
     fastest = np.sqrt(np.abs(matrix[:, v, q]).max(axis=(1, 2)))[:, None]
     diagonal = np.arange(z.start, z.stop)
     relaxation = -matrix[:, diagonal, diagonal]
-    slow, slips = np.abs(relaxation) <= SLOW * fastest, relaxation < FAST * fastest
+    slow = np.abs(relaxation) <= SLOW * fastest
+    slips = relaxation < FAST * fastest
     c_eq = -(matrix[:, z, v] * yielding).sum(axis=2) / (yielding**2).sum(axis=1)
-    sign, of_drift = np.where(slips & ~slow, -1.0, 1.0), np.where(slow, -c_eq, slips)[..., None]
+    sign = np.where(slips & ~slow, -1.0, 1.0)
+    of_drift = np.where(slow, -c_eq, slips)[..., None]
     into[:, diagonal, diagonal] = back[:, diagonal, diagonal] = sign
     into[:, z, q] = -sign[..., None] * of_drift * yielding
     back[:, z, q] = of_drift * (yielding @ coordinates)

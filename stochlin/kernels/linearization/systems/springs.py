@@ -86,6 +86,8 @@ class Springs(NamedTuple):
     def at(self, cells: Array) -> Springs:
         """The cells with these numbers."""
         laws = [law._replace(parameters=law.parameters[:, cells]) for law in self.laws]
-        dashpots, exponents, level = (x[cells] for x in (self.dashpots, self.exponents, self.level))
+        dashpots = self.dashpots[cells]
+        exponents = self.exponents[cells]
+        level = self.level[cells]
         both = self.system.at(cells), self.soil.at(cells)
         return Springs(*both, self.yielding, laws, dashpots, exponents, self.power, level)

@@ -38,8 +38,12 @@ class StateSpace(NamedTuple):
     @property
     def blocks(self) -> tuple[slice, slice, slice, slice]:
         """Where the states of the ground, ``q``, ``v`` and ``z`` stand in the state vector."""
-        states, n, m = self.noise.shape[1], self.extensions.shape[1], self.springs.size
-        q, v, z = states - m - 2 * n, states - m - n, states - m
+        states = self.noise.shape[1]
+        n = self.extensions.shape[1]
+        m = self.springs.size
+        q = states - m - 2 * n
+        v = states - m - n
+        z = states - m
         return slice(0, q), slice(q, v), slice(v, z), slice(z, states)
 
     @property
@@ -51,19 +55,23 @@ class StateSpace(NamedTuple):
 
 def state_space(problem: Springs, c_eq: Array, k_eq: Array, dashpots: Array) -> StateSpace:
     """State matrix and noise vector for coefficients (c, m) and dashpots of links (c, l) [N s/m]."""
-    springs, filtered = problem.yielding, problem.soil
+    springs = problem.yielding
+    filtered = problem.soil
     mass, structural, extensions, _, post, couple, _ = problem.system
     links = extensions[problem.links]
     damping = structural + (links.T * dashpots[:, None]) @ links
     yields = np.isin(np.arange(len(extensions)), springs)
     by_extension = np.where(yields, post, problem.system.elastic)
-    count, soil = len(mass), filtered.arrays
+    count = len(mass)
+    soil = filtered.arrays
     states = len(filtered.states) + 2 * extensions.shape[1] + springs.size
-    matrix, noise = np.zeros((count, states, states)), np.zeros((count, states))
+    matrix = np.zeros((count, states, states))
+    noise = np.zeros((count, states))
     intensity = np.broadcast_to(2 * np.pi * np.asarray(filtered.intensity), count)
     space = StateSpace(matrix, noise, intensity, springs, extensions, problem.system.elastic)
     g, q, v, z = space.blocks
-    matrix[:, g, g], noise[:, g] = soil.matrix, soil.noise
+    matrix[:, g, g] = soil.matrix
+    noise[:, g] = soil.noise
     matrix[:, q, v] = np.eye(extensions.shape[1])
     matrix[:, v, g] = soil.output[..., None, :]
     matrix[:, v, q] = -((extensions.T * by_extension[:, None]) @ extensions) / mass[..., None]

@@ -59,8 +59,10 @@ def linear_for(problem: Springs, unknowns: Array) -> Linear:
 
 def _dashpots(problem: Springs, rates: Array) -> Array:
     """Damping constants (c, l) of all links; ``rates`` are ``log sigma`` of those with an exponent."""
-    dashpots, power = problem.dashpots.copy(), problem.power
-    constants, exponents = dashpots[:, power], problem.exponents[:, power]
+    dashpots = problem.dashpots.copy()
+    power = problem.power
+    constants = dashpots[:, power]
+    exponents = problem.exponents[:, power]
     linear = np.where(rates > IDLE, equivalent_dashpot(constants, exponents, np.exp(rates)), 0.0)
     dashpots[:, power] = np.where(exponents == 1, constants, linear)
     return dashpots
@@ -78,8 +80,10 @@ def respond(problem: Springs, linear: Linear) -> tuple[Array, Array]:
     """
     response = response_of(problem, linear)
     vv, zz, vz = response.moments / problem.strength**2
-    level, rates = problem.level[:, None], response.std(problem.linearized, rates=True)
-    sv, sz = 0.5 * np.log(vv) + level, 0.5 * np.log(zz) + level
+    level = problem.level[:, None]
+    rates = response.std(problem.linearized, rates=True)
+    sv = 0.5 * np.log(vv) + level
+    sz = 0.5 * np.log(zz) + level
     of_dashpots = np.maximum(np.log(rates) + level, IDLE)
     return response.covariance, np.hstack([sv, sz, np.arctanh(vz / np.sqrt(vv * zz)), of_dashpots]).T
 
@@ -89,7 +93,8 @@ def mixed(tried: Array, mismatches: Array, relaxation: float) -> Array:
 
     It mixes d rounds; with none it is substitution, which goes the share ``relaxation`` of the way.
     """
-    moves, changes = (np.nan_to_num(np.diff(rounds, axis=0)) for rounds in (tried, mismatches))
+    moves = np.nan_to_num(np.diff(tried, axis=0))
+    changes = np.nan_to_num(np.diff(mismatches, axis=0))
     size = np.sqrt((changes**2).sum(axis=1))
     size[size == 0] = 1.0
     rows = (changes / size[:, None]).transpose(2, 0, 1)
@@ -107,7 +112,8 @@ def largest_change(problem: Springs, now: tuple[Linear, Array], before: tuple[Li
     That of a covariance is over the product of the standard deviations, that of ``k_eq`` over ``k_eq``
     plus the frequency of the spring, that of a dashpot over its constant.
     """
-    (linear, covariance), (old, old_covariance) = now, before
+    linear, covariance = now
+    old, old_covariance = before
     std = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
     std = np.where(std == 0, 1.0, std)
     moved = np.abs(covariance - old_covariance) / (std[:, :, None] * std[:, None])
@@ -136,15 +142,20 @@ def fixed_points(
     ``depth`` rounds are mixed; with none this is the substitution of the paper. The changes of all
     rounds (rounds, 2, c) are those of `stands_still`, and NaN after the last round of a cell.
     """
-    part, cells, m = problem, np.arange(unknowns.shape[1]), problem.yielding.size
-    solution, changes, before = nothing(unknowns), [], None
+    part = problem
+    cells = np.arange(unknowns.shape[1])
+    m = problem.yielding.size
+    solution = nothing(unknowns)
+    changes = []
+    before = None
     tried = np.tile(unknowns, (depth + 1, 1, 1))  # those with a response
     tried[:, m : 2 * m] -= HARDLY
     mismatches = np.full_like(tried, np.nan)
     for _ in range(most):
         linear = linear_for(part, unknowns)
         covariance, moments = respond(part, linear)
-        mismatch, now = moments - unknowns, (linear, covariance)
+        mismatch = moments - unknowns
+        now = (linear, covariance)
         change = largest_change(part, now, before) if before else np.full((2, cells.size), np.nan)
         norm = np.sqrt((mismatch**2).sum(axis=0) / max(1, m + part.power.size))
         done = stands_still(change, relaxation * rtol) & (norm <= SOLVED)
@@ -155,14 +166,15 @@ def fixed_points(
         if not left.size:
             break
         good = np.isfinite(mismatch).all(axis=0)
-        tried, mismatches = (
-            np.where(good, np.concatenate([rounds[1:], last[None]]), rounds)[..., left]
-            for rounds, last in ((tried, unknowns), (mismatches, mismatch))
-        )
+        tried = np.where(good, np.concatenate([tried[1:], unknowns[None]]), tried)[..., left]
+        mismatches = np.where(good, np.concatenate([mismatches[1:], mismatch[None]]), mismatches)[
+            ..., left
+        ]
         back = BACK * (unknowns[:, left] - tried[-1])
         unknowns = tried[-1] + np.where(good[left], mixed(tried, mismatches, relaxation), back)
         before = linear.at(left), covariance[left]
-        part, cells = part.at(left), cells[left]
+        part = part.at(left)
+        cells = cells[left]
     return solution, np.stack(changes)
 
 
@@ -182,7 +194,8 @@ def solve_springs(
     the branch of solutions from weak to full shaking; substitution is always from the elastic response.
     """
     m = problem.yielding.size
-    solution, changes = nothing(elastic), np.full((most, 2, elastic.shape[1]), np.nan)
+    solution = nothing(elastic)
+    changes = np.full((most, 2, elastic.shape[1]), np.nan)
     solution.converged[:] = not len(elastic)  # nothing is to be linearized
 
     def iterate(cells: Array, start: Array) -> None:
@@ -215,7 +228,8 @@ def elastic_start(problem: Springs) -> Array:
 
     Dashpots with an exponent are linearized for the rates without them.
     """
-    yielding, constants = problem.system.extensions[problem.yielding], problem.dashpots.copy()
+    yielding = problem.system.extensions[problem.yielding]
+    constants = problem.dashpots.copy()
     rates = np.empty((len(constants), problem.power.size))
     if rates.size:
         constants[:, problem.power] = 0.0
@@ -226,6 +240,7 @@ def elastic_start(problem: Springs) -> Array:
 
 def _elastic_std(problem: Springs, dashpots: Array, weights: Array) -> Array:
     """Standard deviations of sums of coordinates (k, n) and of their rates (2, c, k) while elastic."""
-    none, elastic = np.empty((len(dashpots), 0)), problem._replace(yielding=np.empty(0, int))
+    none = np.empty((len(dashpots), 0))
+    elastic = problem._replace(yielding=np.empty(0, int))
     response = response_of(elastic, Linear(none, none, dashpots))
     return np.array([response.std(weights, rates=rates) for rates in (False, True)])
