@@ -72,9 +72,11 @@ class Number:
 
     def __call__(self, name: str, value: object) -> None:
         """Raise a ValueError unless the value is in the range."""
-        what, cure = "is no number", ""
+        what = "is no number"
+        cure = ""
         if is_number(value):
-            what, number = "is out of range", float(value)  # whole numbers may be beyond 64 bits
+            what = "is out of range"
+            number = float(value)  # whole numbers may be beyond 64 bits
             if self.allowed.contains(number):
                 return
             if self.is_share and number >= 2 and self.allowed.contains(number / 100):
@@ -237,7 +239,8 @@ def _doubts(values: dict[str, Any], in_metres: InMetres) -> Iterator[str]:
     yield from implausible(values | {"intensity": of_ground if of_motion else 0})
     for each in (each for each in values.values() if isinstance(each, Mapping)):  # facts for codes
         yield from implausible(each)
-    first, second = values.get("first"), values.get("second")
+    first = values.get("first")
+    second = values.get("second")
     if of_motion and isinstance(first, Model) and first.moves_as(second):
         yield "first and second are the same building, which need no gap; usual are two that differ"
     several = values.get("structures")
@@ -247,7 +250,8 @@ def _doubts(values: dict[str, Any], in_metres: InMetres) -> Iterator[str]:
         if idle and np.any(structure.cells().get("hardening", 1.0) != 1):
             strength = getattr(structure, "strength_name", "yield_displacement or reduction_factor")
             yield f"hardening = {brief(structure.hardening)} has no effect without {strength}"
-    envelope, end = values.get("envelope"), values.get("duration")
+    envelope = values.get("envelope")
+    end = values.get("duration")
     described = median_of(values.get("ground"))
     if is_number(end) and hasattr(described, "doubts_of_use"):
         yield from described.doubts_of_use(end, envelope, _longest_period(values))

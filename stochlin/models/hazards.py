@@ -65,9 +65,12 @@ class Hazard(Model, base=True):
         A spectral acceleration is compared with the lowest and the highest of the spectra of EN 1998-1,
         3.2.2.2, for the limits of the ground acceleration: that of type 2 on ground A, and the plateau.
         """
-        design, limits, units = self.of_design(), PLAUSIBLE["pga of 475 years"], "m/s^2"
+        design = self.of_design()
+        limits = PLAUSIBLE["pga of 475 years"]
+        units = "m/s^2"
         if self.measure == "intensity":
-            limits, units = PLAUSIBLE["intensity"], "m^2/s^3"
+            limits = PLAUSIBLE["intensity"]
+            units = "m^2/s^3"
         elif self.period is not None:
             low = 2.5 * min(1.0, 0.25 / self.period, 0.3 / self.period**2) * limits.low
             high = 2.5 * limits.high
@@ -194,7 +197,8 @@ class HazardCurve(Hazard):
         return f"HazardCurve({', '.join(both)})"
 
     def _between(self, name: str, at: Parameter, axis: Sequence[float], values: Sequence[float]) -> Any:
-        value, ends = _of(at, name), (axis[0] * (1 - _ROUNDING), axis[-1] * (1 + _ROUNDING))
+        value = _of(at, name)
+        ends = (axis[0] * (1 - _ROUNDING), axis[-1] * (1 + _ROUNDING))
         if isinstance(value, float) and not ends[0] <= value <= ends[1]:
             covered = f"{axis[0]:.4g} to {axis[-1]:.4g}"
             what = f"{name} = {value:g} is beyond the hazard curve; allowed: {covered}"
@@ -252,13 +256,15 @@ class PowerLawHazard(Hazard):
 
     def frequency(self, intensity: Parameter) -> Any:
         """Annual frequency at which an intensity is exceeded [1/yr]."""
-        law, value = self.arrays(), _of(intensity, "intensity")
+        law = self.arrays()
+        value = _of(intensity, "intensity")
         return _applied(lambda im, k0, k: k0 * np.power(im, -k), value, *law.values())
 
     def intensity(self, return_period: Parameter) -> Any:
         """Intensity, in the unit of the measure, that is exceeded with a return period [yr]."""
         warn_caller("intensity", lambda: implausible({"return_period": return_period}))
-        law, value = self.arrays(), _of(return_period, "return_period")
+        law = self.arrays()
+        value = _of(return_period, "return_period")
         return _applied(lambda years, k0, k: np.power(k0 * years, 1 / k), value, *law.values())
 
     def of_design(self) -> float:
@@ -279,10 +285,8 @@ def check_curve(intensities: Array, frequencies: Array, places: Sequence[str]) -
     if intensities.size < FEWEST:
         where = places[0] if places else "hazard curve"
         raise ValueError(f"{where}: {intensities.size} points; allowed: {FEWEST} or more intensities")
-    rising, falling = (
-        "increasing intensities, so sort them",
-        "falling frequencies, since what is stronger",
-    )
+    rising = "increasing intensities, so sort them"
+    falling = "falling frequencies, since what is stronger"
     if np.median(frequencies) > np.median(intensities):
         rising += ", or are they exchanged with the frequencies?"
     falling += " is rarer" + ", or are they return periods?" * bool((frequencies >= 1).all())

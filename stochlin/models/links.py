@@ -13,7 +13,8 @@ from stochlin.models.arguments import Whole
 from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Model, Parameter, Range, parameter
 
 GROUND = 0  # number of the ground among the floors of a link within one structure
-EXPONENT, SHARE = Range(0.0, 2.0, include_upper=True), Range(0.0, 1.0, True, True)
+EXPONENT = Range(0.0, 2.0, include_upper=True)
+SHARE = Range(0.0, 1.0, True, True)
 
 
 @dataclass(frozen=True)
@@ -144,7 +145,8 @@ class Link(Model):
         elastic part. They are numbers, or arrays where the parameters are.
         """
         values = self.cells()
-        k, hardening = values["stiffness"], values.get("hardening", 1.0)
+        k = values["stiffness"]
+        hardening = values.get("hardening", 1.0)
         spring = hardening * k, (1 - hardening) * k, values.get("yield_displacement", np.inf)
         return *spring, values["damping_constant"], values.get("damping_exponent", 1.0)
 

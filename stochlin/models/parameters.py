@@ -51,7 +51,8 @@ class Range:
     reason: str = ""
 
     def __str__(self) -> str:
-        at_least, at_most = "<=" if self.include_lower else "<", "<=" if self.include_upper else "<"
+        at_least = "<=" if self.include_lower else "<"
+        at_most = "<=" if self.include_upper else "<"
         low = f"{self.lower:g} {at_least} " if self.lower > -np.inf else ""
         high = f" {at_most} {self.upper:g}" if self.upper < np.inf else ""
         return f"{low}value{high}, finite" + (f" ({self.reason})" if self.reason else "")
@@ -64,7 +65,8 @@ class Range:
 
 
 NO_UNIT = ("", "1", "-", "dimensionless")
-POSITIVE, NOT_NEGATIVE = Range(), Range(include_lower=True)
+POSITIVE = Range()
+NOT_NEGATIVE = Range(include_lower=True)
 # Of structures and grounds in seconds, where their frequencies and those of others are of use together.
 PERIODS = Range(1e-9, 1e9, include_lower=True, include_upper=True)
 
@@ -96,7 +98,8 @@ class _Kind(Named):
                 UncertainModel.of(self, args, kwargs) if uncertain else super().__call__(*args, **kwargs)
             )
         values["intensity"] = None  # only functions that give metres ask about it
-        limits, of_one = self.limits(), issubclass(self, WithoutCells)
+        limits = self.limits()
+        of_one = issubclass(self, WithoutCells)
 
         def doubts() -> Iterable[str]:
             return [*implausible(values, limits, of_one=of_one)] or median_of(made).doubts()
@@ -293,7 +296,8 @@ def check(prefix: str, name: str, value: Any, declared: Mapping[str, Any]) -> fl
 
     ``declared`` is the metadata of `parameter`; ``prefix`` precedes the name in messages.
     """
-    label, allowed = f"{prefix}{name}", declared["allowed"]
+    label = f"{prefix}{name}"
+    allowed = declared["allowed"]
     if isinstance(value, pd.Series) and type(value.index) is pd.Index:  # of labels, which must agree
         value = xr.DataArray(value.to_numpy(), {CASE: value.index.to_numpy()}, CASE)
     array = value if isinstance(value, xr.DataArray) else as_array(value)

@@ -53,7 +53,8 @@ def _read_limits() -> Mapping[str, Plausible]:
     limits: dict[str, Plausible] = {}
     for name, entry in data_of(__package__, "plausible.toml").items():
         size = g if entry.pop("unit", "") == "g" else 1.0
-        low, high = (size * entry.pop(end, default) for end, default in (("low", 0.0), ("high", inf)))
+        low = size * entry.pop("low", 0.0)
+        high = size * entry.pop("high", inf)
         names = [name, *entry.pop("names", ())]
         limits |= dict.fromkeys(names, Plausible(low, high, **entry))
     return limits
@@ -87,10 +88,12 @@ def implausible(
         if odd := [n for n in each if _is_number(n) and not known.holds(n) and n < FAR]:
             yield f"{name} = {odd[0]:g}: {known.doubt(odd[0])}"
     for end in ("", "_1", "_2"):
-        height, storeys = (values.get(f"{of}{end}") for of in ("height", "storeys"))
+        height = values.get(f"height{end}")
+        storeys = values.get(f"storeys{end}")
         if _is_number(height) and _is_number(storeys) and (text := doubt_of_storeys(height, storeys)):
             yield f"height{end} = {height:g}: {text}"
-        behaviour, deflection = (values.get(f"{of}{end}") for of in ("behaviour", "deflection"))
+        behaviour = values.get(f"behaviour{end}")
+        deflection = values.get(f"deflection{end}")
         if _is_number(behaviour) and _is_number(deflection):
             yield from doubts_of_factors(behaviour, deflection)
 
@@ -100,7 +103,8 @@ def _nearest(value: object, known: Plausible) -> object:
     data = value.data if isinstance(value, xr.DataArray) else value
     if known is ANY or not isinstance(data, np.ndarray) or not data.size or data.dtype.kind not in "iuf":
         return value
-    least, most = float(data.min()), float(data.max())  # NaN if any is
+    least = float(data.min())  # NaN if any is
+    most = float(data.max())  # likewise
     return least if least > known.high else min(most, known.low)
 
 

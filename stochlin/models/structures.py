@@ -92,7 +92,8 @@ class Structure(Model, base=True):
     def doubts(self) -> Iterator[str]:
         """Text on period and yield displacement, if no building has their acceleration at yield."""
         numbers = self.cells()
-        period, displacement = numbers["period"], numbers.get("yield_displacement")
+        period = numbers["period"]
+        displacement = numbers.get("yield_displacement")
         if not (isinstance(period, float) and isinstance(displacement, float)):
             return
         each = {"period": period, "yield_displacement": displacement}

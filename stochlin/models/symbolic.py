@@ -49,7 +49,8 @@ _PARTS = (  # of expressions
     *(sympy.functions.elementary.piecewise.ExprCondPair, Relational),
     *(sympy.And, sympy.Or, sympy.Not, sympy.logic.boolalg.BooleanAtom),
 )
-_POWER, _WRITE = sympy.Function("power"), sympy.Function("write")
+_POWER = sympy.Function("power")
+_WRITE = sympy.Function("write")
 _VECTOR_FUNCTIONS = {"power": power, "exp": exponential, "log": logarithm, "write": operator.setitem}
 # Of v, z and further states. These may be sums that only grow, such as energies, and are not negative.
 _PROBES = np.concatenate(
@@ -75,7 +76,9 @@ class SymbolicLaw:
     """
 
     def __init__(self, rates: Rates, parameters: tuple[str, ...], growing: tuple[str, ...]) -> None:
-        self.rates, self.parameters, self.growing = rates, parameters, growing
+        self.rates = rates
+        self.parameters = parameters
+        self.growing = growing
         self._rates = self._function(*dict(rates).values())
 
     def __reduce__(self) -> tuple[Callable[..., SymbolicLaw], tuple[Any, ...]]:
@@ -89,7 +92,8 @@ class SymbolicLaw:
 
     def _integrand(self, expression: sympy.Expr) -> SlipRate:
         """An expression in ``v``, ``z`` and the parameters that bends where the rate of z does."""
-        of_law, kinks = self._function(expression), self._function(*_kinks(self.rates[0][1]))
+        of_law = self._function(expression)
+        kinks = self._function(*_kinks(self.rates[0][1]))
         probes = np.random.default_rng(4).uniform(0.3, 1.7, (len(self.parameters), _PROBES.shape[1]))
 
         def function(v: Array, z: Array, values: Array) -> Array:
@@ -132,8 +136,10 @@ class SymbolicLaw:
         """The law in time steps, a `kernels.simulation.laws.RateLaw`."""
         from stochlin.kernels.simulation.laws import rate_law
 
-        w, own = sympy.IndexedBase("w"), sympy.IndexedBase("own")
-        lane, to = sympy.Symbol("lane", integer=True), sympy.Symbol("rates")
+        w = sympy.IndexedBase("w")
+        own = sympy.IndexedBase("own")
+        lane = sympy.Symbol("lane", integer=True)
+        to = sympy.Symbol("rates")
         values = {n: own[i, lane] for i, n in enumerate(self.parameters)}
         values |= {name: w[i, lane] for i, (name, _) in enumerate(self.rates)}
         numbers = {sympy.Symbol(name, real=True): value for name, value in values.items()}
@@ -165,10 +171,12 @@ class SymbolicLaw:
     @np.errstate(all="ignore")
     def check(self, sets: Sets) -> None:
         """Raise a ValueError if the law differs in both directions, or is not real and finite."""
-        v, w = _PROBES[0], _PROBES[1 : 1 + len(self.rates)]
+        v = _PROBES[0]
+        w = _PROBES[1 : 1 + len(self.rates)]
         signs = np.array([[1.0 if name in self.growing else -1.0] for name, _ in self.rates])
         for values in sets:
-            rates, start = self._rates(v, w, values), self._rates(v, 0 * w, values)
+            rates = self._rates(v, w, values)
+            start = self._rates(v, 0 * w, values)
             if np.iscomplexobj(rates) or not np.isfinite([rates, start]).all():
                 where = "|v|, |z| < 2.5, with further states from 0 to 2.5, or where all states are 0"
                 cure = "take powers of Abs(z) instead of z, and write a limit as Piecewise"
@@ -198,10 +206,8 @@ class SymbolicLaw:
         """Raise an ArithmeticError if expectations by quadrature are not accurate."""
         for values in sets:
             parameters = np.repeat(np.array(values)[:, None], _LATENT.shape[1], axis=1)
-            coarse, fine = (
-                slip_expectations(self.slip_rate, _LATENT, parameters, order)
-                for order in (ORDER, 3 * ORDER)
-            )
+            coarse = slip_expectations(self.slip_rate, _LATENT, parameters, ORDER)
+            fine = slip_expectations(self.slip_rate, _LATENT, parameters, 3 * ORDER)
             errors = np.abs(coarse - fine) / (np.abs(fine) + _LATENT[0])
             if not (error := np.nan_to_num(errors.max(), nan=np.inf)) < allowed:
                 what = f"{self._named(values)} cannot be linearized: its Gaussian expectations have the"
@@ -269,7 +275,8 @@ def _for_lanes(law: sympy.Expr) -> sympy.Expr:
 def _is_rate_independent(rates: Callable[[Array], Array]) -> bool:
     """Whether rates are in proportion to ``v``, of which they are a function at `_PROBES`."""
     v = np.abs(_PROBES[0]) + 0.01
-    whole, double = (rates(n * v) for n in (1, 2))
+    whole = rates(v)
+    double = rates(2 * v)
     return bool(np.abs(double - 2 * whole).max() <= 1e-11 * (1 + np.abs(whole).max()))
 
 

@@ -72,7 +72,8 @@ class Stack(NamedTuple):
         An element without stiffness after yielding has lost all its force there; a storey has also
         fallen where its drift is its height.
         """
-        storey, z = self.system, self.law.largest_z().to_numpy()
+        storey = self.system
+        z = self.law.largest_z().to_numpy()
         heights = np.inf if self.by_modes else np.diff(self.levels, prepend=0.0)
         powerless = falls_at(storey.post, storey.couple, (storey.strength.T * z).T)
         return np.where(np.isfinite(powerless), np.fmin(powerless, heights), np.inf)
@@ -259,7 +260,8 @@ def stack_of(structure: AnyStructure) -> Stack:
         shares = structure.shear_shares()
         return Stack(structure.system(), structure.levels(), structure.element_law, shares, by_modes)
     values = {name: np.asarray(value) for name, value in structure.cells().items()}
-    mass, w = values.get("mass", np.float64(1.0)), 2 * np.pi / values["period"]
+    mass = values.get("mass", np.float64(1.0))
+    w = 2 * np.pi / values["period"]
     hardening = values["hardening"] if structure.yields else np.ones(())
     strength = values.get("yield_displacement", np.inf)
     with np.errstate(over="ignore", invalid="ignore"):  # extreme structures get a status
@@ -275,7 +277,8 @@ def stack_of(structure: AnyStructure) -> Stack:
 
 def stacks_of(oscillators: Structure, dimension: str, count: int) -> list[Stack]:
     """Stacks of ``count`` oscillators with parameters along ``dimension``."""
-    whole, own = stack_of(oscillators), bool(oscillators.own_parameters())
+    whole = stack_of(oscillators)
+    own = bool(oscillators.own_parameters())
     wide = whole.system.over_cells(count)
     laws = (oscillators.isel({dimension: n}) if own else oscillators for n in range(count))
     return [whole._replace(system=wide.at(n), law=law) for n, law in enumerate(laws)]

@@ -67,7 +67,8 @@ def size_of(unit: str, quantity: str) -> float | None:
     ``"mN"`` and ``"Ms"`` are unknown, and ``"mg"``, a thousandth of g, is no mass.
     """
     known = "t" if quantity == "kg" and _TON.fullmatch(unit) else unit
-    stated, wanted = parsed(known), parsed("s/s" if quantity == "1" else quantity)
+    stated = parsed(known)
+    wanted = parsed("s/s" if quantity == "1" else quantity)
     return stated[0] / wanted[0] if stated and wanted and stated[1] == wanted[1] else None
 
 
@@ -124,7 +125,8 @@ def parsed(unit: str) -> tuple[float, tuple[float, ...]] | None:
         return None
     if text[:1] in ("", "/") or "".join(map("".join, factors)) != text.replace(" ", ""):
         return None
-    size, powers = 1.0, [0.0] * 4
+    size = 1.0
+    powers = [0.0] * 4
     for over, name, power in factors:
         known = _KNOWN.get(name if name.lower() in _WITH_CASE else name.lower())
         if known is None:

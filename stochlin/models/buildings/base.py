@@ -26,7 +26,10 @@ from stochlin.models.values import CASE
 if TYPE_CHECKING:
     import sympy
 
-STOREY, MODE, FLOOR, YIELDING = "storey", "mode", "floor", "yielding mode"
+STOREY = "storey"
+MODE = "mode"
+FLOOR = "floor"
+YIELDING = "yielding mode"
 MOVES = "1", "displacement of the floor over that of the oscillator"
 MOST_STOREYS = 200
 MOST = {STOREY: MOST_STOREYS, FLOOR: MOST_STOREYS}
@@ -178,8 +181,10 @@ class MultistoreyBuilding(WithoutCells, Model, base=True):
         for name, value in values.items():
             if not value > 0:
                 raise ValueError(f"idealized has {name} = {value:g}; allowed: the result of bilinear_of")
-        first, roof = self.oscillator(), float(self.first_mode_moves()[-1])
-        mass, period = first.arrays()["mass"].item(), first.arrays()["period"].item()
+        first = self.oscillator()
+        roof = float(self.first_mode_moves()[-1])
+        mass = first.arrays()["mass"].item()
+        period = first.arrays()["period"].item()
         displacement = values["yield_displacement"] / roof
         begins = 2 * np.pi * np.sqrt(mass / (roof * values["initial_stiffness"]))
         if abs(begins / period - 1) > PERIOD_OFF:

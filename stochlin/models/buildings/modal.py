@@ -221,7 +221,8 @@ class ModalBuilding(MultistoreyBuilding):
                 "participation": table["participation"].to_numpy(),
                 "modal_masses": table["modal_mass"].to_numpy(),
             } | others
-        periods, heights = (table[name].to_numpy() for name in ("period", "height"))
+        periods = table["period"].to_numpy()
+        heights = table["height"].to_numpy()
         known = periods, shapes, masses, heights, damping
         if base_shear_coefficient is None:
             return cls(*known, **others)
@@ -282,8 +283,11 @@ class ModalBuilding(MultistoreyBuilding):
 
     def system(self) -> System:
         """The building as coordinates, elements and floors: each mode is one coordinate and element."""
-        mass, w = self.effective_masses(), 2 * np.pi / self._numbers("periods")
-        k, hardening, strength = mass * w**2, np.ones(w.size), np.full(w.size, np.inf)
+        mass = self.effective_masses()
+        w = 2 * np.pi / self._numbers("periods")
+        k = mass * w**2
+        hardening = np.ones(w.size)
+        strength = np.full(w.size, np.inf)
         weak = slice(self._strengths.shape[1])
         hardening[weak], strength[weak] = self._strengths
         return System(
@@ -325,7 +329,8 @@ class ModalBuilding(MultistoreyBuilding):
         """Participation factor of each mode for ground motion along the gap [-], (modes,)."""
         if self.participation is not None:
             return self._numbers("participation")
-        shapes, masses = self._numbers("shapes"), self._numbers("masses")
+        shapes = self._numbers("shapes")
+        masses = self._numbers("masses")
         computed: Array = (shapes @ masses) / (shapes**2 @ masses)
         return computed
 
@@ -418,7 +423,8 @@ class ModalBuilding(MultistoreyBuilding):
 
     def _check_masses(self, name: str) -> None:
         shares = self.effective_masses() / self._numbers("masses").sum()
-        still, total = (shares < LEAST_MASS) | (self.factors() == 0), shares.sum()
+        still = (shares < LEAST_MASS) | (self.factors() == 0)
+        total = shares.sum()
         if still.any():
             what = f"{name}mode {listed(np.flatnonzero(still) + 1)} does not move along the gap"
             raise ValueError(f"{what}; allowed: modes with {LEAST_MASS:g} of the mass or more")
@@ -446,7 +452,8 @@ def effective_masses_of(shapes: Array, masses: Array) -> Array:
 
 def doubt_of_shape(leading: Array) -> Iterator[str]:
     """Text on the shape of the leading mode, if it moves most below, as with floors upside down."""
-    lowest, roof = abs(leading[0]), abs(leading[-1])
+    lowest = abs(leading[0])
+    roof = abs(leading[-1])
     ratio = lowest / roof if roof > 0 else np.inf
     if text := PLAUSIBLE["mode downwards"].doubt(ratio):
         yield f"the leading mode moves {lowest:g} at the lowest floor and {roof:g} at the roof; {text}"

@@ -268,7 +268,8 @@ class ShearBuilding(MultistoreyBuilding):
 
     def system(self) -> System:
         """The building as a chain: coordinates are the displacements of the floors."""
-        n, k = self.storeys, self._numbers("stiffnesses")
+        n = self.storeys
+        k = self._numbers("stiffnesses")
         hardening = float(self.cells()["hardening"]) if self.yields else 1.0
         return System(
             mass=self._numbers("masses"),
@@ -301,7 +302,8 @@ class ShearBuilding(MultistoreyBuilding):
 
         It is the participation factor ``phi' M 1/(phi' M phi)`` times the mode shape ``phi``.
         """
-        mass, shape = self._numbers("masses"), self._modes()[1][:, 0]
+        mass = self._numbers("masses")
+        shape = self._modes()[1][:, 0]
         return numbered((mass @ shape) * shape, FLOOR, *MOVES)
 
     mode_periods = periods  # names that all buildings have
@@ -327,9 +329,11 @@ class ShearBuilding(MultistoreyBuilding):
         >>> round(first.period, 3), round(first.yield_displacement, 4), round(first.mass / 6e5, 3)
         (0.316, 0.0184, 0.914)
         """
-        mass, shape = self._numbers("masses"), self._modes()[1][:, 0]
+        mass = self._numbers("masses")
+        shape = self._modes()[1][:, 0]
         moves = self.participation().to_numpy()
-        weakest, strength = 0, dict[str, float]()
+        weakest = 0
+        strength = dict[str, float]()
         if self.yields:
             at_yield = self._numbers("yield_drifts") / np.abs(np.diff(moves, prepend=0.0))
             weakest = int(np.argmin(at_yield))
@@ -364,10 +368,12 @@ class ShearBuilding(MultistoreyBuilding):
 
     def _doubts_of_strength(self) -> Iterator[str]:
         """Texts on yield drifts, and on the strength that follows from them."""
-        heights, drifts = self._numbers("heights"), self._numbers("yield_drifts", 0.0)
+        heights = self._numbers("heights")
+        drifts = self._numbers("yield_drifts", 0.0)
         ratios = drifts / heights
         worst = int(np.argmax(ratios))
-        drift, height = drifts[worst], heights[worst]
+        drift = drifts[worst]
+        height = heights[worst]
         text = PLAUSIBLE["yield drift"].doubt(ratios[worst])
         if text and PLAUSIBLE["heights"].holds(height):
             share = f"{drift:.3g} m, {ratios[worst]:.2g} of its height"
@@ -445,14 +451,16 @@ class ShearBuilding(MultistoreyBuilding):
         return np.full(self.storeys, self.cells().get(name, otherwise), float)
 
     def _check_weight(self) -> None:
-        stiffness, taken = self._numbers("stiffnesses"), self.geometric_stiffness()
+        stiffness = self._numbers("stiffnesses")
+        taken = self.geometric_stiffness()
         if self.p_delta and (stiffness <= taken).any():
             worst = int(np.argmin(stiffness - taken))
             what = f"ShearBuilding: the weight above takes {taken[worst]:g} N/m from storey {worst + 1}"
             raise ValueError(f"{what}; allowed: less than {stiffness[worst]:g} N/m, or p_delta=False")
 
     def _check_damping_modes(self) -> None:
-        modes, known = self.damping_modes, Whole(1, self.storeys)
+        modes = self.damping_modes
+        known = Whole(1, self.storeys)
         each = tuple(modes) if isinstance(modes, (tuple, list)) else ()
         if len(each) != 2 or not all(map(known.contains, each)) or each[0] == each[1]:
             what = f"{type(self).__name__}: damping_modes = {brief(modes)}"

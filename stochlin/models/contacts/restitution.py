@@ -76,7 +76,8 @@ def kelvin_damping(e: Array) -> Array:
 @np.errstate(over="ignore")  # where expm1 overflows, its reciprocal is zero
 def langevin_odds(x: Array) -> Array:
     """``L/(1 - L)`` of Langevin's function, below 1 a ratio of Bessel functions."""
-    near, far = np.minimum(x, 1), np.maximum(x, 1)
+    near = np.minimum(x, 1)
+    far = np.maximum(x, 1)
     small = ive(1.5, near) / ive(0.5, near)
     return np.where(x < 1, small / (1 - small), 1 / (1 / far - 2 / np.expm1(2 * far)) - 1)
 

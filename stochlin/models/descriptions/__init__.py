@@ -21,7 +21,8 @@ def shown_unit(units: str, largest: float = math.inf) -> tuple[str, float]:
     """The unit in which numbers up to this size are shown, and what one in SI is multiplied by."""
     unit, scale = LARGE.get(units, (units, 1.0))
     if units == "m" and largest < SHORT:
-        unit, scale = "cm", 100.0
+        unit = "cm"
+        scale = 100.0
     return "" if units == "1" else unit.replace("^2", "²").replace("^3", "³"), scale
 
 

@@ -376,7 +376,8 @@ class CloughPenzien(Ground):
 
     def doubts(self) -> Iterator[str]:
         """Text on a high-pass filter that takes away the motion of the ground."""
-        high_pass, period = self.high_pass_period, self.period
+        high_pass = self.high_pass_period
+        period = self.period
         ratio = high_pass / period if isinstance(high_pass, float) and isinstance(period, float) else 0.0
         if text := PLAUSIBLE["high pass over ground"].doubt(ratio):
             times = f"{ratio:.2g} times the period of the ground"

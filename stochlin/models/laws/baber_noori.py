@@ -27,7 +27,8 @@ def symbolic() -> Mapping[str, sympy.Expr]:
     ends = ("", "_rate", "_start", "_width", "_spread", "_coupling")
     pinching = [sympy.Symbol(f"pinching{end}", real=True) for end in ends]
     most, rate, start, width, spread, coupling = pinching
-    nu, eta = 1 + strength * e, 1 + stiffness * e
+    nu = 1 + strength * e
+    eta = 1 + stiffness * e
     slip = nu * abs(z) ** n * (beta * abs(v) * sympy.sign(z) + (1 - beta) * v)
     zeta = most * (1 - sympy.exp(-rate * e))
     apart = (z * sympy.sign(v) - start * nu ** (-1 / n)) / ((width + spread * e) * (coupling + zeta))

@@ -128,6 +128,7 @@ def law_of(
     missing = [name for name in known if name not in own and not hasattr(kind, name)]
     if unknown or missing:
         what = f"has no {listed(unknown)}" if unknown else f"needs {listed(missing)} as well"
-        what, allowed = f"law_parameters = {brief(dict(own))}: the law {what}", ", ".join(known)
+        what = f"law_parameters = {brief(dict(own))}: the law {what}"
+        allowed = ", ".join(known)
         raise ValueError(f"{what}; allowed: {allowed or 'none'}")
     return kind(**common, **own)

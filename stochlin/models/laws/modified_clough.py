@@ -123,7 +123,8 @@ class ModifiedClough(Structure):
                 raise ValueError(f"{what}; allowed: both, or neither")
         falls = self._falls()
         if not falls.ndim and not falls:
-            hardening, softening = (float(self.arrays()[name]) for name in ("hardening", "softening"))
+            hardening = float(self.arrays()["hardening"])
+            softening = float(self.arrays()["softening"])
             least = hardening / (1 - hardening) if hardening < 1 else np.inf
             what = f"ModifiedClough: softening = {softening:g} gives no descending branch"
             allowed = f"hardening/(1 - hardening) = {least:.6g} < value; or cap_ductility = 1"
@@ -153,11 +154,14 @@ class ModifiedClough(Structure):
 
     def law_parameters(self) -> list[xr.DataArray]:
         """The branches as time steps take them; those that are not given have no effect."""
-        values, unit = self.arrays(), xr.DataArray(1.0)
+        values = self.arrays()
+        unit = xr.DataArray(1.0)
         crack = values.get("cracking", unit)
-        limit, rise = unit, 0 * unit
+        limit = unit
+        rise = 0 * unit
         if self.cracking is not None:
             limit = crack / values["uncracked_stiffness"]
             rise = (1 - crack) / (1 - limit)
-        cap, softening = values.get("cap_ductility", np.inf * unit), values.get("softening", unit)
+        cap = values.get("cap_ductility", np.inf * unit)
+        softening = values.get("softening", unit)
         return [values["unloading_exponent"], crack, limit, rise, cap, softening, values["residual"]]

@@ -22,7 +22,9 @@ from stochlin.registry import Registry
 
 Zone = Literal["I", "II", "III"]  # of Mexico City
 ZONES: Mapping[Zone, float] = {"I": 0.001, "II": 0.003, "III": 0.006}  # share of the height
-HEIGHT, FIXED = "height", "fixed"  # families of rules that use no peaks
+# families of rules that use no peaks
+HEIGHT = "height"
+FIXED = "fixed"
 FAMILIES = ("", "SRSS", "sum", HEIGHT, FIXED)
 INELASTIC = "peaks are largest displacements, inelastic where the structure yields"
 TWO = "a second building: what it says of a property line is not known here"

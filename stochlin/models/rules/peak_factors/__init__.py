@@ -27,7 +27,9 @@ from stochlin.registry import Registry
 PEAK_FACTORS: Registry[PeakFactor] = Registry("peak factor", "stochlin.models.rules.peak_factors")
 EULER = float(np.euler_gamma)
 RISING = float(np.exp(EULER / 2))  # smallest N from which L + 0.5772/L grows with N
-PANELS, ORDER = 28, 12  # mean and std are exact to 1e-10 up to N = 1e8, compared with mpmath
+# mean and std are exact to 1e-10 up to N = 1e8, compared with mpmath
+PANELS = 28
+ORDER = 12
 # Panels shrink towards 0, since F rises from 0 within x ~ N delta^1.2 where this is small.
 _NODES, _WEIGHTS = on_panels(np.union1d(0.25 ** np.arange(2, 9), np.linspace(0, 1, PANELS)), ORDER)
 CELLS = 256  # cells evaluated at a time, so that nodes times cells fit into the processor cache
@@ -69,7 +71,9 @@ class PeakFactor(Published):
         n, delta = np.broadcast_arrays(np.asarray(crossings, float), np.asarray(bandwidth, float))
         widest = 1.0
         if sides == 1:
-            n, delta, widest = n / 2, delta * self.spread, self.spread
+            n = n / 2
+            delta = delta * self.spread
+            widest = self.spread
         inside = (n >= 1) & (n < np.inf) & (delta >= 0) & (delta <= widest)
         values = np.full((2, n.size), np.nan)
         values[:, inside.ravel()] = self.formula(n[inside], delta[inside])
@@ -196,7 +200,8 @@ def _extreme_value(n: Array) -> Array:
 def _survival_moments(n: Array, delta: Array) -> tuple[Array, Array]:
     """First two moments ``Int (1 - F) dx`` and ``Int 2 x (1 - F) dx`` of Vanmarcke's distribution F."""
     reach = np.sqrt(2 * (np.log1p(n) + 37))  # for larger x, 1 - F is below 1e-16
-    x, weight = reach * _NODES, reach * _WEIGHTS
+    x = reach * _NODES
+    weight = reach * _WEIGHTS
     rate = -n * np.expm1(-np.sqrt(np.pi / 2) * delta**1.2 * x) / np.expm1(0.5 * x * x)
     # 1 - F = 1 - (1 - a) e^-r with a the start and r the rate, without cancellation for small a and r
     start = np.exp(-0.5 * x * x)
