@@ -66,7 +66,8 @@ def hysteresis_loop(
         raise ValueError("structure has a reduction_factor; allowed: its yield_displacement")
     turns = np.concatenate([[0.0], _turns(displacement)])
     values = structure.cells()
-    square, uy = (2 * np.pi / values["period"]) ** 2, values.get("yield_displacement", np.nan)
+    square = (2 * np.pi / values["period"]) ** 2
+    uy = values.get("yield_displacement", np.nan)
     alpha = values["hardening"] if structure.yields else 1.0
     share = np.arange(1, refine + 1) / refine
     u = np.concatenate([[0.0], (turns[:-1, None] + share * np.diff(turns)[:, None]).ravel()])

@@ -31,14 +31,17 @@ def _usual(name: str) -> tuple[str, str] | None:
 def _described(name: str, special: Variables) -> tuple[str, str] | None:
     if known := special.get(name) or VARIABLES.get(name):
         return known
-    rest, text = name.removeprefix(RECORD), "{}, in the record"
+    rest = name.removeprefix(RECORD)
+    text = "{}, in the record"
     if rest == name:
         for ending, words in ENDINGS.items():
             if name.endswith(f"_{ending}"):
-                rest, text = name.removesuffix(f"_{ending}"), words
+                rest = name.removesuffix(f"_{ending}")
+                text = words
         stem, _, number = name.rpartition("_")
         if number.isdigit():
-            rest, text = stem, f"{{}}, structure {number}"
+            rest = stem
+            text = f"{{}}, structure {number}"
     if rest == name:
         return None
     known = unit_and_long_name(rest) or (unit_and_long_name(rest, special) if special else None)

@@ -191,7 +191,8 @@ def _elastic(structure: AnyStructure) -> AnyStructure:
 def _ratios(inelastic: Array, elastic: Array) -> dict[str, Array]:
     """Means of peaks (motions, n), their ratio, and standard errors; that of the ratio from pairs."""
     scale = np.sqrt(len(inelastic))
-    mean, other = inelastic.mean(axis=0), elastic.mean(axis=0)
+    mean = inelastic.mean(axis=0)
+    other = elastic.mean(axis=0)
     ratio = mean / other
     left = (inelastic - ratio * elastic).std(axis=0, ddof=1)
     return {

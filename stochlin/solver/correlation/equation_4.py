@@ -33,7 +33,8 @@ def by_eq_4(pair: Iterable[Cells], *statuses: Cells) -> tuple[Cells, Cells]:
 
 @np.errstate(invalid="ignore", divide="ignore")  # invalid cells become NaN by their status
 def _eq_4(statuses: int, *cells: Array) -> tuple[Array, Array]:
-    rho, status = white_noise_correlation(*cells[statuses:]), reduce(np.maximum, cells[:statuses])
+    rho = white_noise_correlation(*cells[statuses:])
+    status = reduce(np.maximum, cells[:statuses])
     status = np.where((status < labels.NOT_CONVERGED) & np.isnan(rho), labels.NOT_PHYSICAL, status)
     return np.where(status < labels.NOT_CONVERGED, np.minimum(rho, 1), np.nan), status
 
@@ -197,7 +198,8 @@ def effective_pair(solved: Solved, rule: EffectiveRule) -> dict[str, Cells]:
     """
     values: dict[str, Cells] = {}
     for n, structure in enumerate(solved.structures, start=1):
-        own, side = structure.cells(), solved.labelled(n - 1, ["ductility_std"])
+        own = structure.cells()
+        side = solved.labelled(n - 1, ["ductility_std"])
         values |= {f"{name}_{n}": own[name] for name in ("period", "damping")}
         values[f"hardening_{n}"] = own.get("hardening", 1.0)
         values[f"ductility_{n}"] = own["peak_factor"] * side["ductility_std"]

@@ -43,7 +43,10 @@ from stochlin.solver.tables.checks import USUAL
 LEAST_SHARE = 1e-6  # of the drift in a standard deviation
 # Kinds of pairs with larger errors: logarithm of the ratio of periods, damping of the ground, smaller
 # frequency over that of the ground, and strong shaking over the longer period.
-ALIKE, NARROW, STIFF, BRIEF = 0.08, 0.2, 1.2, 0.7
+ALIKE = 0.08
+NARROW = 0.2
+STIFF = 1.2
+BRIEF = 0.7
 ROUNDING = 1e-9  # a damping of 0.2 counts as narrow
 # Mean absolute error of the gap for 90 % by kind, of 900 simulated pairs (benchmarks/finite_drift.py).
 ERRORS = {
@@ -136,7 +139,8 @@ class PairsInTime(NamedTuple):
         if independent:
             passage = passage._replace(bandwidth=np.full_like(passage.bandwidth, np.inf))
         weights = self.course.weights
-        count, motions = self.failed.size, weights.size
+        count = self.failed.size
+        motions = weights.size
         instants = self.course.times.size
         shares = np.empty((count * motions, gaps.shape[1], instants))
         survival(np.repeat(gaps, motions, axis=0), passage, CHAIN, shares)
@@ -149,12 +153,15 @@ def pairs_in_time(cells: Sequence[Oscillators], ground: Ground, course: Envelope
     """One or two structures in each of n cells, with strengths in metres."""
     structures = structures_in_time(joined(cells), ground, course)
     sides = structures.number.reshape(len(cells), -1)
-    first, solved = structures.moving(sides[0]), structures.solved
-    motions, second = course.weights.size, None
+    first = structures.moving(sides[0])
+    solved = structures.solved
+    motions = course.weights.size
+    second = None
     if len(cells) == 1:
         tables = Tables.of(solved.levels, _bandwidth(solved)[None])
         bandwidth = tables.at(first.square, np.repeat(sides[0], motions))[0]
-        moves, joint = alone(first, bandwidth, course.step), 0 * first.square
+        moves = alone(first, bandwidth, course.step)
+        joint = 0 * first.square
     else:
         second = structures.moving(sides[1])
         tables = Tables.of(solved.levels, np.array(_pair_rows(solved, *sides)))
@@ -215,7 +222,8 @@ def _bandwidth(solved: SolvedLevels) -> Array:
 
 def _pair_rows(solved: SolvedLevels, first: Array, second: Array) -> PairRows:
     """Rows of pairs (n levels,) of structures with these numbers (n,)."""
-    both, count = drifting(solved.solved, USUAL), solved.levels.size
+    both = drifting(solved.solved, USUAL)
+    count = solved.levels.size
     frequency = np.sqrt(solved.system.stiffness)
     structures = AtLevels(
         solved.system,
@@ -248,13 +256,15 @@ def _levels_of_load(cells: Sequence[Oscillators], ground: Ground, course: Envelo
     shares = np.array([share_of_load(*each) for each in zip(own.T, frequency, damping, strict=True)])
     if not shares.any():
         return none
-    count, (instants, motions) = shares.size, course.envelope.shape
+    count = shares.size
+    instants, motions = course.envelope.shape
     result = np.empty((count, motions, instants, LEVELS.size))
     result[:] = LEVELS
     std = course.scale * np.sqrt(
         np.pi * soil.intensity * frequency * (1 + 4 * damping**2) / (2 * damping)
     )
-    levels, structures = levels_for(course.spread), [yielding(each) for each in cells]
+    levels = levels_for(course.spread)
+    structures = [yielding(each) for each in cells]
     for cell in np.flatnonzero(shares):
         harmonics = [
             Harmonic.of(

@@ -59,7 +59,8 @@ def linearized_pairs(
         drifts = drifting(solved, tolerance)
         return _table(solved, drifts, partial(drifting_pair, errors), DRIFTING)
     values = solved.values
-    system, forcing = EquivalentSystem(*values["system"]), Forcing(*values["forcing"])
+    system = EquivalentSystem(*values["system"])
+    forcing = Forcing(*values["forcing"])
     linear = Linear.of(motion_of(system, forcing), values["displacement_std"])
     if not bias:
         return _table(solved, linear, linear_pair, COMPARED[:1])
@@ -97,7 +98,8 @@ def _table(
         columns["bias"] = 0 * columns["rho_error"]
     elif names == COMPARED:
         of_sides += ["bias", "bias_error"]
-        flag, of_difference = (caution_of(columns[name]) for name in ("bias", f"{DIFFERENCE}_bias"))
+        flag = caution_of(columns["bias"])
+        of_difference = caution_of(columns[f"{DIFFERENCE}_bias"])
     if "bias" in columns:
         columns["caution"] = np.maximum(worst("caution"), flag)
         columns[f"{DIFFERENCE}_caution"] = of_difference
@@ -122,7 +124,9 @@ def difference(table: Mapping[Any, Cells]) -> dict[str, Cells]:
         return {}
     values = [table[name] for name in ("displacement_std_1", "displacement_std_2", "rho")]
     (std,) = cellwise(std_of_difference, *values)
-    bias, off, most = std * np.nan, std * np.nan, OFF
+    bias = std * np.nan
+    off = std * np.nan
+    most = OFF
     if "rho_standard_error" in table:
         shares = [table[f"displacement_std_standard_error_{n}"] / values[n - 1] for n in (1, 2)]
         rest = table["rho_standard_error"] / (1 - table["rho"])

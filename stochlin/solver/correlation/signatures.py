@@ -65,7 +65,8 @@ class References(NamedTuple):
 
 def drifting_side(values: Mapping[str, Array]) -> DriftingSide:
     """Structures of `solve_oscillators` by the drift closure."""
-    system, forcing = EquivalentSystem(*values["system"]), Forcing(*values["forcing"])
+    system = EquivalentSystem(*values["system"])
+    forcing = Forcing(*values["forcing"])
     with np.errstate(all="ignore"):  # failed cells are NaN
         rate = values["drift_rate"]
         kicks = values["drift_std"] * np.sqrt(2 * rate * values["drift_shares"])
@@ -140,7 +141,8 @@ def drifting(solved: Solved, tolerance: Tolerance) -> Drifting:
 
     Structures of other laws that yield are NaN.
     """
-    values, cells = solved.values, solved.oscillators
+    values = solved.values
+    cells = solved.oscillators
     side = drifting_side(values)
     for structure, part in zip(solved.structures, solved.parts, strict=True):
         if structure.yields and not isinstance(structure, Bilinear):
@@ -165,7 +167,8 @@ def _corrections(solved: Solved, side: DriftingSide, tolerance: Tolerance) -> tu
 
     On white noise the signatures are not corrected.
     """
-    ground, point = solved.ground, solved.point
+    ground = solved.ground
+    point = solved.point
     calibration = ground.calibration
     ones = np.ones(point.shape[1])
     nothing = np.zeros((ENTRIES, ones.size))
@@ -176,9 +179,11 @@ def _corrections(solved: Solved, side: DriftingSide, tolerance: Tolerance) -> tu
     if calibration.soil is None:
         point = np.stack([*point, ones, AS_ON_WHITE_NOISE * ones])
     else:
-        number, soil = np.zeros(ones.size, int), solved.oscillators.soil.copy()
+        number = np.zeros(ones.size, int)
+        soil = solved.oscillators.soil.copy()
         row = list(ground.cells()).index("intensity")
-        side, soil[row] = at_unit_intensity(side, soil[row]), 1.0  # correlations stay the same
+        side = at_unit_intensity(side, soil[row])
+        soil[row] = 1.0  # correlations stay the same
         if any(array.ndim for array in ground.arrays().values()):
             grounds, number = np.unique(soil, axis=1, return_inverse=True)
             known = solved_references(ground, grounds, tolerance, drift_map())
@@ -197,9 +202,11 @@ def corrected(derived: Array, correction: Array) -> Signature:
     """The signatures (k, n) that are derived, with their corrections, eq. (10)."""
     known = derived + correction
     # A signature has a length of at most 1, since it is the projection of a unit vector.
-    square, blur = (known**2).sum(axis=0), BLUR * (correction**2).sum(axis=0)
+    square = (known**2).sum(axis=0)
+    blur = BLUR * (correction**2).sum(axis=0)
     known = known / np.sqrt((square + 1 + np.hypot(square - 1, 2 * blur)) / 2)
-    left, left_derived = (np.maximum(1 - (c**2).sum(axis=0), 0) for c in (known, derived))
+    left = np.maximum(1 - (known**2).sum(axis=0), 0)
+    left_derived = np.maximum(1 - (derived**2).sum(axis=0), 0)
     ratio = np.sqrt((left + LEFT) / (left_derived + LEFT))
     return Signature(known, ratio * derived, ratio, np.sqrt(left))
 

@@ -29,7 +29,8 @@ def simulate_pairs(
     """Table of ``rho``, standard deviations and their standard errors; one ensemble for each ground."""
     first.check_stationary("first")
     second.check_stationary("second")
-    sides, ground = {"first": computed(first), "second": computed(second)}, computed(ground)
+    sides = {"first": computed(first), "second": computed(second)}
+    ground = computed(ground)
     on_one_ground = partial(_on_one_ground, options, count_cells(ground))
     return over_cells(on_one_ground, {"ground": ground}, beside=sides)
 
@@ -48,7 +49,9 @@ def _on_one_ground(
         _check_grounds(structures, ground, options, grounds)
     motions = simulate(structures, ground, **options)
     begin = sides[0].where.size
-    parts, table, statuses = (slice(begin), slice(begin, None)), xr.Dataset(), []
+    parts = (slice(begin), slice(begin, None))
+    table = xr.Dataset()
+    statuses = []
     for n, (side, part, structure) in enumerate(
         zip(sides, parts, (first, second), strict=True), start=1
     ):

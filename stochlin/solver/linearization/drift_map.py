@@ -35,27 +35,34 @@ FILE = "drift_map.nc"
 # R/p is the standard deviation of the elastic displacement over the yield displacement. Below this value
 # no drift grows within a million periods.
 ELASTIC = 0.15
-DISPLACEMENT, DISPLACEMENT_WHITE = "displacement_correction", "displacement_correction_white_noise"
-SIGNATURE, REFERENCE = "signature_correction", "drift_reference"
+DISPLACEMENT = "displacement_correction"
+DISPLACEMENT_WHITE = "displacement_correction_white_noise"
+SIGNATURE = "signature_correction"
+REFERENCE = "drift_reference"
 STRENGTH_RATIO = "elastic_ductility_std"  # R/p: standard deviation of the elastic displacement over uy
-NEARNESS, ENTRY = "nearness", "nearness_entry"
+NEARNESS = "nearness"
+ENTRY = "nearness_entry"
 # Along these dimensions there is no parameter to interpolate in: each entry is a map of its own.
 COLUMNS = (REFERENCE, ENTRY)
 # Ranges that were simulated: of R/p, of the hardening ratio and of the damping ratio of the structure,
 # of the damping ratio of the ground, and of the period of the structure over that of the ground.
-GROUND_DAMPING, PERIOD = (0.03, 1.0), (0.1, 10.0)
+GROUND_DAMPING = (0.03, 1.0)
+PERIOD = (0.1, 10.0)
 SIMULATED = (0.0, 4.0), (0.01, 1.0), (0.005, 0.3), GROUND_DAMPING, PERIOD
 # Ranges of the map itself: of the hardening ratio and of the damping ratio of the structure.
-MAP_HARDENING, MAP_DAMPING = (0.02, 1.0), (0.01, 0.1)
+MAP_HARDENING = (0.02, 1.0)
+MAP_DAMPING = (0.01, 0.1)
 # Largest period after yield, T/sqrt(alpha), over the period of the high-pass filter. Where it is larger,
 # corrected standard deviations are too large by 10 % and more.
 BEYOND = 2.0
 # The expected relative error of a corrected standard deviation combines two parts: one that is always
 # there, that of the ground, or at least this one where the hardening or the damping ratio is beyond the
 # map, and this share of the scatter of the points around.
-LEAST_BEYOND, BY_SPREAD = 0.03, 0.45
+LEAST_BEYOND = 0.03
+BY_SPREAD = 0.45
 ROUNDING = 1e-9
-DAMPING_AXIS, OTHER_AXES = 3, [0, 1, 2, 4]  # of the map: the damping ratio of the ground, and the others
+DAMPING_AXIS = 3  # of the map: the damping ratio of the ground
+OTHER_AXES = [0, 1, 2, 4]  # and the others
 SECTIONS = 64  # number of sections of the map at one damping ratio of the ground that are kept
 
 
@@ -86,7 +93,8 @@ def with_correction(
         least = np.where(mapped, calibration.error, max(calibration.error, LEAST_BEYOND))
         error = np.sqrt(least**2 + (BY_SPREAD * spread) ** 2)
         error = np.where(simulated(ground, point, soil), error, np.nan)
-    elastic, lost = np.isinf(derived["yield_displacement"]), np.isnan(derived["displacement_std"])
+    elastic = np.isinf(derived["yield_displacement"])
+    lost = np.isnan(derived["displacement_std"])
     shown = {name: derived[name] * factor for name in ("displacement_std", "ductility_std")}
     error = np.where(lost, np.nan, np.where(elastic, 0.0, error))
     return {**derived, **shown, "displacement_error": error}

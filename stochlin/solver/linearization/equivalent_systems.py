@@ -72,7 +72,8 @@ class Oscillators(NamedTuple):
     @classmethod
     def of(cls, table: Flat) -> Oscillators:
         """The valid cells of a ``structure`` on a ``ground``."""
-        structure, own = table.models["structure"], table.models["structure"].cells()
+        structure = table.models["structure"]
+        own = table.models["structure"].cells()
         rows = (
             own["period"],
             own["damping"],
@@ -116,7 +117,8 @@ class Law(NamedTuple):
     @classmethod
     def of(cls, table: Flat, closure: str) -> Law:
         """That of the ``structure`` of a table."""
-        structure, count = table.models["structure"], table.where.size
+        structure = table.models["structure"]
+        count = table.where.size
         own = structure.cells()
         parameters = in_columns([own[n] for n in structure.own_parameters() if n in own], count)
         one_solution = np.broadcast_to(structure.has_one_solution().to_numpy(), count)
@@ -125,14 +127,16 @@ class Law(NamedTuple):
     @classmethod
     def bilinear(cls, count: int, closure: str) -> Law:
         """The bilinear law of so many cells."""
-        none, yes = np.empty((0, count)), np.ones(count, bool)
+        none = np.empty((0, count))
+        yes = np.ones(count, bool)
         in_closed_form = Bilinear.closed_form(closure)
         assert in_closed_form is not None
         return cls(in_closed_form, none, yes, closure == DRIFT)
 
     def at(self, cells: Any) -> Law:
         """Some of the cells."""
-        parameters, one_solution = self.parameters[:, cells], self.one_solution[cells]
+        parameters = self.parameters[:, cells]
+        one_solution = self.one_solution[cells]
         return self._replace(parameters=parameters, one_solution=one_solution)
 
 
@@ -154,7 +158,8 @@ class Solved(NamedTuple):
 
     def labelled(self, number: int, names: Sequence[str]) -> dict[str, Cells]:
         """Variables of a structure over its dimensions."""
-        table, part = self.tables[number], self.parts[number]
+        table = self.tables[number]
+        part = self.parts[number]
         return {name: table.array(self.values[name][part], BLANK.get(name, np.nan)) for name in names}
 
     def dataset(self) -> xr.Dataset:
@@ -164,10 +169,12 @@ class Solved(NamedTuple):
 
     def by_laws(self, laws: Sequence[Law | None], closure: str | None, tolerance: Tolerance) -> Solved:
         """The cells of each structure by its law with this closure; without a law they stay elastic."""
-        single, groups = all(table.where.size == 1 for table in self.tables), dict[Any, list[int]]()
+        single = all(table.where.size == 1 for table in self.tables)
+        groups = dict[Any, list[int]]()
         for number, law in enumerate(laws):  # single cells of one closure are solved together
             groups.setdefault(law and law.closure if single else number, []).append(number)
-        values, count = dict[str, Array](), self.oscillators.period.size
+        values = dict[str, Array]()
+        count = self.oscillators.period.size
         if len(groups) == 1:
             values = solve_oscillators(self.oscillators, joined(laws), self.ground, tolerance)
             groups.clear()
@@ -217,7 +224,8 @@ def solved_together(
 
     Those by the drift closure are corrected by the map of simulations.
     """
-    tables, laws = list[Flat](), list[Law | None]()
+    tables = list[Flat]()
+    laws = list[Law | None]()
     for structure in structures:
         yields = closure is not None and structure.yields
         if closure is not None:
@@ -260,14 +268,19 @@ def _solved(
     cells: Oscillators, law: Law | None, ground: Ground, tolerance: Tolerance
 ) -> dict[str, Array]:
     """`solve_oscillators` of cells that are computed together."""
-    w, n = 2 * np.pi / cells.period, cells.period.size
-    elastic, soil = linear_system(w, cells.damping), ground.filter_of(cells.soil)
+    w = 2 * np.pi / cells.period
+    n = cells.period.size
+    elastic = linear_system(w, cells.damping)
+    soil = ground.filter_of(cells.soil)
     own = own_covariance(elastic, soil.forcing(elastic))
-    std, by_factor = np.sqrt(own.mu_mu), cells.by_factor > 0
+    std = np.sqrt(own.mu_mu)
+    by_factor = cells.by_factor > 0
     uy = np.where(by_factor, cells.peak_factor * std / cells.strength, cells.strength)
     # A reduction factor is used as it is, so that equal structures have exactly equal ratios.
     ratio = np.where(by_factor, cells.strength / cells.peak_factor, std / uy)
-    system, still, drift = elastic, np.ones(n, bool), no_drift(n)
+    system = elastic
+    still = np.ones(n, bool)
+    drift = no_drift(n)
     ended = FixedPoint(np.empty((3, n)), np.zeros(n, np.int32), np.zeros(n), still)
     if law is not None:
         problem = _problem(cells, law, ground, tolerance, uy)
@@ -298,7 +311,8 @@ def _problem(
     cells: Oscillators, law: Law, ground: Ground, tolerance: Tolerance, uy: Array
 ) -> SingleStructures:
     """The equations of cells for the displacement over ``uy``."""
-    soil, w = cells.soil.copy(), 2 * np.pi / cells.period
+    soil = cells.soil.copy()
+    w = 2 * np.pi / cells.period
     soil[list(ground.cells()).index("intensity")] /= uy**2
     structure = np.array([w**2, 2 * cells.damping * w, (1 - cells.hardening) * w**2])
     level = np.zeros_like(uy)
@@ -312,9 +326,12 @@ def _response(
     """The response of equivalent systems, and whether it is physical."""
     forcing = soil.forcing(system)
     own = own_covariance(system, forcing)
-    displacement, velocity, z = np.sqrt(own.mu_mu), np.sqrt(own.v_v), np.sqrt(own.z_z)
+    displacement = np.sqrt(own.mu_mu)
+    velocity = np.sqrt(own.v_v)
+    z = np.sqrt(own.z_z)
     of_drift = np.where(drift.variance > 0, uy * np.sqrt(drift.variance), drift.variance)
-    total, share = np.hypot(displacement, of_drift), own.mu_z / (displacement * z)
+    total = np.hypot(displacement, of_drift)
+    share = own.mu_z / (displacement * z)
     values = {
         "displacement_std": total,
         "velocity_std": velocity,

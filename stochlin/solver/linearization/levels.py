@@ -38,7 +38,9 @@ GROWTH = StructureRows._fields.index("growth")
 # strengths of motions with a scatter. The peaks scatter by a logarithmic standard deviation of 0.15 or
 # more for one strength, so that probabilities are smooth in the strength; the error of the mean is
 # about 0.001.
-REACH, STEP, FEWEST = 3.2, 0.25, 4
+REACH = 3.2
+STEP = 0.25
+FEWEST = 4
 ELASTIC_STRENGTH = 1.0  # yield displacement [m] of elastic structures, which have the hardening 1
 YIELDING = Bilinear(1.0, 0.05, 0.05, reduction_factor=1.0)  # a structure of the law of all
 
@@ -73,10 +75,12 @@ class EnvelopesInTime(NamedTuple):
         instants: int = INSTANTS,
     ) -> EnvelopesInTime:
         """The course of motions of these sizes (m,)."""
-        times, steps = np.linspace(0, duration, instants), (instants - 1) * STEPS
+        times = np.linspace(0, duration, instants)
+        steps = (instants - 1) * STEPS
         middle = (np.arange(steps) + 0.5) * duration / steps
         within = envelope_at(envelope, middle)[:, None] * sizes
-        scale, spread = float(within.max()), float(sizes.max() / sizes.min())
+        scale = float(within.max())
+        spread = float(sizes.max() / sizes.min())
         now = np.maximum(envelope_at(envelope, times)[:, None] * sizes / scale, LEAST_ENVELOPE)
         return cls(times, scale, spread, now, (within / scale) ** 2, weights)
 
@@ -153,8 +157,10 @@ def solve_levels(columns: Array, ground: Ground, levels: Array) -> SolvedLevels:
     table = Flat(ONE, np.arange(period.size), {})
     own = Solved((YIELDING,), ground, (table,), (slice(0, period.size),), cells, {})
     solved = own.by_laws([Law.bilinear(period.size, DRIFT)], DRIFT, USUAL)
-    values, filters = solved.values, ground.filter_of(cells.soil)
-    system, forcing = EquivalentSystem(*values["system"]), Forcing(*values["forcing"])
+    values = solved.values
+    filters = ground.filter_of(cells.soil)
+    system = EquivalentSystem(*values["system"])
+    forcing = Forcing(*values["forcing"])
     drift = values["drift_std"], values["drift_rate"]
     with np.errstate(all="ignore"):  # failed levels are NaN
         rows = structure_rows(system, forcing, filters, drift, values["displacement_std"], levels)
@@ -173,7 +179,8 @@ class StructuresInTime(NamedTuple):
 
     def moving(self, numbers: Array) -> StructureInTime:
         """The structures with these numbers (n,) in all motions, over (instants, n m)."""
-        course, motions = self.course, self.course.weights.size
+        course = self.course
+        motions = self.course.weights.size
         square = self.squares[:, numbers].reshape(course.times.size, -1)
         envelope = np.tile(course.envelope, numbers.size)
         return moving(self.solved.tables, square, envelope, np.repeat(numbers, motions), course.step)

@@ -68,7 +68,8 @@ def _by_drift(solved: Solved, tolerance: Tolerance) -> Solved:
 @np.errstate(all="ignore")  # failed cells are NaN
 def _relative_bias(solved: Solved, by_drift: Solved) -> dict[str, Array]:
     """Relative error of the displacements; unknown where that of the drift closure is, 0 if elastic."""
-    std, truth = (each.values[STD] for each in (solved, by_drift))
+    std = solved.values[STD]
+    truth = by_drift.values[STD]
     error = by_drift.values["displacement_error"]
     bias = np.where(error == 0, 0.0, std / truth - 1) + 0 * (error + std)
     for structure, part in zip(solved.structures, solved.parts, strict=True):
@@ -201,9 +202,11 @@ def linearize(
 def _solved(closure: str, tolerance: Tolerance, structure: Structure, ground: Ground) -> xr.Dataset:
     """The variables that `linearize` returns."""
     solved = judged((structure,), ground, closure, tolerance)
-    names, values = [*PUBLIC, "bias", "bias_error", "caution"], solved.values
+    names = [*PUBLIC, "bias", "bias_error", "caution"]
+    values = solved.values
     if closure == DRIFT:
-        std, time = values["drift_std"], 1 / values["drift_rate"]
+        std = values["drift_std"]
+        time = 1 / values["drift_rate"]
         solved = solved._replace(values={**values, "drift_time": np.where(std > 0, time, np.nan)})
         names += ["displacement_error", "drift_std", "drift_time"]
     return xr.Dataset(solved.labelled(0, names))

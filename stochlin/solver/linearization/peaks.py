@@ -189,7 +189,8 @@ def peak_table(
 
 def response_moments(solved: Solved) -> list[xr.DataArray]:
     """Spectral moments [m^2, m^2/s, m^2/s^2] of the displacement of a structure; NaN in failed cells."""
-    system, forcing = EquivalentSystem(*solved.values["system"]), Forcing(*solved.values["forcing"])
+    system = EquivalentSystem(*solved.values["system"])
+    forcing = Forcing(*solved.values["forcing"])
     ground = solved.ground.filter_of(solved.oscillators.soil)
     moments = displacement_moments(system, forcing, ground)
     return [xr.DataArray(solved.tables[0].array(moment)) for moment in moments]

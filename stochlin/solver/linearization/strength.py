@@ -231,7 +231,8 @@ def reduction_factor(structure: Structure, ground: Ground) -> xr.Dataset:
 def _search(structure: Structure, ground: Ground, target: DuctilityTarget, closure: str) -> xr.DataArray:
     """Reduction factor of every cell by Chandrupatla's method in a bracket; NaN where it fails."""
     table = flat({"structure": structure, "ground": ground, "target": target})
-    cells, law = Oscillators.of(table), Law.of(table, closure)
+    cells = Oscillators.of(table)
+    law = Law.of(table, closure)
     (wanted,) = in_columns([table.models["target"].ductility], cells.period.size)
     result = np.full(wanted.size, np.nan)
 

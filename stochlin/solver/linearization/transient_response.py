@@ -174,7 +174,8 @@ def _of_cells(
     shortest = float(np.min(cells.models["structure"].arrays()["period"]))
     course = course_of(envelope, seconds, shortest, points)
     moments = solve_course(system, problem, np.eye(1), course, shortest)
-    uy, couple = problem.system.strength[:, 0], problem.system.couple[:, 0]
+    uy = problem.system.strength[:, 0]
+    couple = problem.system.couple[:, 0]
     # Sums over the one element that yields, or over none.
     parts = moments.z, moments.slip, moments.relaxation, moments.means
     z, slip, relaxation, means = (part[course.shown].sum(axis=-1) for part in parts)
@@ -213,7 +214,8 @@ def _drifting(
     each = -(-(INSTANTS - 1) // (points - 1))
     course = EnvelopesInTime.of(envelope, seconds, *strengths(0.0), (points - 1) * each + 1)
     structures = structures_in_time(Oscillators.of(cells), ground, course)
-    failed, shape = structures.solved.failed[structures.number], cells.shape
+    failed = structures.solved.failed[structures.number]
+    shape = cells.shape
     table = xr.Dataset(coords=shape.coords)
     for name, row in _with_drift(structures).items():
         table[name] = (TIME, *shape.dims), cells.whole(np.where(failed, np.nan, row)[::each])
@@ -224,10 +226,13 @@ def _drifting(
 
 def _with_drift(structures: StructuresInTime) -> dict[str, Array]:
     """Variables over (instants, c) of structures by the drift closure."""
-    solved, number = structures.solved, structures.number
-    values, moves = solved.solved.values, structures.moving(number)
+    solved = structures.solved
+    number = structures.number
+    values = solved.solved.values
+    moves = structures.moving(number)
     level = np.tile(solved.levels, solved.failed.size)
-    z, work = values["z_std"] / level, values["velocity_z_corr"] * values["velocity_std"] / level
+    z = values["z_std"] / level
+    work = values["velocity_z_corr"] * values["velocity_std"] / level
     work = work * z * solved.system.coupling * values["yield_displacement"]
     rows = np.array([z, values["c_eq"], values["k_eq"], work])
     z, c_eq, k_eq, work = Tables.of(solved.levels, rows).at(moves.square, number)

@@ -21,7 +21,8 @@ CELL = "_cell"  # temporary dimension; no dimension of a model has this name
 USABLE = "usable"
 NONE_VALID = "no cell has valid parameters; correct those that are out of range"
 OfCell = Callable[..., xr.Dataset]
-ALL, NOTHING = xr.DataArray(True), dict[str, Model]()  # usable cells, and models beside those of a table
+ALL = xr.DataArray(True)  # usable cells
+NOTHING = dict[str, Model]()  # models beside those of a table
 ONE = xr.DataArray(0.0)  # the shape of a single cell
 
 

@@ -82,7 +82,8 @@ def check_work(
     with ``cure``, advice for a smaller calculation. ``numbers`` is how many are in memory at once, and
     ``seconds`` what one core would take, within a factor of three; the work is spread over ``cores``.
     """
-    gigabytes, most = BYTES * numbers / 1e9, SHARE * _installed() / 1e9
+    gigabytes = BYTES * numbers / 1e9
+    most = SHARE * _installed() / 1e9
     if not gigabytes <= most:
         raise ValueError(f"{what} {gigabytes:.1f} GB; allowed: {most:.0f} GB; {cure}")
     if not seconds:

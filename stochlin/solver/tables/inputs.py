@@ -58,7 +58,8 @@ def read_input(path: Path, most: int = MOST_BYTES) -> bytes:
     Raises an OSError if it cannot be read, and a ValueError that says what it is in place of that.
     """
     path = input_path("path", path)
-    name, status = plain(path.name), path.stat()
+    name = plain(path.name)
+    status = path.stat()
     if not stat.S_ISREG(status.st_mode):
         what = "a folder" if stat.S_ISDIR(status.st_mode) else "a device or a pipe"
         raise ValueError(f"{name} is {what}; allowed: a regular file")

@@ -74,7 +74,8 @@ class Grid(NamedTuple):
     def section(self, number: int, x: float) -> Grid:
         """The grid of the other axes, at this place on the axis of this number."""
         axes = list(self.axes)
-        axis, place = axes.pop(number), np.array([x])
+        axis = axes.pop(number)
+        place = np.array([x])
         (first,), weights = axis.around(place, _interval(axis, place))
         part = self.values.take(range(first, first + len(weights)), number)
         values = np.tensordot(weights[:, 0], part, (0, number))
@@ -116,7 +117,8 @@ def _interval(axis: Axis, x: Array) -> Array:
 def _sums(values: Array, near: Sequence[tuple[Array, Array]]) -> Array:
     """Columns (columns, n) of a grid at places in the same intervals of all axes but the last."""
     *others, (first, weights) = near
-    along, corner = np.ones((first.size, 1)), list[slice]()
+    along = np.ones((first.size, 1))
+    corner = list[slice]()
     for begin, share in others:
         along = (along[:, :, None] * share.T[:, None]).reshape(first.size, -1)
         corner.append(slice(begin[0], begin[0] + len(share)))

@@ -157,7 +157,9 @@ def raise_if_lone_failure(dataset: xr.Dataset, what: str, *models: Model) -> Non
         raise ArithmeticError(f"{what}: {STATUS_MEANINGS[code].replace('_', ' ')}; {CURES[code]}")
 
 
-FLOOR, ELEMENT, LINK = "floor", "element", "link"
+FLOOR = "floor"
+ELEMENT = "element"
+LINK = "link"
 Coordinates = dict[str, tuple[str, Any, dict[str, str]]]
 
 

@@ -38,7 +38,8 @@ def read_toml(path: Path, other: str | None = None) -> tuple[str, dict[str, Any]
     except ValueError as error:  # TOML errors, and numbers with thousands of digits
         if NESTED in str(error):
             raise ValueError(f"{name}, {error}") from error
-        match, lines = re.search(r"\(at line (\d+), column \d+\)$", str(error)), text.splitlines()
+        match = re.search(r"\(at line (\d+), column \d+\)$", str(error))
+        lines = text.splitlines()
         endless = (n for n, entry in enumerate(lines, 1) if re.search(r"(?<![\d_])[\d_]{1000}", entry))
         line = int(match[1]) if match else next(endless, len(lines))
         excerpt = lines[line - 1].strip() if 0 < line <= len(lines) else ""

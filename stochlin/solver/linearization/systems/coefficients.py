@@ -110,7 +110,8 @@ def equivalent_coefficients(
 @np.errstate(all="ignore")  # cells out of range are NaN
 def _of_moments(moments: Moments, law: Structure) -> xr.Dataset:
     cells = flat({"moments": moments, "law": law}, settled=False)
-    moments, valid = cells.models["moments"], cells.models["law"]
+    moments = cells.models["moments"]
+    valid = cells.models["law"]
     parameters = (parameter.to_numpy() for parameter in valid.law_parameters())
     rows = in_columns([*moments.cells().values(), *parameters], cells.where.size)
     slip, relaxation = law.closure(GAUSSIAN)(rows[:3], rows[3:]).coefficients

@@ -45,7 +45,8 @@ def problem_of(models: Mapping[str, Any], *, in_time: bool = False) -> tuple[Arr
 
     In time, laws may have further states.
     """
-    ground, values = models["ground"], models["ground"].arrays()
+    ground = models["ground"]
+    values = models["ground"].arrays()
     structures = [strength_in_metres(m, ground) for m in models.values() if isinstance(m, STRUCTURES)]
     numbers = [int(role.removeprefix(LINK)) for role in models if role.startswith(LINK)]
     ties = [models.get(f"{LINK}{n}") for n in range(1, 1 + max(numbers, default=0))]
@@ -73,7 +74,8 @@ def problem_of(models: Mapping[str, Any], *, in_time: bool = False) -> tuple[Arr
 
 def _laws_of(system: Arrangement, cells: int, springs: int, in_time: bool) -> list[Law]:
     """The laws of so many springs that yield: those of the structures, and of links the bilinear one."""
-    laws, begin = list[Law](), 0
+    laws = list[Law]()
+    begin = 0
     for stack in system.stacks:
         mine = begin + np.arange(stack.yields.sum())
         if mine.size:

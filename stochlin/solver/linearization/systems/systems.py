@@ -209,7 +209,8 @@ def solve_system(
 ) -> SystemSolution:
     """The equivalent coefficients of a system, by mixing so many rounds, or by substitution."""
     check_stationary(system)
-    elastic, m = elastic_start(problem), problem.yielding.size
+    elastic = elastic_start(problem)
+    m = problem.yielding.size
     weak = (stack.law for stack in system.stacks if stack.yields.any())
     unique = (law.has_one_solution().to_numpy() for law in weak)
     one_solution = np.broadcast_to(reduce(and_, unique, np.array(True)), problem.level.shape)
@@ -288,9 +289,14 @@ def solution_table(
 
 def _results(system: Arrangement, problem: Springs, linear: Linear) -> dict[str, Array]:
     """What follows from the responses of the equivalent linear systems, by variable."""
-    springs, yielding, motion = problem.system, problem.yielding, response_of(problem, linear)
-    floors, covariance, q = springs.shapes, motion.covariance, motion.system.blocks[1]
-    std, n = motion.std(floors), len(floors)
+    springs = problem.system
+    yielding = problem.yielding
+    motion = response_of(problem, linear)
+    floors = springs.shapes
+    covariance = motion.covariance
+    q = motion.system.blocks[1]
+    std = motion.std(floors)
+    n = len(floors)
     links = springs.extensions[system.yielding_links]
     drifts = motion.std(np.concatenate([system.drifts @ system.displacements, links]))
     velocity, of_z, velocity_z = motion.moments
@@ -331,7 +337,9 @@ def link_forces(problem: Springs, linear: Linear, motion: StationaryResponse) ->
     For a dashpot with an exponent, the variance of its linearized force is replaced by that of the
     nonlinear force for a Gaussian rate.
     """
-    links, springs, exponents = problem.links, problem.system, problem.exponents
+    links = problem.links
+    springs = problem.system
+    exponents = problem.exponents
     dashpots = linear.dashpots
     force = motion.force_std(springs.post[:, links], springs.couple[:, links], dashpots)
     rate = motion.std(springs.extensions[links], rates=True)
