@@ -111,7 +111,8 @@ def read_modes(
         if not files:
             raise ValueError(f"the folder {name} holds no file .csv")
     sheets = [sheet for file in files for sheet in sheets_of(file)]
-    tables, of_plain = tables_in(sheets), plain_form.sheets_in(sheets)
+    tables = tables_in(sheets)
+    of_plain = plain_form.sheets_in(sheets)
     readable = [*of_plain, *(table.sheet for table in [*tables.values()][:1])]
     if not readable:
         begins = f"{plain_form.HEADER} or a line 'TABLE:  {RATIOS}' of ETABS"
@@ -140,8 +141,10 @@ def with_masses(table: xr.Dataset, building: ModalBuilding) -> xr.Dataset:
 
 def _labelled(modes: ModesOfFile, name: str, direction: str | None) -> xr.Dataset:
     """The dataset, with floors from the ground up and the modes by period."""
-    up, longest = np.argsort(modes.levels), np.argsort(-modes.periods, kind="stable")
-    masses, below = modes.masses[up], int((modes.levels < LOWEST).sum())
+    up = np.argsort(modes.levels)
+    longest = np.argsort(-modes.periods, kind="stable")
+    masses = modes.masses[up]
+    below = int((modes.levels < LOWEST).sum())
     if below == up.size:
         raise ValueError(f"{name}: no floor is above the ground; allowed: levels above {LOWEST:g} m")
     masses[below] += masses[:below].sum()
@@ -177,7 +180,8 @@ def _labelled(modes: ModesOfFile, name: str, direction: str | None) -> xr.Datase
 
 def _warn_of_order(table: xr.Dataset, name: str) -> None:
     """Warn if the leading mode moves most below, as if the floors were upside down."""
-    shapes, known = table["shape"].values, table.get("modal_mass")
+    shapes = table["shape"].values
+    known = table.get("modal_mass")
     own = effective_masses_of(shapes, table["mass"].values) if known is None else known.values
     for text in doubt_of_shape(shapes[np.argmax(own)]):
         warnings.warn(f"{name}: {text}", DoubtfulInput, stacklevel=4)

@@ -28,7 +28,8 @@ from stochlin.models.structures import STATIONARY_HARDENING
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.inputs import input_path
 
-CURVE, DISPLACEMENT = "base_shear", "displacement"
+CURVE = "base_shear"
+DISPLACEMENT = "displacement"
 OF_ROOF = "displacement of the roof"
 FEWEST = 4  # points of a curve
 LEAST_HARDENING = 0.01
@@ -242,13 +243,16 @@ def checked_curve(displacement: Array, force: Array, places: Sequence[str]) -> t
     small = SMALL * np.abs([displacement, force]).max(axis=1, initial=0.0)
     at_zero = force.size and abs(displacement[0]) <= small[0] and abs(force[0]) <= small[1]
     if at_zero:
-        displacement, force = (np.append(0.0, values[1:]) for values in (displacement, force))
+        displacement = np.append(0.0, displacement[1:])
+        force = np.append(0.0, force[1:])
     elif force.size and displacement[0] > 0 and force[0] > 0:
-        displacement, force = (np.append(0.0, values) for values in (displacement, force))
+        displacement = np.append(0.0, displacement)
+        force = np.append(0.0, force)
         places = ["the origin", *places]
     new = np.append(True, (np.diff(displacement) != 0) | (np.diff(force) != 0))[: force.size]
     places = [place for place, is_new in zip(places, new, strict=True) if is_new]
-    u, v = displacement[new], force[new]
+    u = displacement[new]
+    v = force[new]
     peak = _peak_of(v) if v.size else 0
     back = np.diff(u, prepend=-np.inf) <= 0
     if back[: peak + 1].any():
@@ -258,7 +262,8 @@ def checked_curve(displacement: Array, force: Array, places: Sequence[str]) -> t
     for n in np.flatnonzero((np.abs(u) <= small[0]) & (np.arange(u.size) > peak))[:1]:
         raise ValueError(f"{places[n]}: a second push begins; allowed: one, so take the other out")
     end = int(np.argmax(back)) if back.any() else u.size
-    u, v = u[:end], v[:end]
+    u = u[:end]
+    v = v[:end]
     if u.size < FEWEST:
         raise ValueError(f"pushover has {u.size} points; allowed: {FEWEST} or more")
     if u[0] != 0 or v[0] != 0:
@@ -308,7 +313,8 @@ def _first_at(u: Array, v: Array, force: float) -> float:
 
 def _idealized(u: Array, v: Array, energy: float) -> tuple[float, float, float]:
     """Force and displacement at yield, and force at the end, of a curve with this area below it."""
-    most, last = float(v.max()), float(v[-1])
+    most = float(v.max())
+    last = float(v[-1])
     if energy < 0.5 * u[-1] * last * (1 + BEND):  # it is not above the straight line to its end
         what = f"pushover does not bend up to {u[-1]:g} m, so that it has no yield point"
         raise ValueError(f"{what}; allowed: a curve that is pushed into yielding and flattens")

@@ -25,11 +25,13 @@ if TYPE_CHECKING:
     from stochlin.applications.cases.reading.buildings import Building
     from stochlin.applications.cases.reading.case import Case
 
-APPLIED, KIND = "_applied", "applied"  # end of the names of such rules, and their kind
+APPLIED = "_applied"  # end of the names of such rules
+KIND = "applied"  # of such rules
 APPLY = (
     "A code as you apply it: displacements under design forces times its factors, combined as it asks."
 )
-GIVEN, BY_SPECTRUM = "given", "by the first mode under the design spectrum"
+GIVEN = "given"
+BY_SPECTRUM = "by the first mode under the design spectrum"
 EC8 = "eurocode_8"  # name of its rule and of its spectrum
 LIMITED = "that of 3.2.2.5, and q times its displacement at most that of the elastic spectrum (4.3.4)"
 
@@ -56,13 +58,16 @@ def with_applied_codes(case: Case, table: xr.Dataset) -> xr.Dataset:
 
 def _applied(case: Case, rule: CodeRule, table: xr.Dataset) -> Rule:
     """A code as the engineer applies it, at each height at which the buildings could meet."""
-    buildings, heights = one_or_two(case), np.atleast_1d(table.get("height", np.nan))
-    name, nothing = f"{rule.name}{APPLIED}", np.full(heights.size, np.nan)
+    buildings = one_or_two(case)
+    heights = np.atleast_1d(table.get("height", np.nan))
+    name = f"{rule.name}{APPLIED}"
+    nothing = np.full(heights.size, np.nan)
     for building in buildings:
         if lacking := _beyond(case, building):
             return Rule(name, "code", nothing, missing=f"{building.name} lacks {lacking}")
     structures = [building.structure for building in buildings]
-    system, site = arrangement_of(structures), Site(0.0, None if case.alone else 0.0, **of_codes(case))
+    system = arrangement_of(structures)
+    site = Site(0.0, None if case.alone else 0.0, **of_codes(case))
     if any(building.has_storeys for building in buildings):
         site = of_storeys(site, structures)
         site = site.with_arrays({f"height_{n}": heights for n, _ in enumerate(buildings, start=1)})
@@ -87,12 +92,14 @@ def design_displacements(case: Case, building: Building, rule: CodeRule) -> Arra
     """
     if building.form.displacements:
         return np.array(building.form.displacements)
-    mode, spectrum = first_mode(building.structure), case.site.spectrum
+    mode = first_mode(building.structure)
+    spectrum = case.site.spectrum
     assert spectrum is not None
     period = float(mode.arrays()["period"])
     at = interpolated(spectrum.period.values, spectrum.values, np.array([period]))
     shape = building.structure.first_mode_moves().values if building.has_storeys else np.ones(1)
-    behaviour, importance = (factors_of(building).get(name, 1.0) for name in (BEHAVIOUR, IMPORTANCE))
+    behaviour = factors_of(building).get(BEHAVIOUR, 1.0)
+    importance = factors_of(building).get(IMPORTANCE, 1.0)
     # A code that divides displacements by the importance factor has multiplied the forces by it.
     forces = (importance if rule.over_importance else 1.0) / behaviour
     displacements: Array = shape * at * (period / (2 * np.pi)) ** 2 * forces

@@ -35,7 +35,8 @@ def mitigate_case(case: Case, progress: Progress | None = None) -> xr.Dataset:
     The case needs two buildings and an existing gap; errors name the file and the cure. ``progress`` is
     called with the share of the rows that is done.
     """
-    (first, second), gap = pair_of(case), gap_of(case)
+    first, second = pair_of(case)
+    gap = gap_of(case)
     if gap is None:
         what = 'measures need the existing gap; write existing = "5 cm" in [separation]'
         raise case.whole.table.error("", what)

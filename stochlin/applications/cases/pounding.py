@@ -76,21 +76,27 @@ def pound_case(
     to the record.
     """
     _check(case, simulated=motions is not None)
-    records, about = case.site.records, dict[str, Any]()
+    records = case.site.records
+    about = dict[str, Any]()
     structures = [strength_in_metres(each.structure, case.site.ground) for each in case.buildings]
     strengths = [xr.Dataset(recorded_shaking(record, case.periods)) for record in records.values()]
     shaken: Any
     if motions is not None:
-        shaken, what = _simulated(case, motions), f"{motions} simulated motions"
+        shaken = _simulated(case, motions)
+        what = f"{motions} simulated motions"
         about = {name: shaken.attrs[name] for name in OF_MOTIONS if name in shaken.attrs}
         about |= {"duration_s": case.site.course.duration, "seed": case.simulated.seed}
-        about["step_s"], strength = shaken.attrs["dt"], shaking_of(case)
+        about["step_s"] = shaken.attrs["dt"]
+        strength = shaking_of(case)
     elif len(records) == 1:
-        [(what, shaken)], [strength] = records.items(), strengths
+        [(what, shaken)] = records.items()
+        [strength] = strengths
     else:
-        shaken, what = dict(records), f"{len(records)} records"
+        shaken = dict(records)
+        what = f"{len(records)} records"
         strength = xr.concat(strengths, "record", combine_attrs="drop")
-    gaps, steps = list(case.wanted.existing), steps_per_contact
+    gaps = list(case.wanted.existing)
+    steps = steps_per_contact
     with case.whole.table.naming("", ""), case.whole.table.asking("contact"):
         table = pound(structures, gaps, case.contact, shaken, steps_per_contact=steps, progress=progress)
     table = _named(table.assign(strength.data_vars), case, structures)
@@ -110,7 +116,8 @@ def _simulated(case: Case, motions: int) -> xr.DataArray:
 
 def _check(case: Case, simulated: bool = False) -> None:
     """Raise a ValueError if the case lacks motions, gaps or a contact."""
-    alone, records = case.alone, case.site.records or simulated
+    alone = case.alone
+    records = case.site.records or simulated
     needed = {
         "a record; write [[site.records]], or --motions 100 for simulated ones": records,
         'the existing gap; write existing = "5 cm" in [separation]': alone or case.wanted.existing,

@@ -35,12 +35,15 @@ SPECTRUM_PATHS = 512
 OF_RISK = 0.2  # share of the work for the risk, if there is a hazard
 WITH_SENSITIVITIES = 0.5  # share of the work before the sensitivities
 # Motions for the sensitivities; an uncertain building with storeys is made anew for each, slowly.
-USUAL_PATHS, FEW_PATHS = 512, 128
+USUAL_PATHS = 512
+FEW_PATHS = 128
 BAND = 0.2, 1.5  # of the shortest and of the longest period of buildings, in which spectra are compared
 YEARS = 50.0  # default time of the probability of pounding [yr]
 SHARE = 8  # motions of the case over those at each of the 25 intensities
 WITH_SCATTER = "gap_with_scatter"  # variable: [m]
-PREFIX, GAP, OF = "risk_", "risk_gap", "risk_of"
+PREFIX = "risk_"
+GAP = "risk_gap"
+OF = "risk_of"
 KEPT = ("required_gap", "required_gap_lower", "required_gap_upper", "target_rate")
 
 
@@ -83,7 +86,8 @@ def answer_case(case: Case, progress: Progress | None = None) -> CaseAnswer:
     """
     first, second = (*(building.sampled for building in one_or_two(case)), None)[:2]
     models = first, second, case.site.sampled_ground
-    gap, motion = gap_of(case), motion_of(case)
+    gap = gap_of(case)
+    motion = motion_of(case)
     scattered = case.site.leaves_out_scatter
     end = WITH_SENSITIVITIES if case.uncertain else 1.0
     begin = end * OF_RISK if case.site.hazard else 0.0
@@ -167,7 +171,8 @@ def _risk_table(simulated: SimulatedRisk, case: Case, answer: float) -> xr.Datas
     with ``risk_``, so that they can be merged with those of the separation.
     """
     gaps = {"existing": (*case.wanted.existing, 0.0)[0], "answer": answer}
-    years, target = YEARS, xr.Dataset()
+    years = YEARS
+    target = xr.Dataset()
     if case.wanted.risk is not None:
         years = allowed_rate(case.wanted.risk)[1] or YEARS
         with case.site.form.hazard.table.naming(""):
@@ -182,6 +187,7 @@ def _risk_table(simulated: SimulatedRisk, case: Case, answer: float) -> xr.Datas
     which = {OF: (GAP, list(gaps), {"long_name": "which gap this is"})}
     table = labels.label(table.assign_coords(which).assign(target.data_vars))
     names = {name: f"{PREFIX}{name}" for name in table.variables if name not in (GAP, OF)}
-    hazard, paths = simulated.hazard.describe(), len(simulated.motions.separation)
+    hazard = simulated.hazard.describe()
+    paths = len(simulated.motions.separation)
     about = {"risk_hazard": hazard, "risk_years": years, "risk_paths": paths}
     return table.rename(names).drop_attrs(deep=False).assign_attrs(about)

@@ -60,6 +60,7 @@ def over_records(case: Case, separations: xr.DataArray, gap: float) -> xr.Datase
 
 def doubts(shaken: xr.Dataset) -> list[str]:
     """Texts on implausible shaking."""
-    limits, pga = PLAUSIBLE["pga"], float(shaken["peak_ground_acceleration"])
+    limits = PLAUSIBLE["pga"]
+    pga = float(shaken["peak_ground_acceleration"])
     peak = f"{pga / constants.g:.3g} g, and usual are {limits.usual}"
     return [] if limits.holds(pga) else [f"peak ground acceleration: {peak}"]

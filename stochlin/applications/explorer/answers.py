@@ -20,7 +20,8 @@ from stochlin.solver.correlation.correlation import Method, correlate
 from stochlin.solver.simulation.finite_motions import keeping_apart
 from stochlin.solver.tables import labels
 
-LINES, POINTS = np.geomspace(0.25, 4.0, 81), np.geomspace(0.25, 4.0, 9)
+LINES = np.geomspace(0.25, 4.0, 81)
+POINTS = np.geomspace(0.25, 4.0, 9)
 PATHS = 256  # motions
 
 

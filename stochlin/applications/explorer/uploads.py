@@ -29,10 +29,8 @@ class Fitted(NamedTuple):
 
     def is_of(self, values: Sequence[Any], site: Site) -> bool:
         """Whether a site has these values and the same content of all files that they name."""
-        mine, others = (
-            {**each.records, "spectrum": each.spectrum, "hazard": each.hazard}
-            for each in (self.site, site)
-        )
+        mine = {**self.site.records, "spectrum": self.site.spectrum, "hazard": self.site.hazard}
+        others = {**site.records, "spectrum": site.spectrum, "hazard": site.hazard}
         same_files = mine.keys() == others.keys() and all(_same(mine[n], others[n]) for n in mine)
         return self.values == values and same_files
 

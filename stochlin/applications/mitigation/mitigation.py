@@ -52,7 +52,10 @@ from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_duration
 from stochlin.solver.tables.labels import LINK
 
-AS_BUILT, GIVEN, LEAST = "as built", "given", "least"  # kinds of measures
+# kinds of measures
+AS_BUILT = "as built"
+GIVEN = "given"
+LEAST = "least"
 QUANTILE = 0.95  # of the forces, strokes and energies of devices over motions
 CONSTANTS = np.append(0.0, np.geomspace(1e-3, 10, 13))  # damping constants that are tried, over 2 m w
 VERDICTS = "answer enough not_enough within_error not_available no_verdict"  # numbered as those of rules
@@ -151,9 +154,8 @@ def mitigate(
     if not isinstance(measures, Mapping):
         raise TypeError(f"measures = {brief(measures)}; allowed: a mapping of them by name")
     usual = median_of(ground)
-    left, right = (
-        applied(lambda s: strength_in_metres(s, usual), structure) for structure in (first, second)
-    )
+    left = applied(lambda s: strength_in_metres(s, usual), first)
+    right = applied(lambda s: strength_in_metres(s, usual), second)
     both = {"first": median_of(left), "second": median_of(right)}
     check_duration(duration, both)
     simulations = len(measures) + SIMULATIONS
@@ -314,7 +316,8 @@ class MitigatedPair:
         def gaps(value: float, paths: int) -> tuple[float, float, float]:
             return required_gaps(self.simulated(build(value), paths))
 
-        paths, as_built = self.built.sizes["path"], required_gaps(self.built)
+        paths = self.built.sizes["path"]
+        as_built = required_gaps(self.built)
         value = Required(gaps, self.gap, paths, {(0.0, paths): as_built}).least(values).value
         if np.isfinite(value):
             return self.row(name, LEAST, build(value))

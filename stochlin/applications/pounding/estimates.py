@@ -133,7 +133,8 @@ def _impacts(
     points: int,
 ) -> xr.Dataset:
     """Impacts at all displacements that both structures reach, in all directions."""
-    e, mass = xr.DataArray(contact.e), [structure.arrays()["mass"] for structure in structures]
+    e = xr.DataArray(contact.e)
+    mass = [structure.arrays()["mass"] for structure in structures]
     w = [2 * np.pi / structure.arrays()["period"] for structure in structures]
     low: Any = np.maximum(-r[0], gap - r[1])
     high: Any = np.minimum(r[0], gap + r[1])

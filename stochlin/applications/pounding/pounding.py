@@ -42,13 +42,16 @@ from stochlin.solver.tables import labels
 
 OF_CONTACTS = "contact", "impact", "side", "neighbours"  # dimensions dropped for one building alone
 
-FEWEST_STEPS, MOST_STEPS = 4, 4096  # numbers of steps in half a period of a contact
+# numbers of steps in half a period of a contact
+FEWEST_STEPS = 4
+MOST_STEPS = 4096
 
 REFERENCES = (
     f"{labels.PAPER} Newmark, N. M. (1959), J. Eng. Mech. Div. ASCE 85, for the time steps; Quispel, "
     "G. R. W. and McLaren, D. I. (2008), J. Phys. A 41, for mean forces over a step."
 )
-PATH, NEIGHBOURS = "path", "neighbours"
+PATH = "path"
+NEIGHBOURS = "neighbours"
 BETWEEN = "impacts", "hardest_force", "contact_energy"  # also of all contacts between two neighbours
 PEAKS = "peak", "peak_acceleration", "peak_storey_shear", "peak_base_shear"
 # Variables with a mean and quantiles over several motions.
@@ -262,7 +265,8 @@ def pound(
         if text := PLAUSIBLE["penetration"].doubt(deepest):
             what = f"pound: a contact is pressed together by {deepest:.3g} m"
             warnings.warn(f"{what}; {text}", ImplausibleInput, stacklevel=3)
-    call, described = f"steps_per_contact={steps_per_contact}", motions.describe()
+    call = f"steps_per_contact={steps_per_contact}"
+    described = motions.describe()
     if motions.names is not None:
         table = with_statistics(table, over, levels)
         call = f"quantiles={levels.tolist()}, {call}"
@@ -275,7 +279,8 @@ def pound(
     models = labels.named_models(row_of, links=links)
     title = "A building alone in a motion"
     if len(row_of) > 1:
-        title, models["contact"] = "Pounding of buildings in a row", contact
+        title = "Pounding of buildings in a row"
+        models["contact"] = contact
         table = table.assign_attrs(gaps=spaces.tolist())
     return labels.with_run_information(table, title, f"pound({call})", models, REFERENCES)
 
@@ -309,7 +314,8 @@ def response_table(
 
     The results of one of several motions that fails are NaN, with the reason in ``missing``.
     """
-    single, size = motions.names is None, 3 if motions.names is None else 2
+    single = motions.names is None
+    size = 3 if motions.names is None else 2
     runs = [
         run
         for ground, pace in zip(motions.grounds, paces, strict=True)
@@ -351,7 +357,8 @@ def with_statistics(table: xr.Dataset, over: str, levels: Array) -> xr.Dataset:
     columns: Columns = {}
     for name in (each for each in STATISTICS if each in good):
         samples = good[name].transpose(over, ...)
-        known, dims = samples.notnull().values.all(axis=0), samples.dims[1:]  # else NaN
+        known = samples.notnull().values.all(axis=0)  # else NaN
+        dims = samples.dims[1:]
         values = np.where(known, samples.values, 0.0)
         made = mean_columns(name, dims, values) | quantile_columns(name, dims, values, levels)
         columns |= {what: (at, np.where(known, each, np.nan)) for what, (at, each) in made.items()}

@@ -33,7 +33,8 @@ from stochlin.solver.simulation.connected_structures import modes_of, row_of
 from stochlin.solver.tables.checks import check_scalars
 
 NUMBERS = "numbers, since a history is of one row"
-SLABS, COLUMN = "slab to slab", "slab to column"
+SLABS = "slab to slab"
+COLUMN = "slab to column"
 SIDES = "left", "right"  # sides of a contact
 
 
@@ -160,7 +161,8 @@ def build_row(
     places = meetings([stack.levels for stack in system.stacks])
     columns = [m for m in places if m.struck]
     if contact is not None and not isinstance(contact, Element) and columns:
-        column, what = columns[0], f"contact = {contact.describe()}: velocities jump where slabs meet"
+        column = columns[0]
+        what = f"contact = {contact.describe()}: velocities jump where slabs meet"
         place = f"of structures {column.building + 1} and {column.building + 2} a floor meets a column"
         raise ValueError(f"{what}, and {place} at {column.level:g} m; allowed: a contact with a force")
     left, right = (floors @ system.storeys.shapes for floors in _sides(places, system))
@@ -187,7 +189,8 @@ def _facing(b: int, left: Array, right: Array) -> list[Meeting]:
     ]
     contacts = [Meeting(b, i, j, float(0.5 * (left[i] + right[j]))) for i, j in pairs]
     for side, floor in slabs_on_columns(left, right):
-        i, (levels, other) = floor - 1, ((left, right), (right, left))[side]
+        i = floor - 1
+        levels, other = ((left, right), (right, left))[side]
         above = int(np.searchsorted(other, levels[i]))
         share = float(shares_at(other, levels[i])[above])
         floors, struck = ((above, i), "left") if side else ((i, above), "right")

@@ -20,7 +20,8 @@ from stochlin.solver.tables.checks import check_work
 
 STEPS_PER_CONTACT = 16  # default number of steps in half a period of a contact
 STEPS_AT_BLOWS = 16  # near a stereomechanical contact, in place of one step
-OF_SHORTEST, OF_FIRST = 2.5, 12.5  # steps for each of them in the shortest and in the first period
+OF_SHORTEST = 2.5  # steps in the shortest period, for each of them
+OF_FIRST = 12.5  # the same in the first period
 TYPICAL = 1.0  # [m/s]: rate of penetration for which the half-period of a Hertz contact is taken
 ON_GRID = 1e-9  # share of a time step within which an output time counts as a sample of the record
 LANES = 64  # motions that are stepped together
@@ -70,7 +71,8 @@ def _check_runs(
     standing: Standing, grounds: Sequence[SampledMotion], paces: Sequence[kernel.StepCounts]
 ) -> None:
     """Raise a ValueError if the motions would take too much time or memory."""
-    n, lanes = standing.row.parts.mass.size, min(LANES, len(grounds))
+    n = standing.row.parts.mass.size
+    lanes = min(LANES, len(grounds))
     samples = [len(ground.acceleration) for ground in grounds]
     near = [p.cuts * (1.0 + NEAR * (p.substeps - 1)) for p in paces]
     finest = min(ground.dt / p.cuts / p.substeps for ground, p in zip(grounds, paces, strict=True))
@@ -113,7 +115,8 @@ def responses(
     responses: dict[int, RowResponse] = {}
 
     def of_batch(batch: list[int]) -> list[RowResponse]:
-        first, motions = runs[batch[0]], _motions([runs[n] for n in batch], standing.shortest)
+        first = runs[batch[0]]
+        motions = _motions([runs[n] for n in batch], standing.shortest)
         return kernel.run(first.row, motions, first.pace, keep and 0 in batch)
 
     done = in_order(lambda number: of_batch(batches[number]), len(batches), progress)

@@ -32,7 +32,9 @@ from stochlin.solver.tables.lazy import check_names
 
 HEIGHT = "height"
 EQUAL = 1e-6  # relative variance of the difference below which it is an error of the integration
-WIDEST, NARROWEST = 14.0, 1e-3  # bounds of a gap in a search, over the largest standard deviation
+# bounds of a gap in a search, over the largest standard deviation
+WIDEST = 14.0
+NARROWEST = 1e-3
 CLOSE = 1e-5  # relative tolerance of the search
 STDS = "displacement_std_1", "displacement_std_2", "difference_std"
 BANDWIDTHS = 13  # instants at which the bandwidth of yielding structures is computed
@@ -81,7 +83,8 @@ def moments_of_pair(
     moments = solve_course(system, problem, rows, course, shortest, progress)
     bandwidth = _bandwidths(moments, problem, first - second, course.times)
     u_1, u_2, d_d = np.split(moments.displacement, 3, axis=-1)
-    d_v, v_v = (values[..., -heights.size :] for values in (moments.mixed, moments.velocity))
+    d_v = moments.mixed[..., -heights.size :]
+    v_v = moments.velocity[..., -heights.size :]
     d_d = np.where(d_d > EQUAL * (u_1 + u_2), d_d, 0.0)
     return PairMoments(u_1, u_2, d_d, d_v, v_v, bandwidth)
 
@@ -174,7 +177,9 @@ class DriftingMotion(NamedTuple):
 
     def variances(self) -> Variances:
         """Means over the strengths."""
-        first, second, apart = self.motions.first, self.motions.second, self.motions.difference
+        first = self.motions.first
+        second = self.motions.second
+        apart = self.motions.difference
         assert second is not None
         of_strengths = (
             self.motions.means(each)[self.shown] for each in (first.variance, second.variance, apart)
@@ -183,7 +188,9 @@ class DriftingMotion(NamedTuple):
 
     def drifts(self) -> dict[str, Array]:
         """Standard deviations of the slow parts of the displacements and of ``u_1 - u_2`` [m]."""
-        first, second, moves = self.motions.first, self.motions.second, self.motions.moves
+        first = self.motions.first
+        second = self.motions.second
+        moves = self.motions.moves
         assert second is not None
         slow = first.offset, second.offset, moves.offset**2
         names = "drift_std_1", "drift_std_2", "difference_drift_std"
@@ -261,7 +268,9 @@ def _table(
     motion: RelativeMotion | DriftingMotion, heights: Array, distance: Gap, confidence: float
 ) -> xr.Dataset:
     """Results of one motion, over the heights of contact [m] if there are storeys."""
-    count, gaps, variances = heights.size, gaps_in_a_row(distance), motion.variances()
+    count = heights.size
+    gaps = gaps_in_a_row(distance)
+    variances = motion.variances()
     chances = motion.chances(np.tile(gaps, count), np.repeat(np.arange(count), gaps.size))
     table = xr.Dataset()
     columns = dict(zip(STDS, (np.sqrt(np.maximum(each, 0)) for each in variances), strict=True))

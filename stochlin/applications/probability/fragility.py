@@ -155,7 +155,8 @@ def pounding_fragility(
     course = course_of(envelope, seconds, min(float(first_period(each)) for each in pair), POINTS)
     taken = closure_in_time(closure, pair)
     along = labels.axis(INTENSITY, "intensity S0", levels, "m^2/s^3")
-    table, comment = xr.Dataset(coords={INTENSITY: along}), IN_TIME[taken]
+    table = xr.Dataset(coords={INTENSITY: along})
+    comment = IN_TIME[taken]
     try:
         part = part_of(progress, 0.0, OF_FORMULA if paths else 1.0)
         formulas = by_formula(pair, ground, distance, course, confidence, scatter, part, taken, levels)

@@ -51,7 +51,8 @@ def hybrid_pounding(
     if ground is None:
         ground = ground_of_record(record)
     expect(ground, Ground, "ground")
-    left, right = (_in_metres(s, ground, role) for s, role in ((first, "first"), (second, "second")))
+    left = _in_metres(first, ground, "first")
+    right = _in_metres(second, ground, "second")
     period = min(float(left.arrays()["period"]), float(right.arrays()["period"]))
     step = float(record["time"][1] - record["time"][0])
     refine = max(1, int(np.ceil(POINTS_PER_PERIOD * step / period)))

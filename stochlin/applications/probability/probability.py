@@ -228,7 +228,9 @@ def pounding_probability(
 
     def of_cell(first: Any, second: Any, ground: Any, distance: Gap) -> xr.Dataset:
         """All results of one pair, whose gap may be an array."""
-        pair, table, comment = (first, second), xr.Dataset(), IN_TIME[taken]
+        pair = (first, second)
+        table = xr.Dataset()
+        comment = IN_TIME[taken]
         try:
             part = part_of(progress, 0.0, 1.0 if paths == 0 else OF_FORMULA)
             (table,) = by_formula(pair, ground, distance, course, confidence, scatter, part, taken)
@@ -241,11 +243,7 @@ def pounding_probability(
             rest = part_of(progress, OF_FORMULA, 1.0)
             run = partial(simulate, pair, ground, quantiles=[confidence], progress=rest, **motion)
             motions = enough_motions(lambda count: run(paths=count), begin, most)
-            apart = pair_separation(motions)
-            shares = keeping_apart(apart, distance.arrays()["gap"])
-            table = table.assign(simulated_columns(STEM, shares, apart, distance, confidence))
-            if "input_factor" in motions:  # of uncertain parameters
-                table["input_factor"] = motions.input_factor
+            table = _with_simulation(table, motions, distance, confidence)
             table = table.assign_attrs(paths=motions.sizes["path"], seed=seed)
         yields = any(median_of(structure).yields for structure in pair)
         return table.assign_attrs(comment=comment if yields else labels.CAUTION_CROSSINGS)
@@ -264,6 +262,18 @@ def pounding_probability(
         {**models, "gap": distance},
         REFERENCES,
     )
+
+
+def _with_simulation(
+    table: xr.Dataset, motions: xr.Dataset, distance: Gap, confidence: float
+) -> xr.Dataset:
+    """The table with the confidence and the required gap of simulated motions."""
+    apart = pair_separation(motions)
+    shares = keeping_apart(apart, distance.arrays()["gap"])
+    table = table.assign(simulated_columns(STEM, shares, apart, distance, confidence))
+    if "input_factor" in motions:  # of uncertain parameters
+        table["input_factor"] = motions.input_factor
+    return table
 
 
 def closure_in_time(closure: InTime | None, structures: Sequence[AnyStructure]) -> str:

@@ -59,7 +59,8 @@ Records = Annotated[xr.DataArray | Sequence[xr.DataArray] | Mapping[str, xr.Data
 RECORD = "record"
 SCALARS = "scalars, since histories are of one structure; response_spectrum takes arrays"
 # Numbers in memory at once for a structure of a cell, and for a cell on a record.
-NUMBERS_OF_STRUCTURE, NUMBERS_ON_RECORD = 10, 28
+NUMBERS_OF_STRUCTURE = 10
+NUMBERS_ON_RECORD = 28
 SECONDS = 6e-8  # of a sub-step [s]
 OUT_OF_RANGE = "its squares are beyond the range of numbers; take a record in m/s^2 of usual size"
 SHORTEST = 0.1  # shortest period over time step; below it the response is to the interpolation
@@ -91,7 +92,8 @@ def checked_motions(record: Records) -> RecordedMotions:
     if isinstance(record, xr.DataArray):
         return RecordedMotions([record], [SampledMotion(*checked_record(record))], None)
     if isinstance(record, Mapping):
-        names, records = [str(name) for name in record], list(record.values())
+        names = [str(name) for name in record]
+        records = list(record.values())
     elif isinstance(record, (list, tuple)):
         records = list(record)
         sources = [str(getattr(each, "attrs", {}).get("source", "")) for each in records]
@@ -160,7 +162,8 @@ class RecordCells(NamedTuple):
         check_names((*cells.shape.dims, *cells.shape.coords), (RECORD, "status"))
         sides = [_parameters(structure, cells.where.size) for structure in cells.models.values()]
         usable = np.all([side[:, 0] <= 2 * np.pi / least for side in sides], axis=0)
-        cells, sides = cells._replace(where=cells.where[usable]), [side[usable] for side in sides]
+        cells = cells._replace(where=cells.where[usable])
+        sides = [side[usable] for side in sides]
         seconds = SECONDS * sum(work_of(ground, *sides).sum() for ground in motions.grounds)
         check_work("structures on records would take", cure, seconds=seconds, cores=cores())
         return cls(motions, cells, sides)

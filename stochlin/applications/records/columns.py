@@ -86,8 +86,11 @@ class Text(NamedTuple):
 
     def table(self) -> Table:
         """The table of all lines, as wide as the first: numbers by pandas, or texts if it has others."""
-        head, sheet, start = self.head, self.head.sheet, int(self.head.rows.index[0])
-        text, below = "\n".join(self.lines[start - 1 :]), enumerate(self.lines[start - 1 :], start)
+        head = self.head
+        sheet = self.head.sheet
+        start = int(self.head.rows.index[0])
+        text = "\n".join(self.lines[start - 1 :])
+        below = enumerate(self.lines[start - 1 :], start)
         decimal = "." if sheet.separator == "," or "," not in text else ","
         options: dict[str, Any] = {"header": None, "decimal": decimal, "skipinitialspace": True}
         try:
@@ -114,7 +117,8 @@ class Text(NamedTuple):
 
     def _words(self) -> str:
         """All numbers in their order, with white space between them."""
-        sheet, text = self.head.sheet, "\n".join(self.lines[self.head.rows.index[0] - 1 :])
+        sheet = self.head.sheet
+        text = "\n".join(self.lines[self.head.rows.index[0] - 1 :])
         text = text.replace(sheet.separator or " ", " ")
         return text if sheet.separator == "," else text.replace(",", ".")
 
@@ -126,7 +130,8 @@ class Text(NamedTuple):
     def _stated_above(self) -> tuple[int, float | None]:
         """Number of samples and time step of a first row with both, ``1559 0.02``; None without one."""
         numbers = [number_in(cell, ".,") or 0.0 for cell in self.head.sheet.row(self.head.rows.index[0])]
-        step, count = min(numbers), max(numbers)
+        step = min(numbers)
+        count = max(numbers)
         known = len(numbers) == 2 and 0 < step < 1 < count == round(count)
         return (int(count), step) if known else (0, None)
 
@@ -176,7 +181,8 @@ def _in_rows(table: Table) -> int:
     if table.width == 1 or many or not table.rows.dtypes.eq(float).all():
         return table.width if many else 0
     values = table.rows.to_numpy()
-    along, down = (np.abs(np.diff(each, axis=0)).mean() for each in (values.ravel(), values))
+    along = np.abs(np.diff(values.ravel(), axis=0)).mean()
+    down = np.abs(np.diff(values, axis=0)).mean()
     return table.width if along < _SMOOTHER * down else 0
 
 

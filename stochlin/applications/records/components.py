@@ -13,7 +13,10 @@ import xarray as xr
 from stochlin.messages import LONGEST
 
 PLACE = ("event", "station")  # attributes that both components of a station share
-SURE, USUAL, WEAK, AMONG_OTHERS = 3, 2, 1, 0  # weights of words; the last is for files that differ in it
+SURE = 3
+USUAL = 2
+WEAK = 1
+AMONG_OTHERS = 0  # for files that differ in it
 
 
 class Word(NamedTuple):

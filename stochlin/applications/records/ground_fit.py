@@ -29,7 +29,9 @@ _MINIMUM_ORDINATES = 8
 # Half width at half height [rad/s] of the spectral line of a sinusoid of 1 s in a periodogram.
 _LINE_WIDTH = 2.78
 _START_PERIODS = 16
-_STEP, _ON_BOUND = 1e-4, 1e-3  # in the logarithm of a parameter
+# in the logarithm of a parameter
+_STEP = 1e-4
+_ON_BOUND = 1e-3
 
 
 class Estimator(NamedTuple):
@@ -122,7 +124,8 @@ def ground_of_record(
     frequency_range: TwoNumbers | None = None,
 ) -> Any:
     """The ground that `fit_ground` fits to a record."""
-    kinds, model = fitted_grounds(), "kanai_tajimi" if model is None else model
+    kinds = fitted_grounds()
+    model = "kanai_tajimi" if model is None else model
     estimator = "psd" if estimator is None else estimator
     OneOf(kinds)("model", model)
     chosen = ESTIMATORS[estimator]
@@ -134,9 +137,11 @@ def ground_of_record(
         allowed = f"0 to {frequency[-1]:g} rad/s, {narrowest:.3g} rad/s or more apart in this part"
         raise ValueError(f"frequency_range = ({low:g}, {high:g}) is out of range; allowed: {allowed}")
     used = (frequency >= low) & (frequency <= high) & (frequency > 0) & (density > 0)
-    frequency, density = frequency[used], density[used]
+    frequency = frequency[used]
+    density = density[used]
     scale = density.mean()
-    fit, periods = kinds[model].fit, (2 * np.pi / high, 2 * np.pi / frequency[0])
+    fit = kinds[model].fit
+    periods = (2 * np.pi / high, 2 * np.pi / frequency[0])
     assert fit is not None
     bounds = {"period": periods, **fit.bounds, "intensity": (0.0, np.inf)}
     problem = _Problem(kinds[model], bounds, fit.starts)
@@ -198,7 +203,8 @@ def _starts(
 def _standard_errors(frequency: Array, logs: Array, problem: _Problem, estimator: Estimator) -> Array:
     """Relative standard errors of the parameters [-], by the sandwich estimator of their covariance."""
     shifts = _STEP * np.eye(logs.size)
-    up, down = (problem.psd(logs + sign * shifts, frequency) for sign in (1, -1))
+    up = problem.psd(logs + shifts, frequency)
+    down = problem.psd(logs - shifts, frequency)
     slopes = np.log(up / down) / (2 * _STEP)
     weight = estimator.weight(problem.psd(logs[None], frequency)[0])
     bread = np.linalg.pinv((weight * slopes) @ slopes.T)

@@ -224,7 +224,8 @@ def _doubt_of_direction(series: Series, name: str) -> Iterator[str]:
 def strong_samples(motions: Array, start: float = 0.05, end: float = 0.95) -> tuple[Array, Array]:
     """Numbers of the first and last samples of the `strong_part` of motions (..., times)."""
     energy = np.cumsum(motions**2, axis=-1)
-    first, last = ((energy < share * energy[..., -1:]).sum(axis=-1) for share in (start, end))
+    first = (energy < start * energy[..., -1:]).sum(axis=-1)
+    last = (energy < end * energy[..., -1:]).sum(axis=-1)
     return first, last
 
 
@@ -291,7 +292,8 @@ def _labelled(series: Series, name: str, dt: float | None, units: str | None) ->
     size = stated_size("acceleration", series.units or "", units, name)
     if dt and series.dt and not np.isclose(dt, series.dt, rtol=_STEP_TOLERANCE, atol=0):
         raise ValueError(f"dt = {dt:g} contradicts {name}, which states {series.dt:g}; {_CURE}")
-    step, start = dt or series.dt, 0.0
+    step = dt or series.dt
+    start = 0.0
     if series.time is not None and (series.timed or step is None):
         step = _time_step(series.time, step, f"{name}: time")
         start = float(series.time[0])

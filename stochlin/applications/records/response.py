@@ -168,7 +168,8 @@ def response_spectrum(
     cells = RecordCells.of(motions, structure)
     [parameters] = cells.sides
     peaks = peaks_on_records(motions.grounds, parameters, progress=progress)[:, :, 0]
-    w, displacement = parameters[:, 0], cells.peak(0, peaks)
+    w = parameters[:, 0]
+    displacement = cells.peak(0, peaks)
     states = peaks[..., recorded.PEAKS :]
     columns = {
         "displacement_max": displacement,
@@ -270,7 +271,8 @@ def respond(
     else:
         table = stepped_history(structure, ground, int(refine))
     table = table.assign_coords(time=("time", time, {"units": "s", "long_name": "time"}))
-    call, table = f"respond(refine={refine})", _until_fall(table, structure)
+    call = f"respond(refine={refine})"
+    table = _until_fall(table, structure)
     return _with_information(table, "Response to a record", call, structure, motions)
 
 
@@ -289,7 +291,8 @@ def _until_fall(table: xr.Dataset, structure: AnyStructure) -> xr.Dataset:
 @np.errstate(all="ignore")  # of structures that fall beyond all numbers
 def _energies(parameters: Array, states: Array) -> tuple[Array, ...]:
     """The `ENERGIES` of structures with parameters (..., 4) in states (..., STATE); they balance."""
-    (w, _, hardening, _), (u, v, y, put_in, hysteretic) = parameters.T, np.moveaxis(states, -1, 0)
+    w, _, hardening, _ = parameters.T
+    u, v, y, put_in, hysteretic = np.moveaxis(states, -1, 0)
     kinetic = 0.5 * v**2
     elastic = 0.5 * w**2 * (hardening * u**2 + (1 - hardening) * y**2)
     return put_in, put_in - hysteretic - kinetic - elastic, hysteretic, kinetic, elastic

@@ -30,7 +30,8 @@ STEPS_PER_PERIOD = 32  # steps in the shortest period before the first halving
 FALLEN = 1e3  # displacement over the largest at which a structure falls, where it is not followed
 CLOSE = 1e-4  # allowed change of peaks, relatively, and of z when the step is halved
 # Most halvings. States of laws, where yield displacements are small, need more than displacements do.
-HALVINGS, HALVINGS_OF_HISTORY = 6, 10
+HALVINGS = 6
+HALVINGS_OF_HISTORY = 10
 SECONDS = 4e-7  # of a step of an element [s]
 NO_Z = np.zeros(0)
 TOO_LARGE = "take softer structures, or a shorter record"
@@ -120,7 +121,8 @@ def stepped_history(structure: AnyStructure, ground: SampledMotion, refine: int)
     between = np.arange(refine * samples[-1] + 1) / refine
     finer = SampledMotion(np.interp(between, samples, ground.acceleration), ground.dt / refine)
     row = row_of(system, Contacts.of([], system.storeys.mass.size), all_states=True)
-    intervals, none = np.array([between.size - 1]), np.zeros(1)
+    intervals = np.array([between.size - 1])
+    none = np.zeros(1)
     motion = GroundMotions(finer.acceleration[:, None], finer.dt, intervals, none, none)
     connected = connected_groups(system)
     cuts = _first_cuts(connected, finer)
@@ -142,12 +144,15 @@ def stepped_history(structure: AnyStructure, ground: SampledMotion, refine: int)
 
     converged = halved(system, followed, cuts, HALVINGS_OF_HISTORY)
     moving = converged.values
-    q, rate = (moving.coordinates[:, column].T for column in (Q, V))
+    q = moving.coordinates[:, Q].T
+    rate = moving.coordinates[:, V].T
     z = moving.elements[:, Z].T
-    u, v = (values @ system.storeys.shapes.T for values in (q, rate))
+    u = q @ system.storeys.shapes.T
+    v = rate @ system.storeys.shapes.T
     drift = q @ (system.drifts @ system.displacements).T
     extension = q @ system.extensions.T
-    mass, storeys = system.storeys.mass, system.storeys
+    mass = system.storeys.mass
+    storeys = system.storeys
     energies = {
         "input": moving.coordinates[:, ENTERING].sum(axis=0),
         "viscous": moving.coordinates[:, VISCOUS_LOSS].sum(axis=0),
@@ -180,7 +185,8 @@ def stepped_gap(
     system = arrangement_of(structures)
     floors = np.eye(len(system.floors), len(system.watched))
     if len(structures) == 1:
-        highest, moved = floors[-1:], floors
+        highest = floors[-1:]
+        moved = floors
     else:
         pairs = pairs_of(system)
         height = pairs[-1].height
@@ -222,17 +228,22 @@ def _in_one(system: Arrangement, motion: SteppedResponse) -> xr.Dataset:
     The functions in ``motion`` are the displacement of each structure at the highest level where they
     can meet, all drifts, and the relative displacements at all levels.
     """
-    n, values, count = len(system.watched), motion.values, len(system.stacks)
+    n = len(system.watched)
+    values = motion.values
+    count = len(system.stacks)
     peaks, drifts = np.split(np.abs(values[:, : count + n]).max(axis=0), [count])
     at_height = np.maximum(values[:, count + n :].max(axis=0), 0.0)
     fallen = system.fallen(drifts, system.limits)
     if fallen.any():
-        at_height[:], peaks[fallen], drifts[fallen[system.owners]] = np.inf, np.inf, np.inf
+        at_height[:] = np.inf
+        peaks[fallen] = np.inf
+        drifts[fallen[system.owners]] = np.inf
     strength = system.watched_strength
     status = labels.CONVERGED if (drifts > strength).any() else labels.ELASTIC_LIMIT
     rho = None
     if count == 2:
-        u_1, u_2 = values[:, 0], values[:, 1]
+        u_1 = values[:, 0]
+        u_2 = values[:, 1]
         with np.errstate(invalid="ignore", divide="ignore"):
             power = np.sqrt(np.trapezoid(u_1**2) * np.trapezoid(u_2**2))
             rho = np.trapezoid(u_1 * u_2) / power

@@ -58,7 +58,10 @@ class SeparationsByIntensity(NamedTuple):
         first = beyond[:, :1]  # from where the gap is reached, below the lowest intensity
         x = np.hstack([x[:, :1] - np.maximum(first, 0) / self.power, x, np.full_like(first, np.inf)])
         beyond = np.hstack([np.minimum(first, 0), beyond, beyond[:, -1:]])
-        left, right, low, high = beyond[:, :-1], beyond[:, 1:], x[:, :-1], x[:, 1:]
+        left = beyond[:, :-1]
+        right = beyond[:, 1:]
+        low = x[:, :-1]
+        high = x[:, 1:]
         with np.errstate(divide="ignore", invalid="ignore"):
             at = low + (high - low) * np.clip(left / (left - right), 0, 1)
         begin = np.where(left > 0, low, np.where(right > 0, at, high))
@@ -80,7 +83,8 @@ def simulated_separations(
     At each ``intensity`` the ``S0`` of the ground is multiplied by one of the ``factors``. ``motion``
     are the further arguments of `simulate`.
     """
-    count, columns = intensity.size, []
+    count = intensity.size
+    columns = []
     for n, factor in enumerate(factors):
         stronger = applied(partial(times_intensity, factor=factor), ground)
         part = part_of(progress, n / count, (n + 1) / count)
@@ -115,21 +119,27 @@ def lognormal_fragility(
     known = np.log(first[seen])
     if known.size < 2 or np.ptp(known) == 0:
         return *nothing, TOO_FEW_POUND
-    top, never = np.log(motions.intensity[-1]), int((~seen).sum())
+    top = np.log(motions.intensity[-1])
+    never = int((~seen).sum())
 
     def surprise(parameters: Array) -> float:
         mean, log_b = parameters
-        z, most = (known - mean) / np.exp(log_b), (mean - top) / np.exp(log_b)
+        z = (known - mean) / np.exp(log_b)
+        most = (mean - top) / np.exp(log_b)
         return float(0.5 * z @ z + known.size * log_b - never * log_ndtr(most))
 
-    mean, log_b = known.mean(), np.log(known.std())
+    mean = known.mean()
+    log_b = np.log(known.std())
     if never:  # else these are the maximum
         options = {"gtol": 1e-6}
         mean, log_b = scipy.optimize.minimize(surprise, [mean, log_b], method="BFGS", options=options).x
-    median, b = float(np.exp(mean)), float(np.exp(log_b))
-    z, most = (known - mean) / b, (mean - top) / b
+    median = float(np.exp(mean))
+    b = float(np.exp(log_b))
+    z = (known - mean) / b
+    most = (mean - top) / b
     hazard = np.exp(-0.5 * most**2 - log_ndtr(most)) / np.sqrt(2 * np.pi)
-    tail, bend = never * hazard, never * hazard * (most + hazard)
+    tail = never * hazard
+    bend = never * hazard * (most + hazard)
     mixed = (2 * z.sum() + tail - most * bend) / b
     curvature = [
         [(known.size + bend) / b**2, mixed],

@@ -320,9 +320,11 @@ class SimulatedRisk(NamedTuple):
 
     def _frequency(self, intensity: Array) -> Array:
         """Annual frequency of exceedance [1/yr]; constant below a table of the hazard, zero beyond."""
-        least, top = 0.0, HIGHEST
+        least = 0.0
+        top = HIGHEST
         if isinstance(self.hazard, HazardCurve):
-            least, top = self.hazard.intensities[0], self.hazard.intensities[-1]
+            least = self.hazard.intensities[0]
+            top = self.hazard.intensities[-1]
         frequencies = self.hazard.frequency(xr.DataArray(np.clip(intensity, least, top)))
         return np.where(intensity > top * (1 + ROUNDING), 0.0, np.asarray(frequencies))
 
@@ -391,7 +393,8 @@ class SimulatedRisk(NamedTuple):
 
     def of_gap(self, gap: float, years: float) -> xr.Dataset:
         """The result of `pounding_risk`."""
-        motions, hazard = self.motions, self.hazard
+        motions = self.motions
+        hazard = self.hazard
         _, error = self.rate(gap)
         rates = self.rate_with_ends(gap)
         stronger, weaker = self.unseen_rates(gap)
@@ -423,7 +426,8 @@ class SimulatedRisk(NamedTuple):
 
     def gap_of(self, risk: str | float) -> xr.Dataset:
         """The result of `required_gap`."""
-        target, separation = check_target(self.hazard, risk), self.motions.separation
+        target = check_target(self.hazard, risk)
+        separation = self.motions.separation
         least = 1e-3 * float(separation.min() or 1e-6)
         most = 2 * float(separation.max(where=separation < np.inf, initial=least))
 
@@ -460,15 +464,18 @@ def simulated_risk(
     """
     duration, envelope, scatter, paths, seed = motion
     both = {role: median_of(structure) for role, structure in structures.items()}
-    usual, levels = median_of(ground), simulated_at(hazard)
+    usual = median_of(ground)
+    levels = simulated_at(hazard)
     check_duration(duration, both)
     check_repeated([*both.values()], usual, duration, paths, POINTS)
     pair = [applied(lambda s: strength_in_metres(s, usual), each) for each in structures.values()]
-    power, of_one = 0.5, 1.0  # S0 of motions with the intensity 1 in the measure of the hazard
+    power = 0.5
+    of_one = 1.0  # S0 of motions with the intensity 1 in the measure of the hazard
     if hazard.measure != "intensity":
         goal: dict[str, Any] = {hazard.measure: 1.0, "period": hazard.period}
         scaled = scale_ground(usual, duration, envelope, seed=seed, **goal)
-        power, of_one = 1.0, float(scaled.arrays()["intensity"])
+        power = 1.0
+        of_one = float(scaled.arrays()["intensity"])
     options: dict[str, Any] = {"duration": duration, "envelope": envelope, "scatter": scatter}
     options |= {"paths": paths, "seed": seed}
 

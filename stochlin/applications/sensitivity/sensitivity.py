@@ -32,7 +32,8 @@ from stochlin.solver.tables.checks import check_duration, standing
 WITHOUT = ("peak_factor", "mass")  # of an oscillator: part of a definition, and without influence
 STEP = 0.1  # relative change of a known input, to either side
 RANGE = 0.16, 0.84  # probabilities at the ends of the range of an uncertain input
-END, ENDS = "end", ("low", "high")
+END = "end"
+ENDS = ("low", "high")
 OF_INPUTS = {
     INPUT: "number of a model",
     "input_median": "the input, or its median, in its unit",
@@ -191,7 +192,8 @@ def _responses(
 
 
 def _table(listed: Sequence[Input], factors: Array, responses: Array, confidence: float) -> xr.Dataset:
-    base, falls = responses[0], float(np.isposinf(responses[:2]).mean())
+    base = responses[0]
+    falls = float(np.isposinf(responses[:2]).mean())
     if falls or np.isposinf(responses).any():
         what = f"a structure falls in {100 * falls:.3g} % of the motions, or with a changed input"
         cure = "give it more hardening or strength, or weaker motions: separation takes it as it is"

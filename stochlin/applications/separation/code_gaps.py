@@ -281,7 +281,8 @@ def code_gaps(
     )
     if not site.of_design and not {"importance_1", "importance_2"}.isdisjoint(site.known):
         raise ValueError("importance is given alone; give behaviour_1 or deflection_1 as well")
-    inputs, correlation = inputs_in_words(site, numbers), None
+    inputs = inputs_in_words(site, numbers)
+    correlation = None
     models: dict[str, Model | None] = {"pair": site}
     if modes_1 is not None and spectrum is not None:
         both = [modes_1] if modes_2 is None else [modes_1, modes_2]

@@ -26,7 +26,8 @@ SIDES: Mapping[str, tuple[float, float]] = {
     "structure 1": (1.0, 0.0),
     "structure 2": (0.0, 1.0),
 }
-DAMPED, BY_DAMPING = "damped", "added_damping"
+DAMPED = "damped"
+BY_DAMPING = "added_damping"
 LEAST = "least_added_damping"
 CURVES = ("critical_gap", "separation", "rho_estimate", *(f"pseudo_energy_radius_{n}" for n in (1, 2)))
 
@@ -229,7 +230,8 @@ def _crossing(required: xr.DataArray, added: xr.DataArray, gap: float) -> xr.Dat
     """Added damping with which the required gap first falls to this one, linear between steps."""
     after = (required <= gap).argmax(BY_DAMPING)
     before = np.maximum(after - 1, 0)
-    (x, y), (x_after, y_after) = (
-        (added.isel({BY_DAMPING: n}), required.isel({BY_DAMPING: n})) for n in (before, after)
-    )
+    x = added.isel({BY_DAMPING: before})
+    y = required.isel({BY_DAMPING: before})
+    x_after = added.isel({BY_DAMPING: after})
+    y_after = required.isel({BY_DAMPING: after})
     return x_after.where(after == 0, x + (y - gap) / (y - y_after) * (x_after - x))

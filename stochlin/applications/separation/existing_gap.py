@@ -54,7 +54,8 @@ SIMULATIONS = 12  # usual number of simulations of the three searches together
 TINY = np.finfo(float).tiny  # in place of a rate of 0: the interval is then the range of the search
 FAR = 1e6  # [m], in place of a required gap that is infinite, since a structure falls
 CLOSE = 1e-2  # relative difference of a simulated gap, or of two values, from which limits follow
-FEW, LEAST_FEW = 8, 64  # a few motions are one in eight, and at least this many
+FEW = 8  # a few motions are one in so many
+LEAST_FEW = 64  # and at least this many
 CLEAR = 1.5  # half 95 % intervals between a gap from a few motions and the limit, so that these decide
 
 
@@ -69,7 +70,8 @@ class Edge(NamedTuple):
     upper: float = np.nan
 
 
-NONE, NO_LIMIT = Edge(np.nan), Edge(np.inf)
+NONE = Edge(np.nan)
+NO_LIMIT = Edge(np.inf)
 
 
 @dataclass
@@ -245,7 +247,9 @@ class GapSearch:
 
     def __post_init__(self) -> None:
         both = {role: median_of(structure) for role, structure in self.structures.items()}
-        duration, paths, usual = self.motion["duration"], self.motion["paths"], median_of(self.ground)
+        duration = self.motion["duration"]
+        paths = self.motion["paths"]
+        usual = median_of(self.ground)
         check_duration(duration, both)
         self.numbers = check_repeated([*both.values()], usual, duration, paths, SIMULATIONS)
 
@@ -257,7 +261,9 @@ class GapSearch:
     def limits(self, samples: xr.DataArray, progress: Progress | None) -> xr.Dataset:
         """The result of `existing_gap`, from the gap [m] that each motion (``path``) needs as built."""
         as_built = quantile_interval(samples.values, self.motion["confidence"])
-        usual, done, advance = median_of(self.ground), 0.0, part_of(progress, 0.0, 1.0)
+        usual = median_of(self.ground)
+        done = 0.0
+        advance = part_of(progress, 0.0, 1.0)
         structures = self.structures.values()
         pair = [applied(lambda s: strength_in_metres(s, usual), each) for each in structures]
         advance(0.0)
@@ -301,7 +307,9 @@ class GapSearch:
 
     def _labelled(self, table: xr.Dataset) -> xr.Dataset:
         """The table with labels, and what was searched."""
-        gap, motion, confidence = self.gap, self.motion, self.motion["confidence"]
+        gap = self.gap
+        motion = self.motion
+        confidence = self.motion["confidence"]
         searched = (
             f"reduction factors times {STRENGTHS[0]:g} to {STRENGTHS[-1]:g}, motion times "
             f"{AMPLITUDES[0]:g} to {AMPLITUDES[-1]:g}, added damping to {DAMPINGS[-1]:g}"

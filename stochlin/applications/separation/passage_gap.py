@@ -166,7 +166,9 @@ def _of_cells(
 
 def _columns(pairs: PairsInTime, confidence: float, gaps: Array | None) -> dict[str, Array]:
     """The variables of cells (n,)."""
-    first, second, mean = pairs.first, pairs.second, pairs.means
+    first = pairs.first
+    second = pairs.second
+    mean = pairs.means
     apart = mean(pairs.difference)
     most = apart.argmax(axis=0)[None]
     sides = [first] if second is None else [first, second]

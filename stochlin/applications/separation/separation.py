@@ -210,7 +210,8 @@ def separation(
     """
     if records is not None:
         checked_motions(records)
-    by_role, alone = standing(first, second), second is None
+    by_role = standing(first, second)
+    alone = second is None
     both = {role: median_of(structure) for role, structure in by_role.items()}
     facts = _facts_of(codes)
     numbers = facts.pop("numbers", None)
@@ -284,7 +285,8 @@ def _facts_of(codes: Mapping[str, Any] | None) -> dict[str, Any]:
 
 def verdict_of(apart: Mapping[Any, xr.DataArray], confidence: float) -> xr.DataArray:
     """Verdict by the 95 % interval of the probability of no pounding: enough, too low or undecided."""
-    lower, upper = (apart[f"no_pounding_probability_{end}"] for end in ("lower", "upper"))
+    lower = apart["no_pounding_probability_lower"]
+    upper = apart["no_pounding_probability_upper"]
     undecided = xr.where(upper < confidence, LESS, WITHIN_ERROR)  # type: ignore[no-untyped-call]
     verdict: xr.DataArray = xr.where(lower >= confidence, AT_LEAST, undecided)  # type: ignore[no-untyped-call]
     return verdict

@@ -65,13 +65,16 @@ def linearized_at_roof(
     system = arrangement_of(structures)
     height = meeting_heights(*system.stacks)[-1]
     floors = system.storeys.shapes
-    roof_1, roof_2 = (at_height(system, number, height)[None] @ floors for number in (0, 1))
+    roof_1 = at_height(system, 0, height)[None] @ floors
+    roof_2 = at_height(system, 1, height)[None] @ floors
     return float(correlation_of(motion, roof_1, roof_2)[0]), float(motion.std(roof_1 - roof_2)[0, 0])
 
 
 def correlation_of(motion: StationaryResponse, weights_1: Array, weights_2: Array) -> Array:
     """Correlation of two displacements with these weights of the coordinates (k, n), linearized."""
-    first, second, apart = (motion.std(row)[0] for row in (weights_1, weights_2, weights_1 - weights_2))
+    first = motion.std(weights_1)[0]
+    second = motion.std(weights_2)[0]
+    apart = motion.std(weights_1 - weights_2)[0]
     rho: Array = (first**2 + second**2 - apart**2) / (2 * first * second)
     return rho
 
@@ -93,9 +96,11 @@ def of_storeys(site: Site, structures: Sequence[AnyStructure]) -> Site:
     ask for the same height, and with storeys they are given the height of the level, which is the same
     for both. Raises a ValueError if a height, a number of storeys or level floors contradict them.
     """
-    roofs, numbers = [], {}
+    roofs = []
+    numbers = {}
     for n, structure in enumerate(structures, start=1):
-        height, storeys = getattr(site, f"height_{n}"), getattr(site, f"storeys_{n}")
+        height = getattr(site, f"height_{n}")
+        storeys = getattr(site, f"storeys_{n}")
         if isinstance(structure, MultistoreyBuilding):
             roof = float(structure.levels()[-1])
             if height is not None and abs(height - roof) > LEVEL:
@@ -104,7 +109,8 @@ def of_storeys(site: Site, structures: Sequence[AnyStructure]) -> Site:
             if storeys not in (None, structure.storeys):
                 what = f"storeys_{n} = {storeys:g}, but that building has {structure.storeys} storeys"
                 raise ValueError(f"{what}; leave it out")
-            height, storeys = roof, structure.storeys
+            height = roof
+            storeys = structure.storeys
         roofs.append(height)
         numbers[f"storeys_{n}"] = storeys
     if site.floors_align:
@@ -133,7 +139,8 @@ def modes_of(system: Arrangement) -> Modes:
     modes = Modes(np.concatenate(period), np.concatenate(damping), scipy.linalg.block_diag(*moves))
     worst = int(np.argmax(modes.damping))
     if modes.damping[worst] >= 1:
-        period, damping = modes.period[worst], modes.damping[worst]
+        period = modes.period[worst]
+        damping = modes.damping[worst]
         what = f"the mode of {period:.3g} s has the damping ratio {damping:.3g}"
         raise ValueError(f"{what}; allowed where modes are combined: below 1")
     return modes
@@ -177,7 +184,8 @@ def spectral_peaks(
     if np.isnan(heights).any():  # of oscillators
         *peaks, correlation = (array.squeeze("height") for array in arrays)
     else:
-        site, axis = of_storeys(site, structures), labels.axis("height", ABOVE_GROUND, heights, "m")
+        site = of_storeys(site, structures)
+        axis = labels.axis("height", ABOVE_GROUND, heights, "m")
         *peaks, correlation = (array.assign_coords(height=axis) for array in arrays)
         site = site.with_arrays({f"height_{n}": axis for n, _ in enumerate(peaks, start=1)})
     return site.with_arrays({f"peak_{n}": peak for n, peak in enumerate(peaks, 1)}), correlation

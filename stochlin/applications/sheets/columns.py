@@ -124,12 +124,14 @@ class Need(NamedTuple):
 
     def _is_damped(self, column: Column) -> bool:
         """Whether a title states no other damping ratio than is asked for."""
-        stated, wanted = column.said.damping, self.damping
+        stated = column.said.damping
+        wanted = self.damping
         return stated is None or wanted is None or isclose(stated, wanted, rel_tol=1e-6)
 
     def refusal(self, column: Column) -> str:
         """Why a column that is asked for is not taken, in words; empty if it is taken."""
-        said, known = column.said, self.meaning(column)
+        said = column.said
+        known = self.meaning(column)
         lettered = isinstance(self.by_caller, str) and len(column.title) == 1  # as component V or W
         if said.quantities and known is None and not lettered:
             return f"is {' or '.join(of.name for of in said.quantities)}; allowed: {self.words}"
@@ -161,7 +163,9 @@ class Choice(NamedTuple):
 
         Its unit is that of the file, or ``units`` of the caller, by the name of this ``argument``.
         """
-        table, column, of = self.table, self.column.number - 1, self.quantity
+        table = self.table
+        column = self.column.number - 1
+        of = self.quantity
         line = table.units or table.titles or table.rows.index[0]
         unit = self.column.said.unit
         name = of.name.partition(" ")[2]
@@ -182,7 +186,9 @@ class Choice(NamedTuple):
 
     def numbers(self, allowed: Range | None = None) -> Array:
         """The numbers as they are written, but without a logarithm."""
-        table, column, name = self.table, self.column.number - 1, self.quantity.name.partition(" ")[2]
+        table = self.table
+        column = self.column.number - 1
+        name = self.quantity.name.partition(" ")[2]
         if (base := self.column.said.base) is None:
             return table.numbers(column, name, allowed)
         with np.errstate(over="ignore"):
@@ -287,7 +293,8 @@ def _by_title(columns: Sequence[Column], need: Need) -> Column | None:
 
 def _asked(table: Table, columns: Sequence[Column], need: Need) -> Column:
     """The column that the caller asks for, by its number or its title."""
-    by_caller, shown = need.by_caller, f"{need.argument} = {brief(need.by_caller)}"
+    by_caller = need.by_caller
+    shown = f"{need.argument} = {brief(need.by_caller)}"
     if is_whole(by_caller):
         if not 1 <= by_caller <= len(columns):
             allowed = f"allowed: 1 to {len(columns)}, since {COUNTED}"
@@ -317,7 +324,9 @@ def _twice(chosen_by: dict[str, Column]) -> list[tuple[str, str]]:
 
 def _missing(table: Table, columns: Sequence[Column], needs: Sequence[Need], cure: str) -> ValueError:
     """The error that columns are missing, or that several fit."""
-    has, ways, example = f"has {in_words(columns)}", list[str](), dict[str, int]()
+    has = f"has {in_words(columns)}"
+    ways = list[str]()
+    example = dict[str, int]()
     for need in needs:
         may_be = [each.number for each in columns if need.meaning(each) or each.is_unknown()]
         if not may_be:

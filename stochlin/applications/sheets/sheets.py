@@ -74,8 +74,10 @@ class Sheet(NamedTuple):
         values = np.array([number_in(text, self.decimal) for text in texts.ravel()], dtype=float)
         wrong = np.isnan(values) if allowed is None else ~allowed.contains(values)
         for n in np.flatnonzero(wrong)[:1]:
-            line, column = cells.index[n // cells.shape[1]], cells.columns[n % cells.shape[1]]
-            text, signs = self.cells.at[line, column], " or ".join(map(repr, self.decimal))
+            line = cells.index[n // cells.shape[1]]
+            column = cells.columns[n % cells.shape[1]]
+            text = self.cells.at[line, column]
+            signs = " or ".join(map(repr, self.decimal))
             if not np.isnan(values[n]):
                 raise self.error(line, column, f"the {what} is {values[n]:g}; allowed: {allowed}")
             article = "an" if what[0] in "aeiou" else "a"
@@ -176,7 +178,8 @@ class Table(NamedTuple):
 
     def in_si(self, name: str, quantity: str, unit: str | None, allowed: Range | None) -> Array:
         """The numbers of a column in SI, by the unit of its title, of the line of units, or this one."""
-        column, line = self.column(name), self.units or self.titles or self.rows.index[0]
+        column = self.column(name)
+        line = self.units or self.titles or self.rows.index[0]
         stated = self.said_of(column).unit
         size = stated_size(quantity, stated, unit, self.sheet.where(line, column))
         return size * self.numbers(column, quantity, allowed)
@@ -214,7 +217,8 @@ def _is_title(cell: str) -> bool:
 
 def _first_of_numbers(sheet: Sheet, cells: pd.DataFrame) -> int | None:
     """The line of these cells in which the numbers of a table begin; None if there is none."""
-    before, places_before = 0, set[int]()
+    before = 0
+    places_before = set[int]()
     for line, each in zip(cells.index.tolist(), cells.to_numpy(), strict=True):
         row = _without_empty_end(each)
         places = sheet.places_of_numbers(row)
@@ -222,7 +226,8 @@ def _first_of_numbers(sheet: Sheet, cells: pd.DataFrame) -> int | None:
             return int(before)
         if len(places) == len(row):
             return int(line)
-        before, places_before = line, places
+        before = line
+        places_before = places
     return int(before) if places_before else None  # the last line has no next one
 
 
@@ -249,7 +254,8 @@ def spelled(title: str) -> str:
 
 def sheets_of(path: Path) -> list[Sheet]:
     """All sheets of a workbook, or the one of a text; an OSError or ValueError if it is neither."""
-    name, content = plain(path.name), read_input(path)
+    name = plain(path.name)
+    content = read_input(path)
     if WORKBOOK.fits(content):
         cells = [(f"{name}, sheet {title}", rows) for title, rows in rows_of(content, name)]
         sheets = [Sheet(place, _frame(rows, place)) for place, rows in cells]
@@ -295,7 +301,8 @@ def text_sheet(lines: Sequence[str], name: str, marks: str = ";\t,") -> Sheet:
     separator = next(often, None)
     decimal = "," if separator != "," and any(map(_DECIMAL_COMMA.search, lines)) else "."
     reader = partial(csv.reader, delimiter=separator or " ", skipinitialspace=True)
-    width, rows = mode([len(line.split()) for line in sample] or [0]), {}
+    width = mode([len(line.split()) for line in sample] or [0])
+    rows = {}
     for number, line in enumerate(lines, 1):
         try:
             rows[number] = next(reader([line]) if separator else _apart(line, width), [])

@@ -90,8 +90,10 @@ def said_by(title: str, below: str = "") -> Said:
         within = said_by(_opened(log[2]), below)
         if within.quantities and not {*within.quantities} & {*_BESIDE, OTHER, STRANGE}:
             return within._replace(base=_BASES[log[1].lower()])
-    of_period, of_damping = _OF_PERIOD.search(title), _OF_DAMPING.search(title)
-    name, inner = _OF_PERIOD.sub(" sa ", title), list[str]()
+    of_period = _OF_PERIOD.search(title)
+    of_damping = _OF_DAMPING.search(title)
+    name = _OF_PERIOD.sub(" sa ", title)
+    inner = list[str]()
     if of_damping and of_damping[1]:
         name = name.replace(of_damping[0], " ")
     while texts := _BRACKETS.findall(name):
@@ -145,7 +147,8 @@ def _of_cell(below: str) -> Sequence[str]:
 
 def _meant(name: str, stated: Sequence[str]) -> tuple[tuple[Quantity, ...], str]:
     """The quantities that a name and what stands in brackets may mean, and the unit."""
-    named, remark = _named(name), max(stated, key=len, default="")
+    named = _named(name)
+    remark = max(stated, key=len, default="")
     if not any(map(_is_unit, stated)):
         return _without_brackets(name, named, remark)
     if fitting := next((unit for unit in stated if _fit(named, unit)), ""):
@@ -163,7 +166,8 @@ def _without_brackets(
     """The quantities and the unit of ``Sa_g`` and of ``s``; the remark in place of a unit otherwise."""
     if "".join(_words(name)) not in QUANTITIES:
         for edge in _EDGE.finditer(name):
-            rest, unit = _named(name[: edge.start()]), name[edge.end() :].strip()
+            rest = _named(name[: edge.start()])
+            unit = name[edge.end() :].strip()
             for text in (unit, unit.replace("_", "/")):
                 if fits := _fit(rest, text):
                     return fits, text

@@ -94,7 +94,8 @@ if __name__ == "__main__":
     try:
         answer = joined(visible_sheets(sys.stdin.buffer.read()))
     except Exception as error:
-        status, answer = REFUSED, str(error.__cause__ or error) or type(error).__name__
+        status = REFUSED
+        answer = str(error.__cause__ or error) or type(error).__name__
     sys.stdout.buffer.write(answer.encode("utf-8", "replace"))
     sys.stdout.flush()
     sys.exit(status)

@@ -25,7 +25,8 @@ _WITHOUT_RESULT = re.compile(
 )
 _METHODS = zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED  # others take memory that they do not state
 _PATIENCE = 20.0  # s that reading may take on a busy machine, and on one that does not limit its time
-MOST_PARTS, MOST_BYTES = 2000, 16 * 2**20  # of a workbook
+MOST_PARTS = 2000  # of a workbook
+MOST_BYTES = 16 * 2**20  # of a workbook
 
 
 def rows_of(content: bytes, name: str) -> list[tuple[str, dict[int, list[str]]]]:

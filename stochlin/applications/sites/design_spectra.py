@@ -18,7 +18,8 @@ from stochlin.models.plausible import PLAUSIBLE
 
 STEP = 0.01  # step between the periods of a spectrum [s]
 LEAST = 0.2  # lower bound of the design spectrum of Eurocode 8, beta, over ag
-_EC8_LONGEST, _ASCE_LONGEST = 4.0, 10.0  # s
+_EC8_LONGEST = 4.0  # [s]
+_ASCE_LONGEST = 10.0  # [s]
 
 
 class _Shape(NamedTuple):
@@ -184,7 +185,8 @@ def asce_7(sds: Acceleration, sd1: Acceleration, tl: Seconds) -> xr.DataArray:
     near = np.abs(grid[:, None] - corners).min(axis=1) < 1e-6
     period = np.union1d(grid[~near], corners)
     shape = _Shape(1.0, 0.2 * corner, corner, tl).shape(period, 0.4, 1.0)
-    short, long = (value / constants.g for value in (sds, sd1))
+    short = sds / constants.g
+    long = sd1 / constants.g
     source = f"ASCE 7, SDS = {short:.4g} g, SD1 = {long:.4g} g, TL = {tl:g} s"
     curve = marked(labelled(period, sds * shape, 0.05, source), BY_CODE)
     return curve.assign_attrs(code="asce_7", sds=float(sds), sd1=float(sd1), tl=float(tl))

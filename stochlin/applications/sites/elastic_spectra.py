@@ -22,7 +22,8 @@ from stochlin.models.plausible import PLAUSIBLE
 
 ELASTIC = "elastic"  # attribute that says how a spectrum was taken
 ELASTIC_AT = "elastic_at"  # attribute: period [s] and ordinate [m/s^2] for which that was said
-BY_CODE, STATED = "elastic by its code", "elastic as stated"
+BY_CODE = "elastic by its code"
+STATED = "elastic as stated"
 NOT_STATED = "taken as elastic, which is not stated"
 # The least behaviour factor q of Eurocode 8 is 1.5 (EN 1998-1, 3.2.2.5): a spectrum with less than 0.7
 # of the ordinate for which it was said to be elastic has been divided since.
@@ -35,7 +36,8 @@ SAME = 1e-3  # relative difference of ordinates that are equal, as rounded in fi
 # ASCE 7 rise to 2.5 times. Below this share of the median a spectrum is in doubt: 1.48 for 5 %.
 LEAST_OF_MEDIAN = 0.7
 LARGEST_RISE = 3.5  # of ordinates over the ground acceleration
-LEVEL, LEVEL_FROM = 3, 4.0  # last points that are equal at a lower bound; [s], of elastic code spectra
+LEVEL = 3  # last points that are equal at a lower bound
+LEVEL_FROM = 4.0  # [s], of elastic code spectra
 
 _FACTOR = Number(Range(1, include_lower=True), "a number of at least 1")
 
@@ -96,7 +98,8 @@ def as_elastic(
 
 def marked(spectrum: xr.DataArray, how: str) -> xr.DataArray:
     """The spectrum with what it was taken for, and with the middle of its plateau, where that holds."""
-    period, values = spectrum.period.values, spectrum.values
+    period = spectrum.period.values
+    values = spectrum.values
     above = period > 0
     on_plateau = np.flatnonzero(above & (values >= (1 - SAME) * values[above].max()))
     middle = on_plateau[on_plateau.size // 2]
@@ -143,7 +146,8 @@ def _not_stated(spectrum: xr.DataArray, share: float) -> str:
 
 def _doubts(spectrum: xr.DataArray) -> Iterator[str]:
     """What in the ordinates of a spectrum is implausible, or speaks against an elastic one."""
-    period, values = spectrum.period.values, spectrum.values
+    period = spectrum.period.values
+    values = spectrum.values
     if text := PLAUSIBLE["largest ordinate"].doubt(values.max()):
         yield f"its largest ordinate is {_in_g(values.max())}; {text}"
     farthest = int(np.argmax(values * period**2))
@@ -160,7 +164,8 @@ def _doubts(spectrum: xr.DataArray) -> Iterator[str]:
         what = f"its ordinate at 0 s is exactly {_in_g(values[0])}"
         yield f"{what}; are ordinates divided by the ground acceleration?"
     percent = 100 * float(spectrum.attrs.get("damping", USUAL_DAMPING))
-    usual, rise = 3.21 - 0.68 * np.log(percent), values.max() / values[0]
+    usual = 3.21 - 0.68 * np.log(percent)
+    rise = values.max() / values[0]
     if period[0] <= STIFF and not _begins_on_plateau(values) and rise < LEAST_OF_MEDIAN * usual:
         yield (
             f"its plateau of {_in_g(values.max())} is {rise:.3g} times its ordinate of "

@@ -33,13 +33,18 @@ from stochlin.models.rules.peak_factors import peak_factor_model
 
 _OF_SPECTRA = ("clough_penzien",)
 _FEWEST_DECADES = 0.5  # smallest range of periods of a spectrum within the range of the fit
-LONGEST, POINTS = 4.0, 72  # longest period [s] and number of periods for which a ground is fitted
+LONGEST = 4.0  # longest period [s] for which a ground is fitted
+POINTS = 72  # number of such periods
 POOR = 0.3  # largest error of a fit above which there is a warning
-GOOD_RMS, GOOD_WORST = 0.02, 0.06  # relative errors at which no further filter is tried
+# relative errors at which no further filter is tried
+GOOD_RMS = 0.02
+GOOD_WORST = 0.06
 PATHS = 2048
 STEPS_PER_PERIOD = 16  # of the search; the shortest of 24 neighbouring periods is 1.3 % too long
 # Errors of the mean simulated spectrum at which corrections end, and the largest number of corrections.
-DELIVERED_RMS, DELIVERED_WORST, CORRECTIONS = 0.02, 0.05, 3
+DELIVERED_RMS = 0.02
+DELIVERED_WORST = 0.05
+CORRECTIONS = 3
 _GROUND_WEIGHT = 10.0  # weight of the standard deviation of the ground; that of an oscillator is 1
 _ROUNDS = 4  # number of fits with updated peak factors
 _FIRST_FACTOR = 2.5
@@ -231,7 +236,8 @@ def fit_ground(
 
 def _wanted(spectrum: xr.DataArray, duration: float, envelope: Envelope | None) -> Wanted:
     period, values, damping = checked_spectrum(spectrum)
-    shortest, longest = max(SHORTEST, period[period > 0][0]), min(LONGEST, period[-1])
+    shortest = max(SHORTEST, period[period > 0][0])
+    longest = min(LONGEST, period[-1])
     if not longest > shortest * 10**_FEWEST_DECADES:
         raise ValueError(f"spectrum has {period[0]:g} to {period[-1]:g} s; allowed: half a decade")
     sought = np.geomspace(shortest, longest, POINTS)
@@ -337,7 +343,8 @@ class _Search:
         x = (self._frequency / w[:, None]) ** 2
         response = 1 / (w[:, None] ** 4 * ((1 - x) ** 2 + 4 * damping[:, None] ** 2 * x))
         self._moments = [2 * _STEP * response * self._frequency ** (k + 1) for k in range(3)]
-        self._rows, self._weight = self._moments[0], np.ones(wanted.periods.size)
+        self._rows = self._moments[0]
+        self._weight = np.ones(wanted.periods.size)
         self._ground = np.zeros(0)
         if wanted.ground_std is not None:
             self._rows = np.vstack([self._rows, 2 * _STEP * self._frequency])
@@ -366,7 +373,9 @@ class _Search:
         return self._best(peaks / std, [fit.logs])
 
     def _best(self, factors: Array, starts: Iterable[Array]) -> FittedFilters:
-        frequency, rows, weight = self._frequency, self._rows, self._weight
+        frequency = self._frequency
+        rows = self._rows
+        weight = self._weight
         target = np.log(np.append(self.wanted.displacements / factors, self._ground))
 
         def residual(logs: Array) -> Array:

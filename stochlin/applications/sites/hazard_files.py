@@ -137,7 +137,8 @@ def _of_ordinates(
     above = [other for other in curves if other >= period]
     if not below or not above:
         raise ValueError(f"period = {period:g} is beyond {names}; allowed: within {known}")
-    lower, upper = (_in_metres(curves[end], names, units) for end in (max(below), min(above)))
+    lower = _in_metres(curves[max(below)], names, units)
+    upper = _in_metres(curves[min(above)], names, units)
     intensities, frequencies = _between(lower, upper, period)
     columns = dict.fromkeys(curve.columns for curve in (lower, upper))
     source = "; ".join(filter(None, (names, *columns)))
@@ -156,7 +157,8 @@ def _between(lower: Ordinate, upper: Ordinate, period: float) -> tuple[Array, Ar
     if lower.period == upper.period:
         return lower.intensities, lower.frequencies
     logarithms = [np.log(curve.frequencies) for curve in (lower, upper)]
-    highest, lowest = min(of[0] for of in logarithms), max(of[-1] for of in logarithms)
+    highest = min(of[0] for of in logarithms)
+    lowest = max(of[-1] for of in logarithms)
     if lowest >= highest:
         raise ValueError(f"SA({lower.period:g}) and SA({upper.period:g}) do not overlap in frequency")
     # Rounded, so that frequencies that differ by rounding errors are one.

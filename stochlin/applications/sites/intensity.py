@@ -23,7 +23,8 @@ from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_scalars
 
 PATHS = 1024  # gives a standard error of about half a per cent
-FEWEST, MOST_STEPS = 64, 20_000_000  # fewest motions; most time steps of all motions in memory at once
+FEWEST = 64  # fewest motions
+MOST_STEPS = 20_000_000  # most time steps of all motions in memory at once
 _TOLD = "intensity for a mean"
 
 
@@ -138,7 +139,8 @@ def shaking(
     ``ground_intensity`` [m^2/s^3]; and ``spectral_acceleration_1`` [m/s^2] and so on, for the periods
     [s] in their order and the damping ratio 0.05.
     """
-    intensity, std = float(ground.arrays()["intensity"]), rms_acceleration(ground)
+    intensity = float(ground.arrays()["intensity"])
+    std = rms_acceleration(ground)
     columns = {"rms_acceleration": std if np.isfinite(std) else np.nan, "ground_intensity": intensity}
     motions = _of_unit_intensity(Motions(ground, duration, envelope, paths_for(duration), seed))
     for n, at in enumerate([None, *map(float, periods)]):

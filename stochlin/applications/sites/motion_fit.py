@@ -36,10 +36,13 @@ from stochlin.models.grounds import OTHER_COMPONENT, Ground, UsualScatter, rms_a
 from stochlin.models.plausible import PLAUSIBLE
 from stochlin.models.values import ByValue
 
-FILTERS, PATHS = 2, 512
+FILTERS = 2
+PATHS = 512
 CYCLES = 4.0  # smallest number of cycles of a fitted period in a record
 SHORTEST_RECORD = 2.0  # s
-LIKE_DURATION, LIKE_SPECTRUM = 1.5, 1.3  # largest factors between motions and record without a doubt
+# largest factors between motions and record without a doubt
+LIKE_DURATION = 1.5
+LIKE_SPECTRUM = 1.3
 
 
 class Components(NamedTuple):

@@ -28,7 +28,8 @@ from stochlin.solver.tables import labels
 from stochlin.solver.tables.inputs import input_path
 
 SHORTEST = 0.05  # shortest period for which a spectrum is fitted or compared [s]
-BAND, BAND_POINTS = (0.2, 2.0), 40  # [s] of usual buildings, in which spectra are compared; periods
+BAND = (0.2, 2.0)  # [s] of usual buildings, in which spectra are compared
+BAND_POINTS = 40  # periods
 FEWEST = 4  # smallest number of points
 WIDEST = 2.0  # ratio of two consecutive periods, beyond which it matters what is between them
 Between = Literal["logarithmic", "linear"]
@@ -100,7 +101,8 @@ def check_ordinates(period: Array, values: Array, places: list[str]) -> None:
     """Raise a ValueError unless these are a spectrum; ``places`` name the points."""
     if period.size < FEWEST:
         raise ValueError(f"spectrum has {period.size} points; allowed: {FEWEST} or more")
-    periods_rise, ordinates_rise = (bool((np.diff(each) > 0).all()) for each in (period, values))
+    periods_rise = bool((np.diff(period) > 0).all())
+    ordinates_rise = bool((np.diff(values) > 0).all())
     exchanged = ordinates_rise and not periods_rise
     cure = ", or are the columns of periods and ordinates exchanged?" * exchanged
     for place, last, t, sa in zip(places, [-1.0, *period[:-1]], period, values, strict=True):

@@ -143,7 +143,8 @@ def _of_usgs(path: Path, request: AskedSpectrum) -> Points:
 
 def _converted(table: Table, abscissa: Choice, ordinate: Choice, units: str | None) -> Points:
     """Periods and accelerations from what the file has."""
-    period, places = abscissa.in_si(), table.places()
+    period = abscissa.in_si()
+    places = table.places()
     values = ordinate.in_si(units, "units")
     if abscissa.quantity is not PERIOD:
         for n in np.flatnonzero(~(period > 0))[:1]:
@@ -156,7 +157,9 @@ def _converted(table: Table, abscissa: Choice, ordinate: Choice, units: str | No
             raise ValueError(f"{places[n]}: {what}; allowed: positive periods")
         values = values * (2 * np.pi / period) ** power
     if abscissa.quantity is not PERIOD and (np.diff(period) < 0).all():
-        period, values, places = period[::-1], values[::-1], places[::-1]
+        period = period[::-1]
+        values = values[::-1]
+        places = places[::-1]
     about = noted([abscissa, ordinate], {**_TURNS, **_POWERS})
     return Points(period, values, places, about)
 

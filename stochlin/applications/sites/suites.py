@@ -54,7 +54,8 @@ WHO_BELONGS = f"the columns {FILE}, event and station of a table say which belon
 # The table in a download of PEER, below a title, with a column for each component.
 PEER_TABLE = "_SearchResults.csv"
 _OF_SCALE = re.compile(r"scal|factor|fakt", re.IGNORECASE)
-PEER_FILES, PEER_FACTOR = r"Horizontal-[12] Acc\. Filename", "Scale Factor"
+PEER_FILES = r"Horizontal-[12] Acc\. Filename"
+PEER_FACTOR = "Scale Factor"
 PEER_ABOUT = {"event": ("Earthquake Name", "Year"), "station": ("Station Name",)}
 ABOUT = ("event", "station", "component")  # columns that become attributes
 
@@ -308,7 +309,8 @@ def table_rows(text: str, name: str) -> Iterator[tuple[int, str, Row]]:
 
 def _options(row: Row, where: str) -> dict[str, Any]:
     options: dict[str, Any] = {key: row[key] for key in ("component",) if row.get(key)}
-    units, step = (row.get(key, "") for key in ("units", "dt"))
+    units = row.get("units", "")
+    step = row.get("dt", "")
     of_columns = [part.strip() for part in units.partition(";")[0].split(",")]
     if of_columns[-1]:
         options["units"] = of_columns[-1]

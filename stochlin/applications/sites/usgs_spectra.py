@@ -42,7 +42,8 @@ def read(name: str, text: str, column: int | str | None) -> UsgsSpectrum:
         )
         known = f"allowed as column: {listed(there)}" if there else "allowed: the response for ASCE 7-22"
         raise ValueError(f"{what}; {known}")
-    where, values = f"{name}, {chosen}", data[chosen]
+    where = f"{name}, {chosen}"
+    values = data[chosen]
     try:
         series = {key: [*values[key]] for key in ("periods", "ordinates")}
     except (LookupError, TypeError) as error:

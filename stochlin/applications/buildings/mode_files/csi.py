@@ -181,7 +181,9 @@ def _chosen(places: pd.Index, heights: Table, weights: Table, tower: str | None)
 
 def _floors(tables: Mapping[str, Table], others: Sequence[Table], wanted: Wanted) -> Floors:
     """The floors, with the shapes of centres of mass or of named joints."""
-    (heights, weights, centres), choice, axis = others[:3], wanted.choice, wanted.axis.lower()
+    heights, weights, centres = others[:3]
+    choice = wanted.choice
+    axis = wanted.axis.lower()
     names = [name for name in PLACES if name in weights.names and name in centres.names]
     mass = keyed(weights, names, axis, "mass", NOT_NEGATIVE, choice.mass_units)
     stories = mass.index.get_level_values("story")
@@ -196,7 +198,8 @@ def _floors(tables: Mapping[str, Table], others: Sequence[Table], wanted: Wanted
     levels = levels[levels.index.isin(own.index) | (choice.tower is None)]
     if bare := [story for story in levels.index if not own.get(story)]:
         raise weights.error(f"has no mass of story {listed(bare)}")
-    own, shapes = own[levels.index], _shapes(centres, of_own, levels.index)
+    own = own[levels.index]
+    shapes = _shapes(centres, of_own, levels.index)
     parts = shapes @ own.to_numpy()
     if choice.points:
         joints = _named(others[3], choice.points)
@@ -224,7 +227,8 @@ def _turning(table: Table, wanted: Wanted) -> list[int]:
 
 def _levels(heights: Table, centres: Table, bases: Table | None, choice: AskedModes) -> pd.Series:
     """Levels of the stories above the ground [m], from the ground up, by name."""
-    names, unit = heights.texts("story"), choice.length_units
+    names = heights.texts("story")
+    unit = choice.length_units
     twice = pd.DataFrame({"story": names, "height": heights.texts("height")}).duplicated()
     heights = heights._replace(rows=heights.rows[(names.str.lower() != BASE) & ~twice])
     height = keyed(heights, ["story"], "height", "length", POSITIVE, unit)

@@ -15,11 +15,15 @@ from stochlin.messages import brief, listed
 from stochlin.models.parameters import Range
 
 TITLE = re.compile(r"table:\s*(.*)", re.IGNORECASE)
-RATIOS, OF_JOINTS = "Modal Participating Mass Ratios", "Joint Displacements"
-OF_CENTRES, OF_STORIES = "Diaphragm Center Of Mass Displacements", "Mass Summary by Story"
-OF_DIAPHRAGMS, BASES = "Centers Of Mass And Rigidity", "Tower and Base Story Definitions"
+RATIOS = "Modal Participating Mass Ratios"
+OF_JOINTS = "Joint Displacements"
+OF_CENTRES = "Diaphragm Center Of Mass Displacements"
+OF_STORIES = "Mass Summary by Story"
+OF_DIAPHRAGMS = "Centers Of Mass And Rigidity"
+BASES = "Tower and Base Story Definitions"
 SUMMARY = "Mass Summary by Diaphragm"
-HEIGHTS, STORY_DATA = "Story Definitions", "Story Data"
+HEIGHTS = "Story Definitions"
+STORY_DATA = "Story Data"
 TABLES = RATIOS, OF_JOINTS, OF_CENTRES, OF_STORIES, OF_DIAPHRAGMS, SUMMARY, BASES, HEIGHTS, STORY_DATA
 # Names of columns that differ between the versions of the program.
 ALIKE = {
@@ -36,12 +40,14 @@ def tables_in(sheets: Sequence[Sheet]) -> dict[str, Table]:
     tables: dict[str, Table] = {}
     lines: dict[str, list[int]] = {}
     for sheet in sheets:
-        key, at_titles = spelled(name := _of_sheet(sheet)), bool(name)
+        key = spelled(name := _of_sheet(sheet))
+        at_titles = bool(name)
         for line, *cells in sheet.cells.itertuples():
             has_number = any(number_in(cell, sheet.decimal) is not None for cell in cells[::-1])
             if match := TITLE.match(cells[0]):
                 name = match[1].strip(" \"'")
-                key, at_titles = spelled(name), True
+                key = spelled(name)
+                at_titles = True
             elif at_titles:
                 at_titles = False
                 new = Table(f"table {name}", sheet, line, 0, sheet.cells, ALIKE)

@@ -22,8 +22,12 @@ from stochlin.messages import brief
 from stochlin.models.parameters import PERIODS, POSITIVE, Range
 from stochlin.models.units import stated_size
 
-MODE, LEVEL, MASS, PERIOD = "mode", "level", "mass", "period"
-FACTOR, MODAL_MASS = "participation", "modal mass"
+MODE = "mode"
+LEVEL = "level"
+MASS = "mass"
+PERIOD = "period"
+FACTOR = "participation"
+MODAL_MASS = "modal mass"
 KNOWN = PERIOD, FACTOR, MODAL_MASS  # lines above the floors
 FIRST = 2  # column of the first mode, from 0: before it are level and mass
 EXAMPLE = files(__package__).joinpath("example_modes.csv").read_text(encoding="utf-8")

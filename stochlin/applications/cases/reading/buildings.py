@@ -50,7 +50,8 @@ MOVE = Quantity("m", NOT_NEGATIVE, PLAUSIBLE["displacements"])
 DIVISOR = Quantity("1", OF_IMPORTANCE, PLAUSIBLE["importance"])
 DUCTILITY = Quantity("1", Range(1.0, reason="1 for a building that just does not yield"))
 TWO_MODES = ListOf(Integer(1, MOST_STOREYS), length=2)
-STRENGTH, OF_HEIGHTS = "strength", {"height of its storeys": ("storey_height", "heights")}
+STRENGTH = "strength"
+OF_HEIGHTS = {"height of its storeys": ("storey_height", "heights")}
 WITH_HARDENING = (
     *("reduction_factor", "yield_displacement", "ductility"),
     *("base_shear_coefficient", "yield_drifts", "yield_displacements"),
@@ -370,7 +371,8 @@ def slabs_of_row(buildings: Sequence[Building]) -> tuple[SlabOnColumn, ...]:
             continue
         levels = [building.structure.levels() for building in pair]
         for side, floor in slabs_on_columns(*levels):
-            level, other = float(levels[side][floor - 1]), 1 - side
+            level = float(levels[side][floor - 1])
+            other = 1 - side
             storey = int(np.searchsorted(levels[other], level)) + 1
             place = f"storey {storey} of {pair[other].name}"
             words = f"floor {floor} of {pair[side].name}, at {level:g} m, meets the columns in {place}"

@@ -63,9 +63,11 @@ from stochlin.models.uncertain import UncertainModel
 from stochlin.solver.tables.inputs import input_path
 
 NUMBERED = re.compile(r"building_([1-9]\d{0,5})")
-ALL, TWO = "all", ListOf(Integer(1), length=2)
+ALL = "all"
+TWO = ListOf(Integer(1), length=2)
 STOREYS = text_or(ListOf(Integer(1), "listed"), f'"{ALL}", or a list of numbers')
-FEWEST_PATHS, MOST_PATHS = 100, 2048  # for a quantile with an interval, and where none is given
+FEWEST_PATHS = 100  # for a quantile with an interval
+MOST_PATHS = 2048  # where no number is stated
 GAP = Quantity("m", NOT_NEGATIVE, PLAUSIBLE["gap"])
 SHARE = Quantity("1", Range(upper=1.0, reason="a probability"), PLAUSIBLE["confidence"])
 RATE = Quantity("1", Range(upper=1.0, reason="a year"), PLAUSIBLE["risk"])
@@ -223,7 +225,8 @@ class OfContact(Form):
     @classmethod
     def keys(cls, table: Table) -> dict[str, Key]:
         """With the arguments of the model; those that it does not declare are ratios."""
-        keys, kind = keys_of(cls), CONTACTS.get(str(table.values.get("model")), Contact)
+        keys = keys_of(cls)
+        kind = CONTACTS.get(str(table.values.get("model")), Contact)
         arguments = inspect.signature(kind).parameters
         for name, argument in arguments.items():
             ratio = Quantity("1", RESTITUTION if name == "restitution" else DAMPING)
@@ -245,7 +248,8 @@ class OfLink(Form):
     @classmethod
     def keys(cls, table: Table) -> dict[str, Key]:
         """With the parameters of a link; the unit of a damping constant depends on the exponent."""
-        keys, power = keys_of_model(Link, DEVICE), table.values.get("damping_exponent", 1)
+        keys = keys_of_model(Link, DEVICE)
+        power = table.values.get("damping_exponent", 1)
         if power != 1:
             keys["damping_constant"] = _in_units(keys["damping_constant"], f"N (s/m)^{power}")
         return keys_of(cls) | keys

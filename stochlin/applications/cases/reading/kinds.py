@@ -81,7 +81,8 @@ class Quantity:
             return Uncertain(self.certain(spread[1]), float(spread[2]) / 100)
         if ends := FROM_TO.fullmatch(written):
             low, high = ends.groups()
-            alone, unit = NUMBER.fullmatch(low), NUMBER.fullmatch(high)
+            alone = NUMBER.fullmatch(low)
+            unit = NUMBER.fullmatch(high)
             if alone and unit and not alone[2].strip():  # both have the unit of the second
                 low = f"{low} {unit[2].strip()}"
             return Uncertain.between(self.certain(low), self.certain(high))
@@ -107,9 +108,11 @@ class Quantity:
             ways = " or ".join(f'"{reading}"' for reading in readings)
             raise ValueError(f"has a sign within its number that is no decimal point; write {ways}")
         if isinstance(written, str) and (match := NUMBER.fullmatch(written)):
-            number, unit = float(match[1]), match[2].strip()
+            number = float(match[1])
+            unit = match[2].strip()
         elif is_number(written) or is_whole(written):
-            number, unit = (float(written) if is_number(written) else math.inf), ""
+            number = float(written) if is_number(written) else math.inf
+            unit = ""
         else:
             raise ValueError(f"is no number; allowed: {self.words}")
         if not unit and self.units != "1":

@@ -36,12 +36,15 @@ from stochlin.models.hazards import MEASURES, Hazard, HazardCurve, PowerLawHazar
 from stochlin.models.parameters import POSITIVE, Range
 from stochlin.models.plausible import PLAUSIBLE
 
-TIME, YEARS = Quantity("s", POSITIVE), Quantity("yr", POSITIVE)
+TIME = Quantity("s", POSITIVE)
+YEARS = Quantity("yr", POSITIVE)
 RETURN_PERIOD = Quantity("yr", POSITIVE, PLAUSIBLE["return_period"])
-FACTOR, TWO_TIMES = Quantity("1", POSITIVE), ListOf(TIME, length=2)
+FACTOR = Quantity("1", POSITIVE)
+TWO_TIMES = ListOf(TIME, length=2)
 FACTOR_OF_RECORD = Quantity("1", POSITIVE, PLAUSIBLE["scale of a record"])
 PERIOD = Quantity("s", POSITIVE, PLAUSIBLE["period"])
-PEAK, RESPONSE = (Quantity("m/s^2", POSITIVE, PLAUSIBLE[name]) for name in ("pga", "sa"))
+PEAK = Quantity("m/s^2", POSITIVE, PLAUSIBLE["pga"])
+RESPONSE = Quantity("m/s^2", POSITIVE, PLAUSIBLE["sa"])
 PLACE = ListOf(Quantity("1", Range(-360.0, 360.0, True, True)), length=2)
 SITE = Kind(
     lambda value, warn: (PLACE if isinstance(value, list) else Integer(1)).read(value, warn),

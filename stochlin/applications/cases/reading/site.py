@@ -71,14 +71,17 @@ from stochlin.models.parameters import POSITIVE, Range
 from stochlin.models.plausible import PLAUSIBLE, unquestioned
 from stochlin.models.uncertain import UncertainModel, median_of
 
-FITTED, NONE = "fitted", "none"
+FITTED = "fitted"
+NONE = "none"
 STRENGTHS = ("intensity", "pga", "sa", "return_period")
-AG, SDS = (Quantity("m/s^2", POSITIVE, PLAUSIBLE[name]) for name in ("ag", "sds"))
+AG = Quantity("m/s^2", POSITIVE, PLAUSIBLE["ag"])
+SDS = Quantity("m/s^2", POSITIVE, PLAUSIBLE["sds"])
 FROM_ZERO = Quantity("s", Range(0.0, include_lower=True))
 DIVISOR = Quantity("1", Range(1.0, include_lower=True), PLAUSIBLE["divided_by"])
 SPREAD = Quantity("1", SCATTER.allowed, PLAUSIBLE["scatter"])  # of a logarithm
 DAMPING = Quantity("1", Range(0.0, 1.0), PLAUSIBLE["damping"])
-DURATION, LONG_PERIOD = (Quantity("s", POSITIVE, PLAUSIBLE[name]) for name in ("duration", "tl"))
+DURATION = Quantity("s", POSITIVE, PLAUSIBLE["duration"])
+LONG_PERIOD = Quantity("s", POSITIVE, PLAUSIBLE["tl"])
 LIKE = 0.8, 1.25  # energy of motions over that of a record without a warning
 
 
@@ -151,7 +154,8 @@ class Scaled(OfSite):
 
     def goal(self, hazard: Hazard | None) -> dict[str, Any]:
         """The wanted strength, as arguments of `scale_ground`, or the intensity of a hazard of S0."""
-        strength, period = self.given("pga", "sa"), self.sa_period
+        strength = self.given("pga", "sa")
+        period = self.sa_period
         if self.return_period is not None:
             if hazard is None:
                 raise self.table.error("return_period", "needs a hazard; allowed: with [site.hazard]")
@@ -337,7 +341,8 @@ class Site:
         """Duration and envelope, which may be fitted to records together with the ground."""
         if isinstance(self.motion, Motion):
             return self.motion.course()
-        table, what = self.motion.table, f"cannot be fitted to {listed(self.components)}: "
+        table = self.motion.table
+        what = f"cannot be fitted to {listed(self.components)}: "
         with table.naming("envelope", what), table.asking("envelope"):
             fitted = fit_motion(self.components, filters=self.form.filters)
         return Course(fitted.duration, fitted.envelope, fitted.ground)
@@ -374,7 +379,8 @@ class Site:
         described = self.course.ground or self.described or self._fitted()
         if not self.goal:
             return described
-        ground, (duration, envelope, _) = median_of(described), self.course
+        ground = median_of(described)
+        duration, envelope, _ = self.course
         if "intensity" in self.goal:  # from a hazard of S0
             scaled = replace(ground, **self.goal)
         else:

@@ -32,7 +32,8 @@ M = TypeVar("M")
 Place = tuple[str | int, ...]
 """Names of the tables that contain a key, and the key; numbers count tables of the same name."""
 MOST_LISTED = 32
-_BARE, _QUOTED = r"[A-Za-z0-9_-]+", r"\"[^\"]*\"|'[^']*'"
+_BARE = r"[A-Za-z0-9_-]+"
+_QUOTED = r"\"[^\"]*\"|'[^']*'"
 _DOTTED = rf"(?:{_BARE}|{_QUOTED})(?:\s*\.\s*(?:{_BARE}|{_QUOTED}))*"
 _HEADER = re.compile(rf"\s*(\[\[?)\s*({_DOTTED})\s*\]")
 _KEY = re.compile(rf"\s*({_DOTTED})\s*=")
@@ -75,7 +76,8 @@ class Table:
 
     def error(self, name: str, what: str) -> ValueError:
         """The error at a key, or at the table for an empty name."""
-        whole, lines = (*self.place, name), self.source.lines
+        whole = (*self.place, name)
+        lines = self.source.lines
         places = (whole[:n] for n in range(len(whole), 0, -1))
         line = next((lines[place] for place in places if place in lines), None)
         where = self.source.name if line is None else f"{self.source.name}, line {line}"

@@ -52,12 +52,17 @@ _WIDTH = 10  # of fields where it is not stated
 _EXAMPLE = "15050 points of accel data equally spaced at .020 sec, in cm/sec2. (8f10.6)"
 _MOST_HEADS = 100  # lines of the header above a channel
 _WIDEST = 200  # signs of one of them
-_STEP, _LENGTH = 61, 62  # numbers of real values, from 0
+# numbers of real values, from 0
+_STEP = 61
+_LENGTH = 62
 
 
 def _read(file: RecordFile) -> list[Series]:
     channels: list[Series] = []
-    name, reals, end, top = "", 0, 0, 0
+    name = ""
+    reals = 0
+    end = 0
+    top = 0
     for number, line in enumerate(file.lines, 1):
         if number <= end:
             continue
@@ -76,7 +81,8 @@ def _read(file: RecordFile) -> list[Series]:
             units = _UNITS.search(rest)
             about = _about(file.lines[top : min(number - 1, top + _MOST_HEADS)], name)
             channels.append(Series(values, None, dt, units[1] if units else None, about=about))
-            name, reals = "", 0
+            name = ""
+            reals = 0
     return channels
 
 
@@ -103,7 +109,8 @@ def _step_of_reals(file: RecordFile, at: int, count: int) -> float | None:
     reals = file.numbers(at + 1, at + int(match[1]), _width(file.lines[at - 1]))
     if reals.size <= _LENGTH or reals[_STEP] <= 0:
         return None
-    dt, length = float(reals[_STEP]) / 1000, float(reals[_LENGTH])
+    dt = float(reals[_STEP]) / 1000
+    length = float(reals[_LENGTH])
     if length > 0:
         file.check_length(count, dt, length, at)
     return dt

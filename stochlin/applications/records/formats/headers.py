@@ -20,8 +20,10 @@ from stochlin.applications.records.formats import FORMATS, Format, RecordFile, S
 from stochlin.applications.sheets.sheets import number_in
 from stochlin.kernels.basics.arrays import Array
 
-_OF_KNET, _LAST = re.compile(r"(.{0,18})(.*)"), "Memo."
-_SCALE, _DURATION = "Scale Factor", "Duration Time(s)"
+_OF_KNET = re.compile(r"(.{0,18})(.*)")
+_LAST = "Memo."
+_SCALE = "Scale Factor"
+_DURATION = "Duration Time(s)"
 _FRACTION = re.compile(r"([\d.]+)\s*\(\s*gal\s*\)\s*/\s*([\d.]+)", re.IGNORECASE)
 _OF_ESM = re.compile(r"([A-Z][A-Z0-9_/^]*)\s*:\s*(.*)")
 _DATE = "EVENT_DATE_YYYYMMDD"
@@ -80,7 +82,8 @@ def _read_knet(file: RecordFile) -> list[Series]:
     count = rate * header.positive(_DURATION, "Duration Time(s)  108")
     number, text = header.line(_SCALE, example := "Scale Factor      3920(gal)/6182761")
     fraction = _FRACTION.fullmatch(text)
-    gal, counts = (number_in(fraction[n]) or 0.0 if fraction else 0.0 for n in (1, 2))
+    gal = number_in(fraction[1]) or 0.0 if fraction else 0.0
+    counts = number_in(fraction[2]) or 0.0 if fraction else 0.0
     if not (gal > 0 and counts > 0):
         raise file.wrong(number, repr(example))
     values, comment = _centred(header.values(count, _DURATION) * gal / counts, "gal")
@@ -112,6 +115,7 @@ def _centred(values: Array, units: str) -> tuple[Array, str]:
     return values - mean, f"its mean of {mean:.6g} {units} is subtracted"
 
 
-_FIRST_OF_KNET, _FIRST_OF_ESM = re.compile(r"\AOrigin Time\s"), re.compile(r"\AEVENT_NAME\s*:")
+_FIRST_OF_KNET = re.compile(r"\AOrigin Time\s")
+_FIRST_OF_ESM = re.compile(r"\AEVENT_NAME\s*:")
 FORMATS.register("knet")(Format("a K-NET file", _FIRST_OF_KNET, _read_knet, "(ns|ew|ud)[12]?"))
 FORMATS.register("esm")(Format("an ESM file", _FIRST_OF_ESM, _read_esm, "asc"))

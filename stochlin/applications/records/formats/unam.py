@@ -20,7 +20,8 @@ from stochlin.applications.records.formats import (
 from stochlin.applications.sheets.sheets import number_in
 
 _HEADER = re.compile(r"ARCHIVO EST.NDAR DE ACELERACI.N", re.IGNORECASE)
-_DATA, _RULE = re.compile(r"\s*DATOS DE ACELERACI.N"), re.compile(r"-{9}")
+_DATA = re.compile(r"\s*DATOS DE ACELERACI.N")
+_RULE = re.compile(r"-{9}")
 _MOST_HEADS = 10  # lines from the title of the data to the data
 _INTERVAL = r"INTERVALO DE MUESTREO", "INTERVALO DE MUESTREO, C1-C6 (s) : /0.005/0.005/0.005"
 _COUNT = r"NUM\. TOTAL DE MUESTRAS", "NUM. TOTAL DE MUESTRAS, C1-C6 : /35600/35600/35600"
@@ -37,7 +38,9 @@ def _read(file: RecordFile) -> list[Series]:
         raise ValueError(f"{file.name} has no data; allowed: below 'DATOS DE ACELERACION' and '------'")
     header = RecordFile(file.name, file.lines[:title])
     names = _values(header, *_NAMES)[1]
-    steps, counts, lengths = (_numbers(header, of, len(names)) for of in (_INTERVAL, _COUNT, _LENGTH))
+    steps = _numbers(header, _INTERVAL, len(names))
+    counts = _numbers(header, _COUNT, len(names))
+    lengths = _numbers(header, _LENGTH, len(names))
     rows = round(max(counts))
     last = max((n for n, line in enumerate(file.lines, 1) if line.strip()), default=0)
     more = last - start - rows  # some files repeat the last sample a few times
@@ -49,7 +52,8 @@ def _read(file: RecordFile) -> list[Series]:
         "event": f"{_text(header, 'FECHA DEL SISMO')} {_text(header, _HOUR)}".strip(),
         "station": _text(header, "CLAVE DE LA ESTACI.N"),
     }
-    units, channels = _text(header, "UNIDADES DE LOS DATOS").partition(" ")[0] or None, []
+    units = _text(header, "UNIDADES DE LOS DATOS").partition(" ")[0] or None
+    channels = []
     of_channels = zip(names, steps, counts, lengths, values.reshape(rows, -1).T, strict=True)
     for name, dt, count, length, column in of_channels:
         file.check_length(round(count), dt, length, _values(header, *_LENGTH)[0])

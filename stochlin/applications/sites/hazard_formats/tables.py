@@ -102,9 +102,11 @@ def _of_columns(sheets: Sequence[Sheet], of: Hazard, choice: AskedHazard) -> Ord
             raise table.sheet.error(table.rows.index[n], other.column.number - 1, what)
         _check_years(table, other.column.title, choice.years)
         values = annual_frequencies(values, choice.years)
-    intensities, unit = level.numbers(), level.column.said.unit
+    intensities = level.numbers()
+    unit = level.column.said.unit
     if of.measure == "intensity":
-        intensities, unit = (size_of(unit, S0) or 1.0) * intensities, S0
+        intensities = (size_of(unit, S0) or 1.0) * intensities
+        unit = S0
     about = noted(choices, [PROBABILITY, RETURN_PERIOD]).get("columns", "")
     return Ordinate(of.period or 0.0, intensities, values, table.places(), unit, about)
 
@@ -126,7 +128,8 @@ def _check_per_year(table: Table, title: str) -> None:
 
 def _of_sites(table: Table, path: Path, choice: AskedHazard) -> Ordinate:
     """The curve at a site, whose levels are in the titles."""
-    titles, sheet = [head.lower() for head in table.title_cells], table.sheet
+    titles = [head.lower() for head in table.title_cells]
+    sheet = table.sheet
     if table.rows.empty or len({*titles}) < len(titles):
         raise table.error("has no site, or a name twice; allowed: a row for each site")
     sheet.check_width(table.rows.index, len(titles))
