@@ -24,8 +24,10 @@ def building_sections(
     table: xr.Dataset, building: ModalBuilding, ideal: xr.Dataset | None = None
 ) -> list[ViewSection]:
     """The sections of ``stochlin building``; ``ideal`` is the idealized pushover curve."""
-    height, mass = float(table["level"][-1]), float(table["mass"].sum()) / 1000
-    modes, floors = (_count(table.sizes[name], name) for name in ("mode", "floor"))
+    height = float(table["level"][-1])
+    mass = float(table["mass"].sum()) / 1000
+    modes = _count(table.sizes["mode"], "mode")
+    floors = _count(table.sizes["floor"], "floor")
     along_axis = f" along {table.attrs['direction']}" if "direction" in table.attrs else ""
     head = (
         f"{table.attrs['source']}: {modes}{along_axis} of {floors}, {height:.4g}{SPACE}m high, "
@@ -105,7 +107,8 @@ def _strength(table: xr.Dataset, building: ModalBuilding, ideal: xr.Dataset | No
     if ideal is None:
         yield "Strength: none, so that the building stays elastic. --pushover gives it."
         return
-    first, force = building.oscillator(), float(ideal["yield_force"])
+    first = building.oscillator()
+    force = float(ideal["yield_force"])
     share = force / (GRAVITY * float(table["mass"].sum()))
     yield (
         f"Strength of mode 1 by the pushover curve {ideal['base_shear'].attrs['source']}, idealized by "

@@ -35,8 +35,10 @@ class Page:
     """One browser's view of a case. Its state is the text of the case file."""
 
     def __init__(self, start: Upload, worker: Worker) -> None:
-        self._upload, self._shared = start, start
-        self._text, self._worker = start.text, worker
+        self._upload = start
+        self._shared = start
+        self._text = start.text
+        self._worker = worker
         self._job = Job(wanted=False)  # the last one
         self._answered: dict[str, tuple[str, str]] = {}  # of each tab, the text and its answer
         self._client = ui.context.client
@@ -121,7 +123,9 @@ class Page:
     async def _find(self, job: Job, tab: str, pause: float) -> None:
         """Show an answer, or say why there is none, unless something else is wanted meanwhile."""
         await asyncio.sleep(pause)
-        upload, text, why = self._upload, self._text, ""
+        upload = self._upload
+        text = self._text
+        why = ""
         try:
             answer = await self._worker.answer(job, tab, upload.folder, upload.name, text)
         except Stopped:  # for the sake of other values, or of none
@@ -130,7 +134,8 @@ class Page:
             why = str(error)
         if not job.wanted:
             return
-        job.wanted, self._alert.text = False, why
+        job.wanted = False
+        self._alert.text = why
         if not why:
             self._answer.content = answer
             self._answered[tab] = text, answer
@@ -138,7 +143,8 @@ class Page:
 
     def _look(self) -> None:
         """Say whether something is computed, and how far it is."""
-        job, old = self._job, self._answered.get(str(self._tabs.value), ("",))[0] != self._text
+        job = self._job
+        old = self._answered.get(str(self._tabs.value), ("",))[0] != self._text
         self._state.text = f"Computing ... {100 * job.share:.0f} %" if job.wanted else ""
         self._answer.classes(**{"add" if old else "remove": "stale"})
 
@@ -152,7 +158,8 @@ class Page:
             self._alert.text = f"The file was not opened: {sentence(error, LONGEST_MESSAGE)}"
             return
         self._remove_folder()
-        self._upload, self._text = opened, opened.text
+        self._upload = opened
+        self._text = opened.text
         self._answered.clear()
         self._show_form()
         self._compute()

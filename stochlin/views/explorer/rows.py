@@ -23,9 +23,11 @@ class EntryRow:
     """The row of a key. ``changed`` is called with the entry and its other value."""
 
     def __init__(self, entry: Entry, group: str, changed: Callable[[Entry], None]) -> None:
-        self._entry, self._changed = entry, changed
+        self._entry = entry
+        self._changed = changed
         self._center = entry  # the value in the middle of the slider
-        place, about = f"{entry.table}.{entry.name}", entry.key.about
+        place = f"{entry.table}.{entry.name}"
+        about = entry.key.about
         name = f"{group}: {about}"  # with words of the user, and therefore no text of properties
         with ui.element("div").classes("entry"):
             ui.html(typeset_html(about), sanitize=False).classes("name")
@@ -49,7 +51,8 @@ class EntryRow:
 
     def _reach(self) -> None:
         """Put the slider in its middle."""
-        self._center, reach = self._entry, self._entry.reach()
+        reach = self._entry.reach()
+        self._center = self._entry
         self._slider.set_visibility(reach is not None)
         self._slider.props["min"], self._slider.props["max"] = reach or (-1, 1)
         self._slider.value = 0

@@ -46,7 +46,8 @@ class Guard:
 
     async def __call__(self, scope: Any, receive: Any, send: Any) -> None:
         """Answer one request, or refuse it."""
-        received, begun = 0, False
+        received = 0
+        begun = False
 
         async def receive_counted() -> Any:
             nonlocal received
@@ -90,7 +91,8 @@ def allows(headers: dict[bytes, bytes]) -> bool:
     host = headers.get(b"host", b"").decode("latin-1")
     origin = headers.get(b"origin", b"").decode("latin-1")
     try:
-        named, elsewhere = urlsplit(f"//{host}").hostname, urlsplit(origin).netloc
+        named = urlsplit(f"//{host}").hostname
+        elsewhere = urlsplit(origin).netloc
     except ValueError:  # neither is an address
         return False
     return named in (HOST, "localhost") and (not origin or elsewhere == host)
@@ -108,7 +110,8 @@ def check_port(port: int) -> None:
 def serve(start: Upload, port: int, show: bool) -> None:
     """Serve the page until it is interrupted; the port is one that `check_port` has passed."""
     worker = Worker(answers.__name__)
-    of_page, own = (files(f"stochlin.views.{view}") / "page.css" for view in ("shared", "explorer"))
+    of_page = files("stochlin.views.shared") / "page.css"
+    own = files("stochlin.views.explorer") / "page.css"
     ui.add_css(f".answer {{\n{of_page.read_text()}\n}}\n{own.read_text()}", shared=True)
 
     @ui.page("/")

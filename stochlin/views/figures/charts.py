@@ -36,10 +36,14 @@ FACTOR = Number(Bilinear.allowed("reduction_factor"))
 GROUND_DAMPING = Number(KanaiTajimi.allowed("damping"))
 # Motions of Figs. 1, 2, 5b and 9, in periods of the ground, so that ratios do not depend on it: the
 # duration, the ends of the rise and of the strong part, and the decay. For 2 s it lasts 30 s.
-DURATION, RISE_END, STRONG_END, DECAY = 15.0, 2.0, 7.5, 0.7
+DURATION = 15.0
+RISE_END = 2.0
+STRONG_END = 7.5
+DECAY = 0.7
 # Memory of a plastic drift above which a stationary response is hardly ever reached, in periods as well.
 LONGEST_MEMORY = 2 * DURATION
-SIMULATED_INTENSITY, SIMULATED_STEP = 0.004, 0.02  # m^2/s^3, s
+SIMULATED_INTENSITY = 0.004  # m^2/s^3
+SIMULATED_STEP = 0.02  # s
 BANDS = {NARROW_BAND_DAMPING: "narrow band, ", BROAD_BAND_DAMPING: "broad band, "}
 
 

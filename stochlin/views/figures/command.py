@@ -12,7 +12,9 @@ from stochlin.views.shared.options import Numbers, QuantityType, as_option
 from stochlin.views.shared.screen import COMMANDS, bad_input, check_target, progress_bar
 
 RATIO, SECONDS, METRES = map(QuantityType, ("1", "s", "m"))
-RATIOS, COUNT, POINTS = Numbers("1"), click.IntRange(min=0), click.IntRange(min=2)
+RATIOS = Numbers("1")
+COUNT = click.IntRange(min=0)
+POINTS = click.IntRange(min=2)
 # Type, default and help of the options; all but the first three are parameters of ChartSettings.
 OPTIONS: dict[str, tuple[Any, Any, str]] = {
     "out": (click.Path(file_okay=False, path_type=Path), "figures", "Folder for the files."),

@@ -28,7 +28,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-LOOP_RESTITUTION, HISTORY_DAMPING = 0.65, 0.5  # of Fig. 6, and of Fig. 7, that of the paper
+LOOP_RESTITUTION = 0.65  # of Fig. 6
+HISTORY_DAMPING = 0.5  # of Fig. 7, that of the paper
 METHOD: Any = {"method": "DOP853", "rtol": 1e-13, "atol": 1e-15}
 SCALES = "Two free masses of reduced mass m meet at velocity v0; linear springs: n = 1, τ = √(m/k)."
 DIFFERENCES = (
@@ -178,7 +179,8 @@ def _motion(model: Element, points: int) -> xr.Dataset:
     def margin(_: float, state: Array) -> float:
         return float(kernel.separation_margin(law, state[0], state[1]))
 
-    margin.terminal, margin.direction = True, -1  # type: ignore[attr-defined]
+    margin.terminal = True  # type: ignore[attr-defined]
+    margin.direction = -1  # type: ignore[attr-defined]
     span = (0.0, LONGEST / float(model.e))
     solved = solve_ivp(rates, span, (0.0, 1.0), events=margin, dense_output=True, **METHOD)
     end = solved.t_events[0][0]
@@ -242,7 +244,8 @@ def _sketch(axes: Axes, title: str, law: str, note: str) -> None:
     for x, name in ((0.0, "$m_1$"), (3.75, "$m_2$")):
         axes.add_patch(Rectangle((x, 0), 0.85, 1.1, facecolor="0.88", edgecolor="0.1", lw=1.1))
         axes.text(x + 0.425, 0.55, name, ha="center", va="center")
-    turns, zigzag = np.linspace(2.05, 3.2, 12), 0.82 + 0.11 * np.array([0, *[1, -1] * 5, 0])
+    turns = np.linspace(2.05, 3.2, 12)
+    zigzag = 0.82 + 0.11 * np.array([0, *[1, -1] * 5, 0])
     for across, up in (
         ([1.5, 1.5], [0.1, 1.0]),  # contact plate
         ([1.5, *turns, 3.75], [0.82, *zigzag, 0.82]),  # spring

@@ -37,7 +37,9 @@ from stochlin.views.figures.pictures import MEMORY, is_slow
 
 SIMULATED_POINTS = 21  # along a curve
 STEPS = 100  # in a period of the ground, of the finite motions
-SIMULATED, IN_MOTIONS, ERROR = "rho_simulated", "rho_in_motions", "rho_standard_error"
+SIMULATED = "rho_simulated"
+IN_MOTIONS = "rho_in_motions"
+ERROR = "rho_standard_error"
 VARIABLES = {
     "rho": ("1", "correlation coefficient ρ"),
     "rho_drift": ("1", "ρ by the drift closure"),
@@ -95,7 +97,8 @@ def period_ratio_chart(
     """
     ground = settings.ground if ground is None else ground
     second_period = ground_period(ground) / frequency_ratio
-    ratio, factors = ratio_axis(settings.fine_points), reduction_factors(settings)
+    ratio = ratio_axis(settings.fine_points)
+    factors = reduction_factors(settings)
     periods = (ratio * second_period, second_period)
     elastic: Pair = Bilinear(periods[0], settings.damping), Bilinear(periods[1], settings.damping)
     first, second = (bilinear(settings, period, factors) for period in periods)
@@ -164,12 +167,14 @@ def with_points(chart: xr.Dataset, tables: Sequence[xr.Dataset]) -> xr.Dataset:
 
 def _with_motions(chart: xr.Dataset, pair: Pair, ground: Ground, settings: ChartSettings) -> xr.Dataset:
     """A chart with the mean correlation in finite motions where the drift has a long memory."""
-    period, error = ground_period(ground), f"{IN_MOTIONS}_standard_error"
+    period = ground_period(ground)
+    error = f"{IN_MOTIONS}_standard_error"
     duration, envelope = design_motion(period)
     motion: Any = {"paths": max(2, settings.paths), "seed": settings.seed, "step": period / STEPS}
     strong: dict[str, Any] = {"intensity": SIMULATED_INTENSITY}
     step = simulated_step(settings, chart.sizes["period_ratio"], SIMULATED_POINTS)
-    columns, tables = {"period_ratio": slice(None, None, step)}, []
+    columns = {"period_ratio": slice(None, None, step)}
+    tables = []
     for number in range(chart.sizes.get("ground", 1)):
         soil = replace(ground, **strong).isel({"ground": number})
         first, second = (strength_in_metres(each.isel(columns), soil) for each in pair)

@@ -35,9 +35,12 @@ from stochlin.views.figures.pictures import MEMORY
 
 RATIOS = (0.1, 4.0)  # first and last period of an axis, over that of the ground
 SIMULATED_POINTS = 41  # along an axis of Fig. 5a
-STD_INTERVALS, PEAK_INTERVALS = 8, 32  # intervals between simulated periods of Fig. 5b
+# intervals between simulated periods of Fig. 5b
+STD_INTERVALS = 8
+PEAK_INTERVALS = 32
 SLOWEST_DRIFT = 2.0  # smallest reduction factor whose standard deviation is simulated within minutes
-OF_PEAKS, OF_STD = "amplification_of_peaks", "amplification_simulated"
+OF_PEAKS = "amplification_of_peaks"
+OF_STD = "amplification_simulated"
 ENDS = "", "_standard_error"
 VARIABLES = {
     "amplification": ("1", "amplification D, inelastic / elastic"),
@@ -83,7 +86,8 @@ def period_plane_chart(settings: ChartSettings = USUAL, ground: Ground | None = 
         labels.axis(f"period_ratio_{n}", f"T{n}/Tg", np.geomspace(*RATIOS, settings.points))
         for n in (1, 2)
     ]
-    period, factor = ground_period(ground), settings.plane_reduction_factor
+    period = ground_period(ground)
+    factor = settings.plane_reduction_factor
     first, second = (bilinear(settings, ratio * period, factor) for ratio in axes)
     chart = correlate(first, second, ground, bias=False)[["rho", "status"]]
     chart = chart.transpose(..., "period_ratio_1", "period_ratio_2")
@@ -139,8 +143,10 @@ def amplification_chart(settings: ChartSettings = USUAL, ground: Ground | None =
     duration, envelope = design_motion(period)
     paths: dict[str, Any] = {"paths": settings.paths, "seed": settings.seed}
     motion = paths | {"of": "peak", "duration": duration, "envelope": envelope}
-    elastic, last = table.displacement_std / table.amplification, settings.points - 1
-    seldom, often = (slice(None, None, max(1, last // n)) for n in (STD_INTERVALS, PEAK_INTERVALS))
+    elastic = table.displacement_std / table.amplification
+    last = settings.points - 1
+    seldom = slice(None, None, max(1, last // STD_INTERVALS))
+    often = slice(None, None, max(1, last // PEAK_INTERVALS))
     peaks = amplification(structure.isel({"period_ratio": often}), ground, **motion)
     names = {f"amplification{end}": f"{OF_PEAKS}{end}" for end in ENDS}
     tables = [peaks[[*names]].rename(names)]

@@ -68,7 +68,9 @@ VARIABLES = {
 }
 METHODS = {GAP: "drift closure in time", **{f"{GAP}_{rule}": name for rule, name in RULES.items()}}
 WIDTHS = 1.6, 1.1, 1.1, 1.1  # of the curves of the methods
-ENDS, TICKS = (0.05, 1.0), (0.2, 0.4, 0.6, 0.8, 1.0)  # of the axis of the period ratio
+# of the axis of the period ratio
+ENDS = (0.05, 1.0)
+TICKS = (0.2, 0.4, 0.6, 0.8, 1.0)
 
 
 @register_chart("fig9", place=70)
@@ -116,7 +118,8 @@ def required_gap_chart(
     ratio = labels.axis("period_ratio", "period ratio T1/T2", np.linspace(*RATIOS, settings.points))
     factors = reduction_factors(settings)
     strong: dict[str, Any] = {"intensity": SIMULATED_INTENSITY}
-    first, second = (bilinear(settings, each * second_period, factors) for each in (ratio, 1.0))
+    first = bilinear(settings, ratio * second_period, factors)
+    second = bilinear(settings, second_period, factors)
     soil = replace(ground, **strong)
     duration, envelope = design_motion(period)
     motion: Any = {"duration": duration, "envelope": envelope, "confidence": CONFIDENCE}
@@ -133,7 +136,8 @@ def required_gap_chart(
         chart.attrs["comment"] = _errors(chart, motion["paths"])
     times = "" if frequency_ratio == 1 else f"{frequency_ratio:g} "
     title = f"Required gap of bilinear structures in motions of {duration:.3g} s, ω2 = {times}ωg"
-    where, about = f"; T2 = {second_period:.3g} s", "structure 1 is on the left"
+    where = f"; T2 = {second_period:.3g} s"
+    about = "structure 1 is on the left"
     chart.attrs |= words(settings, ground, title, where, about, chart="required_gaps")
     of_motions = f"Motions of finite length from rest, {envelope.describe()}"
     chart.attrs["caption"] += f"\n{of_motions}, for a confidence of {100 * CONFIDENCE:g} %\n{SOURCES}"
@@ -150,7 +154,8 @@ def _by_rule(table: xr.Dataset) -> xr.Dataset:
 
 def _errors(chart: xr.Dataset, paths: int) -> str:
     """The range of the errors of each method on each ground, and how often one has a caution."""
-    simulated, texts = chart[f"{GAP}_simulated"], []
+    simulated = chart[f"{GAP}_simulated"]
+    texts = []
     for name, text in METHODS.items():
         off = 100 * (chart[name] / simulated - 1)
         ends = (np.atleast_1d(of(simulated.dims[-2:])) for of in (off.min, off.max))
@@ -169,7 +174,8 @@ def _errors(chart: xr.Dataset, paths: int) -> str:
 @PICTURES.register("required_gaps")
 def draw_required_gaps(figure: Figure, dataset: xr.Dataset) -> None:
     """A panel for each strength and ground; in a narrow picture the grounds are beside one another."""
-    across, down = "reduction_factor", "ground"
+    across = "reduction_factor"
+    down = "ground"
     if "ground" not in dataset.dims:
         dataset = dataset.expand_dims(ground=[""])
     if is_narrow(figure):

@@ -109,7 +109,8 @@ def draw_portrait(figure: Figure, dataset: xr.Dataset) -> None:
 
     plane, history = in_a_row(figure, 2, SQUARE)
     states = [in_cm(dataset[name]) for name in ("displacement", "velocity_over_frequency")]
-    radius, largest = in_cm(dataset.radius), in_cm(dataset.pseudo_energy_radius)
+    radius = in_cm(dataset.radius)
+    largest = in_cm(dataset.pseudo_energy_radius)
     plane.plot(*states, label="motion", **TRACE)
     plane.add_patch(Circle((0, 0), float(largest), fill=False, lw=1.6, zorder=3, **PEAK))
     plane.set_aspect("equal", adjustable="datalim")
@@ -195,7 +196,8 @@ def draw_energies(figure: Figure, dataset: xr.Dataset) -> None:
     times = float(dataset.significant_begin), float(dataset.significant_end)
     shown = [("pseudo energy radius", "radius")]
     shown += [(f"{kind} energy", f"{kind}_energy_radius") for kind in ENERGIES]
-    time, factors = dataset.time, dataset.reduction_factor.values
+    time = dataset.time
+    factors = dataset.reduction_factor.values
     for axes, factor in zip(in_a_row(figure, 2, PANEL, shared=True), factors, strict=True):
         axes.axvspan(*times, color="0.92", label="90 % of the motion's energy")
         for (label, name), (color, dash) in zip(shown, CURVES, strict=False):

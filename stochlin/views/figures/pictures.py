@@ -32,20 +32,30 @@ if TYPE_CHECKING:
 
 # Functions that draw the axes of a dataset into a figure, by its attribute ``chart`` or ``comparison``.
 PICTURES: Registry[Callable[[Figure, xr.Dataset], None]] = Registry("chart", "stochlin.views.figures")
-INCH, CENTIMETRES = 0.0254, 100.0  # in metres, in a metre
+INCH = 0.0254  # in metres
+CENTIMETRES = 100.0  # in a metre
 WIDTH = 7.2  # inches, of a picture on the screen
 NARROW = 5.0  # inches, below which panels stand in one column
 PRINT_WIDTHS = Number(  # m
     Range(0.08, 0.25, True, True),
     "0.08 to 0.25 m, such as 0.084 and 0.174 for one and two columns",
 )
-WIDE_PANEL, PANEL, SMALL_PANEL, SQUARE = 3.4, 2.7, 1.75, 3.1  # inches, heights
+# inches, heights
+WIDE_PANEL = 3.4
+PANEL = 2.7
+SMALL_PANEL = 1.75
+SQUARE = 3.1
 # Of a picture in print, where no text is below 7 points; on the screen it is 8 to 10.
 PRINT_STYLE: Any = {"font.size": 8, "axes.titlesize": 8, "axes.linewidth": 0.6, "lines.linewidth": 1.2}
 SCREEN_STYLE: Any = {"axes.titlesize": 9, "legend.fontsize": 8}
-NOTE_WIDTH, LABEL_WIDTH = 120, 30  # characters
-AMPLE, LINE, APART = 4.0, 0.14, 0.06  # inches: more than any legend, a line of notes, around panels
-HEAD, ROOM = 0.5, 0.065  # inches: of three lines above a panel, around a number on a line
+# characters
+NOTE_WIDTH = 120
+LABEL_WIDTH = 30
+AMPLE = 4.0  # inches: more than any legend
+LINE = 0.14  # of notes
+APART = 0.06  # around panels
+HEAD = 0.5  # inches: of three lines above a panel
+ROOM = 0.065  # around a number on a line
 SYMBOLS = {"damping": r"$\xi$", "reduction_factor": "R"}
 MEMORY = "drift_memory"  # variable with the memory of plastic drifts [s]
 MARKERS = "os^Dvp", "xxxxxx"  # of the simulated points of each curve, and of those in finite motions
@@ -236,7 +246,8 @@ def compare_curves(figure: Figure, dataset: xr.Dataset) -> None:
     every = panels(figure, len(every_place) // columns, columns, SMALL_PANEL, shared=True)
     for axes, (title, place) in zip(every, every_place, strict=True):
         axes.set_title(title.replace(", ", "\n") if is_narrow(figure) else title, loc="left")
-        looks, markers = iter(cycle(CURVES)), iter("o^x")
+        looks = iter(cycle(CURVES))
+        markers = iter("o^x")
         here = dataset.sel(place)
         for values in methods:
             if "ancillary_variables" in values.attrs:
@@ -363,7 +374,9 @@ def _triangles(x: np.ndarray, y: np.ndarray, z: np.ndarray) -> tuple[Triangulati
     from matplotlib.tri import Triangulation
 
     corner = np.arange(z.size).reshape(z.shape)[:-1, :-1].ravel()
-    right, opposite, above = corner + y.size, corner + y.size + 1, corner + 1
+    right = corner + y.size
+    opposite = corner + y.size + 1
+    above = corner + 1
     triangles = np.concatenate([[corner, right, opposite], [corner, opposite, above]], axis=1).T
     across, up = (grid.ravel() for grid in np.meshgrid(x, y, indexing="ij"))
     unknown = ~np.isfinite(z.ravel()[triangles]).all(axis=1)
@@ -377,7 +390,8 @@ def contour_levels(*tables: xr.DataArray) -> np.ndarray:
     low, high = min(float(table.min()) for table in tables), max(float(table.max()) for table in tables)
     if not str(tables[0].name).startswith("rho"):
         return np.asarray(MaxNLocator(10).tick_values(low, high))
-    first, last = min(0.0, np.floor(low * 10) / 10), np.ceil(high * 10) / 10
+    first = min(0.0, np.floor(low * 10) / 10)
+    last = np.ceil(high * 10) / 10
     return np.round(np.arange(first, last + 0.05, 0.1), 10) + 0.0  # no -0
 
 
@@ -391,7 +405,8 @@ def _number(axes: Axes, lines: ContourSet) -> None:
     inward = axes.transData + axes.transAxes.inverted()
     each = [inward.transform(segment) for segments in lines.allsegs for segment in segments]
     room = ROOM * axes.figure.dpi / axes.get_window_extent().height
-    spots, far = list[np.ndarray](), np.full((1, 2), 9.0)
+    spots = list[np.ndarray]()
+    far = np.full((1, 2), 9.0)
     for number, line in enumerate(each):
         inside = line[((line > EDGE) & (line < 1 - EDGE)).all(axis=1)]
         if len(inside) and np.ptp(inside, axis=0).max() > 2 * EDGE:

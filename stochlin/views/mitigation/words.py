@@ -64,7 +64,8 @@ def answer_sections(table: xr.Dataset, case: Case) -> list[ViewSection]:
 def _headline(table: xr.Dataset) -> str:
     """Whether the gap is enough as built."""
     built = table.isel(measure=0)
-    apart, wanted = float(built.no_pounding_probability), float(table.attrs["confidence"])
+    apart = float(built.no_pounding_probability)
+    wanted = float(table.attrs["confidence"])
     sentence = (
         f"As built, the existing gap of {length(float(table.attrs['gap_m']))} prevents pounding in "
         f"{per_cent(apart, 1)} of the motions; the required share is {100 * wanted:.4g}{SPACE}%."

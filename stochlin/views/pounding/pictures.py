@@ -27,10 +27,19 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-WIDTH, WORDS, LINE = 7.2, 0.5, 0.135  # inches: of a picture, around its panels, of a line of text
-HISTORY, FREQUENCY = 1.6, 2.6  # inches: heights of the panels
-CAPTION, NAME, LEGEND_NAME = 108, 22, 24  # characters of a line
-CENTIMETRES, MEGA, KILO = 100.0, 1e-6, 1e-3
+WIDTH = 7.2  # inches: of a picture
+WORDS = 0.5  # around its panels
+LINE = 0.135  # of a line of text
+# inches: heights of the panels
+HISTORY = 1.6
+FREQUENCY = 2.6
+# characters of a line
+CAPTION = 108
+NAME = 22
+LEGEND_NAME = 24
+CENTIMETRES = 100.0
+MEGA = 1e-6
+KILO = 1e-3
 MANY = 1e7  # J: from there on in MJ
 CONTACTS = "contacts"
 LABELS = ("from the ground", "damping", "yielding", CONTACTS, "motion, springs")  # of ENERGIES
@@ -136,7 +145,8 @@ def _sides(axes: Axes, dataset: xr.Dataset, number: int) -> None:
 def _alone(axes: Axes, dataset: xr.Dataset) -> None:
     """The displacement of a single building, at its roof."""
     building = dataset.isel(structure=0)
-    (color, _), name = CURVES[0], textwrap.fill(str(building.building.item()), NAME)
+    color, _ = CURVES[0]
+    name = textwrap.fill(str(building.building.item()), NAME)
     place = CENTIMETRES * roof(building).displacement
     axes.plot(dataset.time, place, color=color, lw=0.9, label=name)
     axes.set_ylabel("roof [cm]" if "floor" in dataset.dims else "place [cm]")
@@ -144,9 +154,13 @@ def _alone(axes: Axes, dataset: xr.Dataset) -> None:
 
 def _forces(axes: Axes, dataset: xr.Dataset) -> None:
     """The largest force of every impact; of impacts without a force the velocity of approach."""
-    name, scale, label = "largest_force", MEGA, "force [MN]"
+    name = "largest_force"
+    scale = MEGA
+    label = "force [MN]"
     if bool(dataset.largest_force.isnull().any()):
-        name, scale, label = "approach_velocity", 1.0, "approach [m/s]"
+        name = "approach_velocity"
+        scale = 1.0
+        label = "approach [m/s]"
     axes.vlines(dataset.impact_time, 0, scale * dataset[name], color=CURVES[0][0], lw=1.2)
     if not dataset.sizes["impact"]:
         axes.text(0.5, 0.5, "no impact", transform=axes.transAxes, ha="center", va="center")

@@ -105,11 +105,13 @@ def headline(table: xr.Dataset) -> str:
     count = int(table.impacts.sum())
     if not count:
         nearest = int(table.least_clearance.argmin("contact"))
-        left, gap = (float(table[name][nearest]) for name in ("least_clearance", "gap"))
+        left = float(table["least_clearance"][nearest])
+        gap = float(table["gap"][nearest])
         return f"no pounding. At least {length(left)} of the gap of {length(gap)} remain open."
     begin = float(table.impact_time.min())
     sentence = f"{count} impact{'s' * (count > 1)}, the first at {begin:.2f} s."
-    force, speed = float(table.largest_force.max(skipna=False)), float(table.fastest_approach.max())
+    force = float(table.largest_force.max(skipna=False))
+    speed = float(table.fastest_approach.max())
     if np.isfinite(force):
         hardest = table.isel(contact=int(table.hardest_force.argmax("contact")))
         level = f" {float(hardest.level):.4g} m up" if "level" in table.coords else ""
@@ -170,7 +172,8 @@ def roof(building: xr.Dataset) -> xr.Dataset:
 
 def _values(case: Case, table: xr.Dataset) -> ViewSection:
     """Rows of each gap and each building: values in one record, or means and quantiles, and notes."""
-    single, meets = "time" in table.dims, "neighbours" in table.dims
+    single = "time" in table.dims
+    meets = "neighbours" in table.dims
     end = "" if single else "_mean"
     heads = [""] if single else ["mean", *(per_cent(level) for level in table["quantile"].values)]
     blank = [""] * len(heads)
@@ -211,9 +214,12 @@ def _part(table: xr.Dataset, name: str) -> xr.Dataset:
 
 def _of_motions(case: Case, table: xr.Dataset) -> list[list[str]]:
     over = str(table.status.dims[0])
-    simulated, meets = over == "path", "neighbours" in table.dims
-    count, good = table.sizes[over], int((table.status == 0).sum())
-    motions, strength = f"{count} records", [_strengths(table)]
+    simulated = over == "path"
+    meets = "neighbours" in table.dims
+    count = table.sizes[over]
+    good = int((table.status == 0).sum())
+    motions = f"{count} records"
+    strength = [_strengths(table)]
     if simulated:
         duration = f"{case.site.course.duration:.4g} s"
         motions = f"{count} simulated motions of {duration}, {site_in_words(case)}"
@@ -243,7 +249,8 @@ def _shares(table: xr.Dataset) -> str:
 
 def _statistics(table: xr.Dataset, stem: str, scale: float) -> list[str]:
     """Mean with its error, and quantiles with their intervals."""
-    mean, error = (scale * float(table[f"{stem}_mean{end}"]) for end in ("", "_standard_error"))
+    mean = scale * float(table[f"{stem}_mean"])
+    error = scale * float(table[f"{stem}_mean_standard_error"])
     cells = [MISSING if np.isnan(mean) else f"{_digits(mean)} +- {error:.2g}"]
     ends = (scale * table[f"{stem}_quantile{end}"].values for end in VALUE_AND_ENDS)
     for value, low, high in zip(*ends, strict=True):

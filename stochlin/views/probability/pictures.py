@@ -12,7 +12,12 @@ from stochlin.views.shared.words import roles_in_words, with_interval
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-WIDE, HEAD, FOOT, LINE, PANEL = 7.2, 0.38, 0.5, 0.14, 2.6  # inches
+# inches
+WIDE = 7.2
+HEAD = 0.38
+FOOT = 0.5
+LINE = 0.14
+PANEL = 2.6
 WIDTH = 112  # characters of the caption
 STEM = "confidence_of_no_pounding"
 CURVES_OF = {STEM: "crossings in clumps", f"{STEM}_poisson": "Poisson crossings"}
@@ -32,7 +37,8 @@ def draw_pounding(dataset: xr.Dataset) -> Figure:
     caption = filled(roles_in_words(dataset.attrs), WIDTH, "    ")
     foot = FOOT + LINE * (caption.count("\n") + 1)
     height = foot + PANEL + HEAD
-    figure, time = Figure(figsize=(WIDE, height)), dataset.time.values
+    figure = Figure(figsize=(WIDE, height))
+    time = dataset.time.values
     axes = figure.add_axes((0.1, foot / height, 0.6, PANEL / height))
     present = ((name, label) for name, label in CURVES_OF.items() if name in dataset)
     for (color, dash), (name, label) in zip(CURVES, present, strict=False):

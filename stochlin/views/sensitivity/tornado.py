@@ -31,9 +31,15 @@ CENTIMETRES = 100.0
 LARGE_GAP = 0.05  # [m]: from here on tenths of a centimetre tell enough of a change
 NOTHING = 1e-6  # of the gap: what moves it by less does not matter
 KINDS = f"±{SPACE}10{SPACE}%", f"16 to 84{SPACE}%"  # ranges of known and of uncertain inputs
-WIDTH, HEAD, AXIS, LINE, ROW = 4.6, 0.28, 0.5, 0.17, 0.48  # inches; a row may have three lines
-NAME, CAPTION = 34, 66  # characters on a line
-LEFT, RIGHT = 0.47, 0.97  # of the width
+WIDTH = 4.6  # inches
+HEAD = 0.28  # inches
+AXIS = 0.5  # inches
+LINE = 0.17  # inches
+ROW = 0.48  # inches: of at most three lines
+NAME = 34  # characters on a line
+CAPTION = 66  # likewise
+LEFT = 0.47  # of the width
+RIGHT = 0.97  # of the width
 MOST = 14  # inputs that are drawn
 EDGE: Any = {"edgecolor": "#1b1b1b", "lw": 0.6, "error_kw": {"lw": 1.0}}
 ENDS = {"low": ("#f2f2f2", "////", -0.19), "high": ("#7a9cbf", "", 0.19)}  # distinct in grey
@@ -59,7 +65,8 @@ def rows(table: xr.Dataset, names: Mapping[str, str] = NAMES) -> list[InputLine]
 
 def _row(table: xr.Dataset, place: int, names: Mapping[str, str]) -> InputLine:
     role, _, key = str(table.input.item()).partition(".")
-    unit, median = str(table.input_unit.item()), float(table.input_median)
+    unit = str(table.input_unit.item())
+    median = float(table.input_median)
     of_all = unit == "1" and key in OF_STOREYS  # a factor on all values
     unit, scale = ("times", 1.0) if of_all else shown_unit(unit, median)
     low, high = (number(median * scale * float(factor)) for factor in table.input_factor_at)
@@ -76,7 +83,8 @@ def _row(table: xr.Dataset, place: int, names: Mapping[str, str]) -> InputLine:
 
 def blocks(table: xr.Dataset, names: Mapping[str, str] = NAMES) -> list[Block]:
     """The result in sentences, a row for each input, and the chart."""
-    shown, quantity = rows(table, names), _asked(table)
+    shown = rows(table, names)
+    quantity = _asked(table)
     if not shown:
         return [Text("No parameter of the buildings or of the ground changes it.")]
     most = shown[0]
@@ -139,7 +147,8 @@ def draw_sensitivity(
     shown = rows(dataset, names)[:MOST]
     text = caption_of(dataset, CAPTION) if caption else ""
     foot = LINE * len(text.splitlines())
-    place, high = np.arange(len(shown)), ROW * max(len(shown), 1)
+    place = np.arange(len(shown))
+    high = ROW * max(len(shown), 1)
     height = high + HEAD + AXIS + foot
     figure = Figure(figsize=(WIDTH, height))
     axes = figure.add_axes((LEFT, (AXIS + foot) / height, RIGHT - LEFT, high / height))

@@ -41,24 +41,34 @@ if TYPE_CHECKING:
     from stochlin.applications.cases.separation import CaseAnswer
 
 WIDTH = 4.6  # inches: a phone shows it at three quarters of its size
-PANEL, LINE = 3.4, 0.17  # inches: of a panel with its axis and legend, of a line of text
+PANEL = 3.4  # inches: of a panel with its axis and legend
+LINE = 0.17  # of a line of text
 CAPTION = 66  # characters
 FORMULAS = ("eq_3_linearized", "linearization", "srss")  # beside the simulation, where they are known
 GREY = "0.75"
 CENTIMETRES = 100.0
-FACADE, BETWEEN = 1.55, 1.5  # inches: of a building, of what is between both
-HEAD, TALL, ROW, BAR = 0.4, 1.75, 0.34, 0.78  # inches: names, buildings, a gap, the shares
+FACADE = 1.55  # inches: of a building
+BETWEEN = 1.5  # of what is between both
+HEAD = 0.4  # inches: of names
+TALL = 1.75  # of buildings
+ROW = 0.34  # of a gap
+BAR = 0.78  # of the shares
 LEGEND = 0.26  # inches
 SIZE = 9  # points
-NAME, LABEL = 22, 24  # characters of a name, and of the words beside a gap
+NAME = 22  # characters of a name
+LABEL = 24  # of the words beside a gap
 EMPTY = 10.0  # m: the height that a building is drawn with where none is known
-EDGE, FACES, INTERVAL = "#1b1b1b", ("#e8e2d4", "#d3dde8"), "0.6"
-APART, POUND = ("#c6d9ea", ""), ("#e0906a", "////")
+EDGE = "#1b1b1b"
+FACES = ("#e8e2d4", "#d3dde8")
+INTERVAL = "0.6"
+APART = ("#c6d9ea", "")
+POUND = ("#e0906a", "////")
 
 
 def distribution_figure(answer: CaseAnswer) -> Figure:
     """Probability of no pounding over the gap, in the motions and, if there are many, the records."""
-    table, about = answer.separation, subject_of(answer.case)
+    table = answer.separation
+    about = subject_of(answer.case)
     samples = CENTIMETRES * np.sort(table.separation_samples.values)
     share = np.linspace(0, 1, 401)
     figure, axes = _panel()
@@ -143,7 +153,8 @@ def _gaps(axes: Axes, dataset: xr.Dataset) -> None:
         style["markerfacecolor"] = color if rule == "simulation" else "none"
         label = "simulated" if rule == "simulation" else rule_label(rule)
         axes.plot(at_height("gap_at_height", rule), heights, label=label, **style)
-    low, high = (at_height(f"gap_at_height_{end}", "simulation") for end in ("lower", "upper"))
+    low = at_height("gap_at_height_lower", "simulation")
+    high = at_height("gap_at_height_upper", "simulation")
     if np.isfinite(high).all():
         axes.fill_betweenx(heights, low, high, color=GREY, lw=0, label="95 % interval")
     governs = float(dataset.governing_height.sel(rule="simulation"))
@@ -192,7 +203,8 @@ def elevation_figure(answer: CaseAnswer) -> Figure:
     gaps = dimensions(answer)
     heights = (TALL, ROW * len(gaps) + LEGEND, BAR)
     height = sum(heights) + HEAD
-    figure, whole = Figure(figsize=(WIDTH, height)), {"left": 0, "right": 1, "bottom": 0, "hspace": 0}
+    figure = Figure(figsize=(WIDTH, height))
+    whole = {"left": 0, "right": 1, "bottom": 0, "hspace": 0}
     grid = whole | {"top": 1 - HEAD / height, "height_ratios": heights}
     above, below, shares = figure.subplots(3, 1, gridspec_kw=grid)
     right = _reach(answer, gaps)
@@ -219,7 +231,9 @@ def standing(answer: CaseAnswer) -> float:
 
 def dimensions(answer: CaseAnswer) -> list[Dimension]:
     """The existing gap, the required one, and those of the codes that the case file names."""
-    about, table, lines = subject_of(answer.case), answer.separation, []
+    about = subject_of(answer.case)
+    table = answer.separation
+    lines = []
     if answer.existing is not None:
         now = standing(answer)
         lines.append(Dimension(f"existing {about.gap}\n{length(now)}", now, judged(answer)))
@@ -244,7 +258,8 @@ def _reach(answer: CaseAnswer, gaps: list[Dimension]) -> float:
 
 def _draw_buildings(axes: Axes, answer: CaseAnswer, ends: tuple[float, float]) -> None:
     """Both buildings, or one and its property line, and slabs that meet columns."""
-    case, apart = answer.case, CENTIMETRES * standing(answer)
+    case = answer.case
+    apart = CENTIMETRES * standing(answer)
     heights = [building.height or EMPTY for building in case.buildings]
     faces = [0.0, apart]
     for n, building in enumerate(case.buildings):
@@ -290,9 +305,11 @@ def _displaced(answer: CaseAnswer, number: int, meeting: float) -> tuple[np.ndar
     """Peak displacements of a building [cm], and the levels where they are known [m]."""
     table = answer.separation
     if "height" in table.dims:
-        peaks, levels = table[f"peak_at_height_{number}"].values, table.height.values
+        peaks = table[f"peak_at_height_{number}"].values
+        levels = table.height.values
     else:
-        peaks, levels = np.array([float(table[f"peak_{number}"])]), np.array([meeting])
+        peaks = np.array([float(table[f"peak_{number}"])])
+        levels = np.array([meeting])
     return CENTIMETRES * np.append(0.0, peaks), np.append(0.0, levels)
 
 
@@ -320,7 +337,8 @@ def _draw_gaps(axes: Axes, gaps: list[Dimension], apart: float, right: float) ->
 
 def _draw_shares(axes: Axes, answer: CaseAnswer) -> None:
     """A bar of all motions: those in which the gap is enough, with the interval, and the others."""
-    about, now = subject_of(answer.case), answer.existing
+    about = subject_of(answer.case)
+    now = answer.existing
     table = answer.separation.isel(rule=0) if now is None else now
     enough, *ends = (100 * value for value in with_interval(table, SHARE))
     axes.set(xlim=(-4, 104), ylim=(-1.15, 1.5))

@@ -36,7 +36,9 @@ def first_sections(answer: CaseAnswer) -> list[ViewSection]:
 
 def answer_sections(answer: CaseAnswer) -> list[ViewSection]:
     """The answer first, then the existing gap, the rules and the risk, and the small print."""
-    case, about, matters = answer.case, words.subject_of(answer.case), answer.matters
+    case = answer.case
+    about = words.subject_of(answer.case)
+    matters = answer.matters
     influence = [] if matters is None else tornado.blocks(matters, words.names_of(answer))
     return [
         *first_sections(answer),
@@ -57,7 +59,8 @@ def answer_sections(answer: CaseAnswer) -> list[ViewSection]:
 
 def report_page(answer: CaseAnswer) -> str:
     """The page of an answer; text of the case file is escaped."""
-    case, names = answer.case, [building.name for building in answer.case.buildings]
+    case = answer.case
+    names = [building.name for building in answer.case.buildings]
     as_given = [case.whole.table.source.name, case.title, *names, *case.site.records]
     footer = [answer.separation.attrs["references"], f"stochlin {__version__}."]
     title = f"{case.title}: the {words.subject_of(case).gap}"
@@ -66,7 +69,8 @@ def report_page(answer: CaseAnswer) -> str:
 
 def _pictures(answer: CaseAnswer) -> list[Picture]:
     """What the sentences and tables of the page do not say."""
-    about, drawn = words.subject_of(answer.case), []
+    about = words.subject_of(answer.case)
+    drawn = []
     if answer.separation.sizes.get("height", 0) > 1:
         caption = "One gap for all heights is larger: different motions need it at different heights."
         draw = partial(pictures.draw_heights, answer.table(), caption=False)
@@ -81,7 +85,9 @@ def _pictures(answer: CaseAnswer) -> list[Picture]:
 
 def _records(answer: CaseAnswer) -> Block:
     """A row for each record with the gap that it needs and the peaks; a sentence of many."""
-    table, case, gap = answer.separation, answer.case, words.subject_of(answer.case).gap
+    table = answer.separation
+    case = answer.case
+    gap = words.subject_of(answer.case).gap
     if answer.over_records is not None:
         count = len(case.site.records)
         return Text(over_records(answer.over_records, count, float(table.gap[0]), gap))

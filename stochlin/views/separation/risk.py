@@ -78,11 +78,13 @@ def _years(rate: float) -> str:
 def risk_sentences(answer: CaseAnswer) -> list[str]:
     """The shaking that matters for the first of the gaps, and what the hazard leaves out."""
     assert answer.risk is not None
-    risk, meet = answer.risk.isel(risk_gap=0), subject_of(answer.case).meet
+    risk = answer.risk.isel(risk_gap=0)
+    meet = subject_of(answer.case).meet
     assert answer.case.site.hazard is not None
     name, units, unit = measure_of(answer.case.site.hazard)
     gap = f"With the gap of {length(float(risk.risk_gap))}"
-    rate, beyond = float(risk.risk_annual_rate), float(risk.risk_annual_rate_unseen)
+    rate = float(risk.risk_annual_rate)
+    beyond = float(risk.risk_annual_rate_unseen)
     sentences = [f"{gap}, {meet} in none of the motions, at any intensity of the hazard."]
     if rate:
         low, high = (end / unit for end in range_of_rate(risk, LITTLE))

@@ -38,13 +38,15 @@ if TYPE_CHECKING:
     from stochlin.applications.cases.reading.case import Case
     from stochlin.applications.cases.separation import CaseAnswer
 
-ALIKE, MUCH = 0.05, 10.0  # gap over peak of buildings that move alike; ductility that is doubtful
+ALIKE = 0.05  # gap over peak of buildings that move alike
+MUCH = 10.0  # ductility that is doubtful
 SHARE = "no_pounding_probability"
 LINE = (
     "Nothing beyond the property line is in the model: two neighbours that each stay on their own side "
     "cannot meet; for a neighbour nearer to the line, compute the gap between both buildings."
 )
-AS_APPLIED, COMBINATION = "the code as you apply it", "the code's combination of simulated peaks"
+AS_APPLIED = "the code as you apply it"
+COMBINATION = "the code's combination of simulated peaks"
 KINDS = {
     "simulation": "",
     "first_passage": "first passage with the plastic drift in time",
@@ -122,7 +124,9 @@ def gap_of(dataset: xr.Dataset) -> str:
 
 def first_lines(answer: CaseAnswer) -> list[str]:
     """Required gap, existing gap, verdict and reason; two of them where no gap exists."""
-    case, table, about = answer.case, answer.separation, subject_of(answer.case)
+    case = answer.case
+    table = answer.separation
+    about = subject_of(answer.case)
     names = " and ".join(building.name for building in case.buildings)
     required = float(table.gap[0])
     if np.isfinite(required):
@@ -133,7 +137,8 @@ def first_lines(answer: CaseAnswer) -> list[str]:
         lines = [f"No {about.gap} is enough for {names}: {falls}."]
     lines.append(of_earthquakes(answer))
     if answer.existing is not None:
-        gap, share = length(float(answer.existing.attrs["gap_m"])), share_of(answer.existing)
+        gap = length(float(answer.existing.attrs["gap_m"]))
+        share = share_of(answer.existing)
         share = share.replace(" (", " of the motions (")
         lines.append(f"The existing {about.gap} of {gap} {about.keeping} in {share}.")
         lines.append(f"Verdict: {judged(answer)}; {confidence(case)} are required.")
@@ -147,7 +152,8 @@ def first_lines(answer: CaseAnswer) -> list[str]:
 
 def of_earthquakes(answer: CaseAnswer) -> str:
     """The gap with the scatter between earthquakes, or whether it is in the answer."""
-    table, site = answer.separation, answer.case.site
+    table = answer.separation
+    site = answer.case.site
     if site.scatter:
         return f"This includes a scatter of {site.scatter:.2g} in strength between earthquakes."
     if not np.isfinite(table.get(WITH_SCATTER, np.nan)):
@@ -186,7 +192,8 @@ def meeting_level(answer: CaseAnswer) -> str:
     """The level at which both buildings could meet, to which peaks refer; empty if it is not known."""
     if answer.case.alone:
         return ""
-    table, buildings = answer.separation, answer.case.buildings
+    table = answer.separation
+    buildings = answer.case.buildings
     known = table.height[-1:] if "height" in table.dims else [b.height or np.nan for b in buildings]
     level = float(np.min(known))
     return f" at {level:.4g}{SPACE}m" if np.isfinite(level) else ""
@@ -205,7 +212,8 @@ def names_of(answer: CaseAnswer) -> dict[str, str]:
 
 def cautions(answer: CaseAnswer) -> list[str]:
     """What makes the answer doubtful, or what it leaves out here."""
-    table, buildings = answer.separation, answer.case.buildings
+    table = answer.separation
+    buildings = answer.case.buildings
     shares = zip(buildings, of_each(table, "collapse_probability"), strict=False)
     sentences = [
         floors(answer.case),
@@ -259,12 +267,11 @@ def _ductilities(table: xr.Dataset) -> str:
 
 def _strengths(answer: CaseAnswer) -> str:
     """Displacement, share of the weight and R at which each oscillator yields."""
-    table, parts = answer.separation, []
+    table = answer.separation
+    parts = []
     for number, building in enumerate(answer.case.buildings, start=1):
-        at_yield, factor = (
-            float(table.get(f"{name}_{number}", np.nan))
-            for name in ("yield_displacement", "reduction_factor")
-        )
+        at_yield = float(table.get(f"yield_displacement_{number}", np.nan))
+        factor = float(table.get(f"reduction_factor_{number}", np.nan))
         if building.has_storeys or not np.isfinite([at_yield, factor]).all():
             continue
         share = at_yield * (2 * np.pi / building.period) ** 2 / constants.g
@@ -285,7 +292,8 @@ def details(answer: CaseAnswer, on_page: bool = False) -> list[Text]:
 
 def _storeys(answer: CaseAnswer) -> str:
     """The storey of each building with the largest ductility, or the largest drift if none yields."""
-    table, parts = answer.separation, []
+    table = answer.separation
+    parts = []
     for number, building in enumerate(answer.case.buildings, start=1):
         if not building.has_storeys or np.isinf(table[f"peak_mean_{number}"]):
             continue
@@ -293,7 +301,8 @@ def _storeys(answer: CaseAnswer) -> str:
         yields = bool((own.ductility > 0).any())  # not of a building by its modes, of which modes yield
         worst = own.ductility if yields else own.peak_drift_mean
         row = own.isel(element=int(worst.argmax("element")))
-        drift, storey = float(row.peak_drift_mean), int(row.storey)
+        drift = float(row.peak_drift_mean)
+        storey = int(row.storey)
         share = drift / float(building.structure.arrays()["heights"][storey - 1])
         text = f"storey {storey} of {building.name}, {length(drift)}, {per_cent(share, 2)} of its height"
         parts.append(f"{text}, ductility {float(row.ductility):.1f}" if yields else text)
@@ -302,7 +311,8 @@ def _storeys(answer: CaseAnswer) -> str:
 
 def allowances(answer: CaseAnswer) -> list[Block]:
     """Limits of single changes up to which the existing gap is sufficient."""
-    limits, case = answer.existing, answer.case
+    limits = answer.existing
+    case = answer.case
     if limits is None:
         return []
     rows = _strength(limits, answer.separation)
@@ -319,7 +329,8 @@ def allowances(answer: CaseAnswer) -> list[Block]:
 
 def _strength(limits: xr.Dataset, table: xr.Dataset) -> list[tuple[str, ...]]:
     """Rows for the strength of both buildings, changed by one factor; none if neither yields."""
-    what, rows = "strength, times the present one", []
+    what = "strength, times the present one"
+    rows = []
     factors = [(n, now) for n, now in enumerate(of_each(table, "reduction_factor"), 1) if now > 0]
     for n, now in factors[:1]:
         value, low, high = (now / x for x in with_interval(limits, "largest_reduction_factor", f"_{n}"))
@@ -401,14 +412,17 @@ def usual_rows(answer: CaseAnswer) -> list[RuleLine]:
 
 def _group(case: Case, row: xr.Dataset) -> str:
     """The group to which a rule belongs; a code without displacements is applied as it is."""
-    kind, rule = str(row.kind.item()), str(row.rule.item())
+    kind = str(row.kind.item())
+    rule = str(row.rule.item())
     if kind == "code" and CODE_RULES[rule].multiplies:
         return COMBINATION
     return AS_APPLIED if rule in case.codes else KINDS[kind]
 
 
 def _line(answer: CaseAnswer, group: str, row: xr.Dataset) -> RuleLine:
-    rule, words, gap = str(row.rule.item()), NAMED.get(group, ""), float(row.gap)
+    rule = str(row.rule.item())
+    words = NAMED.get(group, "")
+    gap = float(row.gap)
     stem = rule.removesuffix(APPLIED)
     verdict = row.verdict.attrs["flag_meanings"].split()[int(row.verdict)].replace("_", " ")
     error = per_cent(float(row.error), sign="+") if group else ""
@@ -464,7 +478,8 @@ def rules_sections(answer: CaseAnswer) -> list[ViewSection]:
 
 def rules_notes(answer: CaseAnswer) -> Text:
     """The meaning of the columns and marks, and how a code is applied."""
-    about, groups = subject_of(answer.case), {row.group for row in usual_rows(answer)}
+    about = subject_of(answer.case)
+    groups = {row.group for row in usual_rows(answer)}
     columns = f"Error: relative to the answer. {about.column.capitalize()}: {about.good}. {MARKS}"
     return Text(f"{columns} {APPLY if AS_APPLIED in groups else NO_CODES}", "note")
 

@@ -59,7 +59,8 @@ class Numbers(QuantityType):
             unit = "" if self.units == "1" else "s"
             allowed = f"start:stop:count[:log], such as 0.2{unit}:2{unit}:19, with 2 to 999999 values"
             self.fail(f"{brief(value)} is no sweep; allowed: {allowed}", param, ctx)
-        low, high = (in_si(sweep[end]) for end in ("start", "stop"))
+        low = in_si(sweep["start"])
+        high = in_si(sweep["stop"])
         if sweep["log"] and not low * high > 0:
             self.fail(f"{value!r} is geometric and includes 0; allowed: both ends above 0", param, ctx)
         return (np.geomspace if sweep["log"] else np.linspace)(low, high, int(sweep["count"])).tolist()

@@ -44,7 +44,8 @@ def _check_command(command: Any) -> None:
 COMMANDS: Registry[click.Command] = Registry(
     "command", "stochlin.views", "command", check=_check_command
 )
-SCREEN_ROWS, WIDTH = 40, 100
+SCREEN_ROWS = 40
+WIDTH = 100
 STEPS = 1000  # of a bar
 COMPILING = "compiling for this machine, once: up to half a minute ('stochlin warmup' does it for all)"
 FILE = click.Path(dir_okay=False, path_type=Path)
@@ -77,7 +78,8 @@ def bad_input(**called: str) -> Iterator[None]:
     except BrokenPipeError:
         raise  # whoever reads has seen enough; click ends quietly
     except (ValueError, TypeError, OSError, MemoryError) as error:
-        message, options = sentence(error, LONGEST_MESSAGE), _options() | called
+        message = sentence(error, LONGEST_MESSAGE)
+        options = _options() | called
         message = as_written(message, options, _as_option)
         subject, _, others = message.partition(" = ")
         message = f"{options[subject]} {others}" if subject in options else message
@@ -225,7 +227,8 @@ def _columns(table: Table) -> list[str]:
         left = not columns or head in table.words
         columns.append([cell.ljust(wide) if left else cell.rjust(wide) for cell in cells])
     across = [*zip(*columns, strict=True)]
-    loose, close = ([apart.join(cells).rstrip() for cells in across] for apart in ("  ", " "))
+    loose = ["  ".join(cells).rstrip() for cells in across]
+    close = [" ".join(cells).rstrip() for cells in across]
     fitting = close if max(map(len, close)) <= WIDTH < max(map(len, loose)) else loose
     return ["", *fitting, ""]
 

@@ -104,7 +104,8 @@ def decade_ticks(axis: Axis) -> None:
 
 def quantity(values: xr.DataArray) -> str:
     """The label of an axis: the long name of the variable, and its unit if it has one."""
-    name, units = values.attrs.get("long_name", str(values.name)), values.attrs.get("units", "1")
+    name = values.attrs.get("long_name", str(values.name))
+    units = values.attrs.get("units", "1")
     return typeset(name if units == "1" else f"{name} [{units}]")
 
 
@@ -153,7 +154,8 @@ def _fix_layout(figure: Figure, dpi: float) -> None:
     """
     if figure.get_layout_engine() is None:
         return
-    own, figure.dpi = figure.dpi, dpi
+    own = figure.dpi
+    figure.dpi = dpi
     figure.draw_without_rendering()
     figure.set_layout_engine("none")
     for axes in figure.axes:

@@ -26,7 +26,9 @@ if TYPE_CHECKING:
 
     from stochlin.applications.cases.reading.case import Case
 
-MISSING, MINUS, SPACE = "\N{EN DASH}", "\N{MINUS SIGN}", "\N{NO-BREAK SPACE}"
+MISSING = "\N{EN DASH}"
+MINUS = "\N{MINUS SIGN}"
+SPACE = "\N{NO-BREAK SPACE}"
 IN_SI = {"1": 1.0, "g": constants.g, "m/s": 1.0, "ms": 1e-3, "kJ": 1e3, "MN": 1e6, "MN/m": 1e6}
 FAR = 2.5  # times what most rules ask: gaps beyond are told at the border of a picture, not drawn
 PAPER = "as in Valles-Mattox and Reinhorn (1996)"
@@ -107,7 +109,8 @@ def number(value: float, unit: str = "1") -> str:
 
 def scatter(case: Case) -> str:
     """The scatter of the motions in strength and its source; empty where it is 0."""
-    usual, now = case.site.usual_scatter, case.site.scatter
+    usual = case.site.usual_scatter
+    now = case.site.scatter
     source = usual.source if now == usual.scatter else "scatter in [motion]"
     sentence = (
         "The motions differ in strength by a lognormal factor of median 1, whose logarithm has the "
@@ -118,7 +121,9 @@ def scatter(case: Case) -> str:
 
 def files_taken(case: Case) -> str:
     """How spectrum, hazard and records of files were taken; empty without such files."""
-    spectrum, hazard, records = case.site.spectrum, case.site.hazard, case.site.records
+    spectrum = case.site.spectrum
+    hazard = case.site.hazard
+    records = case.site.records
     sentences = []
     if spectrum is not None and "code" not in spectrum.attrs:
         taken = _together(taken_in_words(spectrum), plain(spectrum.attrs.get("columns", "")))
@@ -175,7 +180,8 @@ def shaking(table: xr.Dataset, case: Case) -> str:
     """The strength of the motions of an answer, in measures that engineers use."""
     accelerations = [float(table[f"spectral_acceleration_{n}"]) for n, _ in enumerate(case.periods, 1)]
     at_median = " at median strength" if case.site.scatter else ""
-    begin, spectral = f"The shaking, mean of the motions{at_median}:", _spectral(case, accelerations)
+    begin = f"The shaking, mean of the motions{at_median}:"
+    spectral = _spectral(case, accelerations)
     strength = f"S0 {float(table.ground_intensity):.3g} m²/s³"
     if np.isnan(table.peak_ground_acceleration):
         return f"{begin} {spectral}; white noise of {strength} has no PGA or rms."
@@ -199,7 +205,8 @@ def _spectral(case: Case, accelerations: Iterable[float]) -> str:
 
 
 def _peak_and_rms(table: xr.Dataset, spectral: str) -> str:
-    peak, rms = (in_g(float(table[f"{n}_acceleration"])) for n in ("peak_ground", "rms"))
+    peak = in_g(float(table["peak_ground_acceleration"]))
+    rms = in_g(float(table["rms_acceleration"]))
     return f"PGA {peak}, {spectral}; rms {rms} in the strong part"
 
 

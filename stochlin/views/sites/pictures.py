@@ -25,7 +25,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-WIDTH, HEIGHT, LINE = 4.6, 3.6, 0.14  # inches; LINE is that of a line of text
+WIDTH = 4.6  # inches
+HEIGHT = 3.6  # inches
+LINE = 0.14  # inches: of a line of text
 CAPTION = 70  # characters
 BAND_IN_WORDS = f"{BAND[0]:g} to {BAND[1]:g} times the periods of the buildings"
 
@@ -63,7 +65,8 @@ def draw_spectrum(dataset: xr.Dataset, caption: bool = True, periods: Sequence[f
         raise ValueError(f"{what}; allowed: what simulated_spectrum returns, of two periods or more")
     text = filled(_caption(dataset, periods), CAPTION) if caption else ""
     figure = Figure((WIDTH, HEIGHT + LINE * text.count("\n")), layout="constrained")
-    axes, period = figure.add_subplot(), np.asarray(dataset.period)
+    axes = figure.add_subplot()
+    period = np.asarray(dataset.period)
     _spectra(axes, dataset)
     for number, mark in enumerate(periods, start=1):
         look: Any = {"color": CURVES[2][0], "lw": 1.0, "linestyle": (0, (1, 1)) if number == 1 else "-."}
@@ -81,7 +84,8 @@ def _spectra(axes: Axes, dataset: xr.Dataset) -> None:
     period: Any = dataset.period.values
     band: Any = (dataset.pseudo_acceleration_quantile.sel(quantile=q).values for q in (0.16, 0.84))
     axes.fill_between(period, *band, color="0.82", lw=0, label="motions, 16 to 84 %")
-    (color, dash), (black, solid) = CURVES[1], CURVES[0]
+    color, dash = CURVES[1]
+    black, solid = CURVES[0]
     mean = dataset.pseudo_acceleration.values
     axes.plot(period, mean, color=color, linestyle=dash, label="motions, mean")
     if "target" in dataset:
@@ -108,12 +112,14 @@ def fit_in_words(dataset: xr.Dataset, periods: Sequence[float] = ()) -> list[str
     """
     if "target" not in dataset:
         return []
-    shown, where = dataset, ""
+    shown = dataset
+    where = ""
     if periods:
         low, high = BAND[0] * min(periods), BAND[1] * max(periods)
         inside = dataset.sel(period=slice(low, high))
         if inside.sizes["period"]:
-            shown, where = inside, f" from {low:.2g} to {high:.2g} s, {BAND_IN_WORDS}"
+            shown = inside
+            where = f" from {low:.2g} to {high:.2g} s, {BAND_IN_WORDS}"
     away = shown.ratio - 1
     worst = shown.isel(period=int(abs(away).argmax("period")))
     return [

@@ -23,7 +23,8 @@ from stochlin.models.links import Link
 from stochlin.models.uncertain import Uncertain
 from stochlin.solver.simulation.simulation import simulate
 
-SECONDS, PATHS = 8.0, 32
+SECONDS = 8.0
+PATHS = 32
 YIELDING: Any = {"hardening": 0.05, "yield_displacement": 0.01}
 STOREYS: Any = {"storey_height": 3.0, "mass": 1e6, "base_shear_coefficient": 0.1}
 
@@ -33,7 +34,8 @@ def _ground() -> Ground:
 
 
 def _pair() -> tuple[Bilinear, Bilinear]:
-    first, second = (Bilinear(period, 0.05, **YIELDING, mass=1e6) for period in (0.8, 0.5))
+    first = Bilinear(0.8, 0.05, **YIELDING, mass=1e6)
+    second = Bilinear(0.5, 0.05, **YIELDING, mass=1e6)
     return first, second
 
 
