@@ -13,7 +13,8 @@ from typing import Any
 
 from stochlin.removed import instead_of
 
-FULL, MISSING = (errno.ENOSPC, errno.EDQUOT), (errno.ENOENT, errno.ENOTDIR)
+FULL = (errno.ENOSPC, errno.EDQUOT)
+MISSING = (errno.ENOENT, errno.ENOTDIR)
 REASONS = dict.fromkeys(MISSING, "there is no such file; check its name and its folder")
 REASONS |= dict.fromkeys(FULL, "the disk is full; make room on it, or write to another one")
 LONGEST = 80  # of a value that is shown
@@ -61,7 +62,9 @@ class _Short(reprlib.Repr):
 
     def __init__(self) -> None:
         super().__init__()
-        self.maxlevel, self.maxstring, self.maxother = 3, LONGEST, LONGEST
+        self.maxlevel = 3
+        self.maxstring = LONGEST
+        self.maxother = LONGEST
 
     def repr_int(self, x: int, level: int) -> str:
         """Python refuses to write out very large ones."""
@@ -113,7 +116,8 @@ def sentence(error: BaseException, longest: int = 160) -> str:
 
 def nearest(written: str, known: Iterable[str]) -> str:
     """The known name that was probably meant, or an empty text: begun, or spelled alike."""
-    mine, names = _letters(written[:LONGEST]), [*known]
+    mine = _letters(written[:LONGEST])
+    names = [*known]
     letters = {_letters(name): name for name in reversed(names)}
     begun = [each for each in map(_letters, names) if mine and each.startswith(mine)]
     if len(mine) < 3 and len(begun) > 1:  # of several names none was meant

@@ -48,7 +48,10 @@ class Registry(Mapping[str, Thing], Generic[Thing]):
         module: str | None = None,
         check: Callable[[Any], None] | None = None,
     ) -> None:
-        self.kind, self.folder, self.module, self.check = kind, folder, module, check
+        self.kind = kind
+        self.folder = folder
+        self.module = module
+        self.check = check
         self._things: dict[str, Thing] = {}
         self._places: dict[str, tuple[int, str]] = {}
         self._asked = False
@@ -79,7 +82,8 @@ class Registry(Mapping[str, Thing], Generic[Thing]):
         """
         key = as_key(name)
         if key not in self:
-            allowed, what = ", ".join([*self, *others]), f"is not a known {self.kind}"
+            allowed = ", ".join([*self, *others])
+            what = f"is not a known {self.kind}"
             raise ValueError(f"{parameter} = {brief(name)} {what}; allowed: {allowed}")
         return self[key]
 
