@@ -289,7 +289,9 @@ def check_curve(intensities: Array, frequencies: Array, places: Sequence[str]) -
     falling = "falling frequencies, since what is stronger"
     if np.median(frequencies) > np.median(intensities):
         rising += ", or are they exchanged with the frequencies?"
-    falling += " is rarer" + ", or are they return periods?" * bool((frequencies >= 1).all())
+    falling += " is rarer"
+    if (frequencies >= 1).all():
+        falling += ", or are they return periods?"
     columns = ("intensity", intensities, 1, rising), ("annual frequency", frequencies, -1, falling)
     for n, place in enumerate(places):
         for name, values, sign, allowed in columns:

@@ -259,7 +259,9 @@ def checked_curve(displacement: Array, force: Array, places: Sequence[str]) -> t
         n = int(np.argmax(back))
         what = f"{places[n]}: the displacement goes from {u[n - 1]:g} to {u[n]:g} m"
         raise ValueError(f"{what}; allowed: increasing displacements of one push")
-    for n in np.flatnonzero((np.abs(u) <= small[0]) & (np.arange(u.size) > peak))[:1]:
+    again = (np.abs(u) <= small[0]) & (np.arange(u.size) > peak)
+    if again.any():
+        n = int(np.argmax(again))
         raise ValueError(f"{places[n]}: a second push begins; allowed: one, so take the other out")
     end = int(np.argmax(back)) if back.any() else u.size
     u = u[:end]

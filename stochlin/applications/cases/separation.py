@@ -84,7 +84,9 @@ def answer_case(case: Case, progress: Progress | None = None) -> CaseAnswer:
     ``progress`` is called with the share of the work that is done. Errors are those of `separation`,
     `existing_gap` and `sensitivity`.
     """
-    first, second = (*(building.sampled for building in one_or_two(case)), None)[:2]
+    structures = [building.sampled for building in one_or_two(case)]
+    first = structures[0]
+    second = structures[1] if len(structures) > 1 else None
     models = first, second, case.site.sampled_ground
     gap = gap_of(case)
     motion = motion_of(case)
@@ -92,7 +94,9 @@ def answer_case(case: Case, progress: Progress | None = None) -> CaseAnswer:
     end = WITH_SENSITIVITIES if case.uncertain else 1.0
     begin = end * OF_RISK if case.site.hazard else 0.0
     middle = end if gap is None else begin + (end - begin) / SIMULATIONS
-    existing = matters = records = None
+    existing = None
+    matters = None
+    records = None
     search = None if gap is None else GapSearch(standing(first, second), models[2], gap, motion)
     risky = _simulated_risk(case, models, part_of(progress, 0.0, begin))
     half = (begin + middle) / 2 if scattered else middle
@@ -117,8 +121,16 @@ def answer_case(case: Case, progress: Progress | None = None) -> CaseAnswer:
         matters = sensitivity(*models, **options)
     if len(case.site.records) > MOST_RECORDS:
         records = over_records(case, table.record_separation, answer)
-    results = existing, _spectrum(case), shaking_of(case), records, risk, matters
-    return CaseAnswer(simulated_as(case, table), table, *results)
+    return CaseAnswer(
+        case=simulated_as(case, table),
+        separation=table,
+        existing=existing,
+        spectrum=_spectrum(case),
+        shaking=shaking_of(case),
+        over_records=records,
+        risk=risk,
+        matters=matters,
+    )
 
 
 def _with_scatter(
@@ -170,7 +182,8 @@ def _risk_table(simulated: SimulatedRisk, case: Case, answer: float) -> xr.Datas
     Gaps of 0 are left out, since any shaking closes them; None if all are 0. Names of variables begin
     with ``risk_``, so that they can be merged with those of the separation.
     """
-    gaps = {"existing": (*case.wanted.existing, 0.0)[0], "answer": answer}
+    existing = case.wanted.existing[0] if case.wanted.existing else 0.0
+    gaps = {"existing": existing, "answer": answer}
     years = YEARS
     target = xr.Dataset()
     if case.wanted.risk is not None:

@@ -16,7 +16,7 @@ from stochlin.applications.probability.probability import (
     simulated_columns,
 )
 from stochlin.applications.risk.rates import (
-    FRAGILITY,
+    Fragility,
     SeparationsByIntensity,
     lognormal_fragility,
     simulated_separations,
@@ -213,9 +213,9 @@ def _of_motions(
     fits = xr.apply_ufunc(
         lambda gap: lognormal_fragility(motions, gap),
         gap,
-        output_core_dims=[()] * len(FRAGILITY),
+        output_core_dims=[()] * len(Fragility._fields),
         vectorize=True,
     )
-    columns |= {f"fragility_{name}": fit for name, fit in zip(FRAGILITY, fits, strict=True)}
+    columns |= {f"fragility_{name}": fit for name, fit in zip(Fragility._fields, fits, strict=True)}
     status = columns["fragility_status"].astype(np.int8).drop_attrs()
     return columns | {"fragility_status": status.assign_attrs(STATUS)}

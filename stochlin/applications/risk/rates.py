@@ -24,9 +24,17 @@ from stochlin.solver.simulation.finite_motions import pair_separation
 from stochlin.solver.simulation.simulation import simulate
 
 TINY = 1e-12  # smallest separation [m], in place of zero in logarithms
-# Median intensity of pounding, standard deviation of its logarithm, their errors, or why there are none.
-FRAGILITY = "median", "dispersion", "median_standard_error", "dispersion_standard_error", "status"
 FITTED, TOO_FEW_POUND, ALL_POUND, TOO_FEW_INTENSITIES, NOT_SIMULATED = range(5)
+
+
+class Fragility(NamedTuple):
+    """A lognormal distribution of the intensity of pounding, or why there is none."""
+
+    median: float = np.nan
+    dispersion: float = np.nan  # standard deviation of the logarithm
+    median_standard_error: float = np.nan
+    dispersion_standard_error: float = np.nan
+    status: int = FITTED
 
 
 class SeparationsByIntensity(NamedTuple):
@@ -97,28 +105,25 @@ def times_intensity(ground: Any, factor: float) -> Any:
     return replace(ground, intensity=ground.intensity * factor)
 
 
-def lognormal_fragility(
-    motions: SeparationsByIntensity, gap: float
-) -> tuple[float, float, float, float, int]:
-    """`FRAGILITY` by maximum likelihood from the lowest intensity of pounding in each motion.
+def lognormal_fragility(motions: SeparationsByIntensity, gap: float) -> Fragility:
+    """The fragility by maximum likelihood from the lowest intensity of pounding in each motion.
 
     For a motion without pounding, this intensity is known to be above the highest one. The numbers are
     NaN, with the reason as their status, if fewer than two motions have pounding, all of them already at
     the lowest intensity, or a structure falls.
     """
-    nothing = (np.nan,) * 4
     if not np.isfinite(motions.separation).all() or not 0 < gap < np.inf:
-        return *nothing, NOT_SIMULATED
+        return Fragility(status=NOT_SIMULATED)
     if motions.intensity.size < 2:
-        return *nothing, TOO_FEW_INTENSITIES
+        return Fragility(status=TOO_FEW_INTENSITIES)
     if (motions.separation[:, 0] > gap).all():
-        return *nothing, ALL_POUND
+        return Fragility(status=ALL_POUND)
     begin, end = motions.crossings(gap)
     first = np.where(end > begin, begin, np.inf).min(axis=1)
     seen = np.isfinite(first)
     known = np.log(first[seen])
     if known.size < 2 or np.ptp(known) == 0:
-        return *nothing, TOO_FEW_POUND
+        return Fragility(status=TOO_FEW_POUND)
     top = np.log(motions.intensity[-1])
     never = int((~seen).sum())
 
@@ -146,7 +151,7 @@ def lognormal_fragility(
         [mixed, 2 * z @ z + most * (most * bend - tail)],
     ]
     of_mean, of_log_b = np.sqrt(np.diag(np.linalg.inv(curvature)))
-    return median, b, float(median * of_mean), float(b * of_log_b), FITTED
+    return Fragility(median, b, float(median * of_mean), float(b * of_log_b))
 
 
 def range_of_rate(risk: xr.Dataset, left_out: float) -> tuple[float, float]:

@@ -267,7 +267,7 @@ def separation(
         f"{SET_BACK if alone else 'Separation of two buildings'} by rule, "
         f"{median_of(ground).name} ground",
         f"separation(duration={duration:g}, confidence={confidence:g}, "
-        f"paths={table.attrs['paths']}, seed={seed}{', ' * bool(inputs)}{inputs})",
+        f"paths={table.attrs['paths']}, seed={seed}{inputs and f', {inputs}'})",
         models,
     )
 

@@ -193,7 +193,9 @@ class Choice(NamedTuple):
             return table.numbers(column, name, allowed)
         with np.errstate(over="ignore"):
             values: Array = base ** table.numbers(column, f"logarithm of the {name}")
-        for n in np.flatnonzero(~np.isfinite(values))[:1]:
+        finite = np.isfinite(values)
+        if not finite.all():
+            n = int(np.argmin(finite))
             raise table.sheet.error(table.rows.index[n], column, f"the {name} is beyond all numbers")
         return values
 

@@ -73,7 +73,8 @@ class Sheet(NamedTuple):
         texts = cells.to_numpy(dtype=object)
         values = np.array([number_in(text, self.decimal) for text in texts.ravel()], dtype=float)
         wrong = np.isnan(values) if allowed is None else ~allowed.contains(values)
-        for n in np.flatnonzero(wrong)[:1]:
+        if wrong.any():
+            n = int(np.argmax(wrong))
             line = cells.index[n // cells.shape[1]]
             column = cells.columns[n % cells.shape[1]]
             text = self.cells.at[line, column]
@@ -101,7 +102,9 @@ class Sheet(NamedTuple):
     def check_width(self, lines: Sequence[int], width: int) -> None:
         """Raise a ValueError for cells beyond the columns, such as the rest of 190,000."""
         beyond = self.cells.loc[lines].iloc[:, width:]
-        for n, m in np.argwhere((beyond != "").to_numpy())[:1]:
+        filled = (beyond != "").to_numpy()
+        if filled.any():
+            n, m = np.argwhere(filled)[0]
             what = f"{brief(beyond.iat[n, m])} is beyond the {width} columns above; allowed: no signs"
             what += " between thousands, and '.' before decimals, or ';' between columns"
             raise self.error(beyond.index[n], beyond.columns[m], what)

@@ -193,7 +193,9 @@ def _doubt_of_rows(period: Array, values: Array) -> Iterator[str]:
     ratio = period[above + 1] / period[above]
     growth = values[above + 1] / values[above]
     jump = np.maximum(growth / ratio, 1 / (growth * ratio**2))
-    for n in above[jump > PLAUSIBLE["next ordinate"].high][:1]:
+    too_far = jump > PLAUSIBLE["next ordinate"].high
+    if too_far.any():
+        n = above[np.argmax(too_far)]
         ends = f"from {values[n]:.3g} to {values[n + 1]:.3g} m/s^2"
         what = f"its ordinate goes {ends} between {period[n]:g} and {period[n + 1]:g} s"
         yield f"{what}; {PLAUSIBLE['next ordinate'].doubt(jump.max())}"

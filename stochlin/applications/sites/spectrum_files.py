@@ -147,12 +147,16 @@ def _converted(table: Table, abscissa: Choice, ordinate: Choice, units: str | No
     places = table.places()
     values = ordinate.in_si(units, "units")
     if abscissa.quantity is not PERIOD:
-        for n in np.flatnonzero(~(period > 0))[:1]:
+        positive = period > 0
+        if not positive.all():
+            n = int(np.argmin(positive))
             what = f"{abscissa.quantity.name} is {period[n]:g} {abscissa.quantity.unit}"
             raise ValueError(f"{places[n]}: {what}; allowed: positive")
         period = _TURNS[abscissa.quantity] / period
     if power := _POWERS.get(ordinate.quantity, 0):
-        for n in np.flatnonzero(~(period > 0))[:1]:
+        positive = period > 0
+        if not positive.all():
+            n = int(np.argmin(positive))
             what = f"no acceleration follows from {ordinate.quantity.name} at {period[n]:g} s"
             raise ValueError(f"{places[n]}: {what}; allowed: positive periods")
         values = values * (2 * np.pi / period) ** power
@@ -179,7 +183,9 @@ def _check_damping(choice: Choice, damping: float) -> None:
     if rows.empty:
         return
     values = choice._replace(table=choice.table._replace(rows=rows)).in_si()
-    for n in np.flatnonzero(~np.isclose(values, damping, rtol=1e-6, atol=0))[:1]:
+    same = np.isclose(values, damping, rtol=1e-6, atol=0)
+    if not same.all():
+        n = int(np.argmin(same))
         where = choice.table.sheet.where(rows.index[n])
         what = f"the damping ratio is {values[n]:g}, which damping = {damping:g} contradicts"
         raise ValueError(f"{where}: {what}; give damping={values[n]:g}")

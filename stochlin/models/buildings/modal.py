@@ -252,7 +252,9 @@ class ModalBuilding(MultistoreyBuilding):
 
     def _check(self, name: str) -> None:
         periods = self._numbers("periods")
-        for n in np.flatnonzero(np.diff(periods) > 0)[:1]:
+        longer = np.diff(periods) > 0
+        if longer.any():
+            n = int(np.argmax(longer))
             what = f"{name}periods of modes {n + 1} and {n + 2} are {periods[n]:g} and"
             raise ValueError(f"{what} {periods[n + 1]:g} s; allowed: the longest first, in seconds")
         if (self.participation is None) != (self.modal_masses is None):

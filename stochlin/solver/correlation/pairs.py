@@ -8,9 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.correlation.errors import BOUNDS, error_of_difference, std_of_difference
@@ -36,11 +37,16 @@ from stochlin.solver.tables.lazy import Cells, cellwise
 SHOWN = ("displacement_std", "ductility_std", "yield_displacement")
 UNKNOWN = (np.nan,) * (BOUNDS.size + 1)  # errors of rho where no pairs were simulated
 DIFFERENCE = "relative_displacement"  # start of the names of variables
+COUNTED = "counted"  # error of the difference that counts in its caution
 # Names of the results of `compared_pair` and `drifting_pair`
 COMPARED = ("rho", "bias", "bias_error", f"{DIFFERENCE}_std", f"{DIFFERENCE}_bias")
 DRIFTING = (
-    *("rho", "rho_error", f"{DIFFERENCE}_std", f"{DIFFERENCE}_error", f"{DIFFERENCE}_bias"),
-    COUNTED := "counted",
+    "rho",
+    "rho_error",
+    f"{DIFFERENCE}_std",
+    f"{DIFFERENCE}_error",
+    f"{DIFFERENCE}_bias",
+    COUNTED,
 )
 
 
@@ -54,63 +60,74 @@ def linearized_pairs(
     """Variables of `correlate` by linearization, with those of the bias if asked for."""
     solve = judged if bias or closure == DRIFT else solved_together
     solved = solve(pair, ground, closure, tolerance)
+    pairs = _Pairs.of(solved)
     errors = np.array(UNKNOWN if ground.calibration is None else ground.calibration.rho_errors)
     if closure == DRIFT:
         drifts = drifting(solved, tolerance)
-        return _table(solved, drifts, partial(drifting_pair, errors), DRIFTING)
-    values = solved.values
-    system = EquivalentSystem(*values["system"])
-    forcing = Forcing(*values["forcing"])
-    linear = Linear.of(motion_of(system, forcing), values["displacement_std"])
+        columns = pairs.columns(partial(drifting_pair, errors), drifts, DRIFTING)
+        counted = columns.pop(COUNTED)
+        columns["bias"] = np.where(np.isnan(columns["rho_error"]), np.nan, 0.0)
+        columns["caution"] = pairs.worst("caution", caution_of(columns["rho_error"], EXPECTED))
+        columns[f"{DIFFERENCE}_caution"] = caution_of(counted, EXPECTED)
+        return pairs.labelled(columns, (*SHOWN, "bias"))
+    system = EquivalentSystem(*solved.values["system"])
+    forcing = Forcing(*solved.values["forcing"])
+    linear = Linear.of(motion_of(system, forcing), solved.values["displacement_std"])
     if not bias:
-        return _table(solved, linear, linear_pair, COMPARED[:1])
-    compared = Compared(linear, values["bias"], drifting(solved.by_drift, tolerance))
-    return _table(solved, compared, partial(compared_pair, errors), COMPARED)
+        return pairs.labelled(pairs.columns(linear_pair, linear, ("rho",)), SHOWN)
+    compared = Compared(linear, solved.values["bias"], drifting(solved.by_drift, tolerance))
+    columns = pairs.columns(partial(compared_pair, errors), compared, COMPARED)
+    columns["caution"] = pairs.worst("caution", caution_of(columns["bias"]))
+    columns[f"{DIFFERENCE}_caution"] = caution_of(columns[f"{DIFFERENCE}_bias"])
+    return pairs.labelled(columns, (*SHOWN, "bias", "bias_error"))
 
 
-def _table(
-    solved: Solved, structures: Any, function: Callable[..., Any], names: Sequence[str]
-) -> dict[str, Cells]:
-    """Variables of both structures, and those with these names of all pairs by a ``function``.
+class _Pairs(NamedTuple):
+    """Pairs of the structures of two tables that are solved together in one row."""
 
-    The ``structures`` are those of ``solved`` in one row.
-    """
-    table = over_all(*(cells.shape for cells in solved.tables))
-    places = [cells.places(table) for cells in solved.tables]
-    good = (places[0] >= 0) & (places[1] >= 0)
-    if not good.all():
-        places = [np.broadcast_to(own, good.shape)[good] for own in places]
-    places = [own + part.start for own, part in zip(places, solved.parts, strict=True)]
-    pair = over_pairs(function, structures, structures, places, len(names))
-    columns: dict[str, Array] = dict(zip(names, pair, strict=True))
+    solved: Solved
+    table: xr.DataArray  # with the cells of both
+    good: Array  # cells in which both structures are valid
+    places: list[Array]  # of both structures of good cells, in the row
 
-    def worst(name: str) -> Array:
-        return np.maximum(*(solved.values[name][own] for own in places))
+    @classmethod
+    def of(cls, solved: Solved) -> _Pairs:
+        """All pairs of a table."""
+        table = over_all(*(cells.shape for cells in solved.tables))
+        places = [cells.places(table) for cells in solved.tables]
+        good = (places[0] >= 0) & (places[1] >= 0)
+        if not good.all():
+            places = [np.broadcast_to(own, good.shape)[good] for own in places]
+        places = [own + part.start for own, part in zip(places, solved.parts, strict=True)]
+        return cls(solved, table, good, places)
 
-    status = worst("status")
-    not_physical = (status < labels.NOT_CONVERGED) & np.isnan(columns["rho"])
-    columns["status"] = np.where(not_physical, np.int8(labels.NOT_PHYSICAL), status)
-    of_sides = [*SHOWN]
-    if names == DRIFTING:
-        of_sides += ["bias"]
-        flag = caution_of(columns["rho_error"], EXPECTED)
-        of_difference = caution_of(columns.pop(COUNTED), EXPECTED)
-        columns["bias"] = 0 * columns["rho_error"]
-    elif names == COMPARED:
-        of_sides += ["bias", "bias_error"]
-        flag = caution_of(columns["bias"])
-        of_difference = caution_of(columns[f"{DIFFERENCE}_bias"])
-    if "bias" in columns:
-        columns["caution"] = np.maximum(worst("caution"), flag)
-        columns[f"{DIFFERENCE}_caution"] = of_difference
-    own = [solved.labelled(n, of_sides) for n in (0, 1)]
-    sides = {f"{name}_{n}": own[n - 1][name] for name in of_sides for n in (1, 2)}
-    pairs = Flat(table, np.flatnonzero(good), {})
-    rho, *others = [
-        (name, pairs.array(values.ravel(), BLANK.get(name.removeprefix(f"{DIFFERENCE}_"), np.nan)))
-        for name, values in columns.items()
-    ]
-    return dict([rho]) | sides | dict(others)
+    def columns(
+        self, function: Callable[..., Any], structures: Any, names: Sequence[str]
+    ) -> dict[str, Array]:
+        """Results of a ``function`` of pairs of these structures, by name, and the status."""
+        results = over_pairs(function, structures, structures, self.places, len(names))
+        columns: dict[str, Array] = dict(zip(names, results, strict=True))
+        status = self.worst("status")
+        not_physical = (status < labels.NOT_CONVERGED) & np.isnan(columns["rho"])
+        columns["status"] = np.where(not_physical, np.int8(labels.NOT_PHYSICAL), status)
+        return columns
+
+    def worst(self, name: str, of_pair: Array | None = None) -> Array:
+        """The largest flag of both structures, and of their pair."""
+        first, second = (self.solved.values[name][own] for own in self.places)
+        worst = np.maximum(first, second)
+        return worst if of_pair is None else np.maximum(worst, of_pair)
+
+    def labelled(self, columns: dict[str, Array], of_sides: Sequence[str]) -> dict[str, Cells]:
+        """The variables of the table: rho, those of both structures, and the others."""
+        own = [self.solved.labelled(n, of_sides) for n in (0, 1)]
+        sides = {f"{name}_{n}": own[n - 1][name] for name in of_sides for n in (1, 2)}
+        pairs = Flat(self.table, np.flatnonzero(self.good), {})
+        arrays = {
+            name: pairs.array(values.ravel(), BLANK.get(name.removeprefix(f"{DIFFERENCE}_"), np.nan))
+            for name, values in columns.items()
+        }
+        return {"rho": arrays.pop("rho")} | sides | arrays
 
 
 @np.errstate(all="ignore")  # equal structures give 0/0, failed cells are NaN

@@ -330,15 +330,19 @@ def allowances(answer: CaseAnswer) -> list[Block]:
 def _strength(limits: xr.Dataset, table: xr.Dataset) -> list[tuple[str, ...]]:
     """Rows for the strength of both buildings, changed by one factor; none if neither yields."""
     what = "strength, times the present one"
-    rows = []
-    factors = [(n, now) for n, now in enumerate(of_each(table, "reduction_factor"), 1) if now > 0]
-    for n, now in factors[:1]:
-        value, low, high = (now / x for x in with_interval(limits, "largest_reduction_factor", f"_{n}"))
-        rows.append(_limit(what, "at least", value, high, low))
-        least = with_interval(limits, "least_reduction_factor", f"_{n}")
-        if least[0] > 0:
-            value, low, high = (now / x for x in least)
-            rows.append(_limit(what, "at most", value, high, low))
+    rows: list[tuple[str, ...]] = []
+    factors = of_each(table, "reduction_factor")
+    yielding = next((n for n, factor in enumerate(factors) if factor > 0), None)
+    if yielding is None:
+        return rows
+    of_building = f"_{yielding + 1}"
+    now = factors[yielding]
+    value, low, high = (now / x for x in with_interval(limits, "largest_reduction_factor", of_building))
+    rows.append(_limit(what, "at least", value, high, low))
+    least = with_interval(limits, "least_reduction_factor", of_building)
+    if least[0] > 0:
+        value, low, high = (now / x for x in least)
+        rows.append(_limit(what, "at most", value, high, low))
     return rows
 
 
@@ -353,8 +357,9 @@ def _limit(what: str, bound: str, value: float, low: float, high: float) -> tupl
 
 def method(case: Case) -> list[str]:
     """The models of the answer and what they leave out, for the page."""
-    spread = f"; a scatter of {case.site.scatter:g} about it is in the answer" * bool(case.site.scatter)
-    known = " that are not uncertain here" * bool(case.uncertain)
+    scatter = case.site.scatter
+    spread = f"; a scatter of {scatter:g} about it is in the answer" if scatter else ""
+    known = " that are not uncertain here" if case.uncertain else ""
     return [
         f"{case.simulated.motions} motions of a stationary random process with an envelope "
         f"({site_in_words(case)}); the interval covers their sampling only. The strength of the next "

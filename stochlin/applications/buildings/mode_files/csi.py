@@ -141,7 +141,9 @@ def _moves(table: Table, title: str, wanted: Wanted, names: Sequence[str]) -> pd
 def _shapes(table: Table, moves: pd.DataFrame, floors: Sequence[str]) -> Array:
     """Displacements (modes, floors); a ValueError names a floor without one."""
     shapes = moves.reindex(floors)
-    for floor, mode in np.argwhere(shapes.isna().to_numpy())[:1]:
+    missing = shapes.isna().to_numpy()
+    if missing.any():
+        floor, mode = np.argwhere(missing)[0]
         place = f"floor {brief(floors[floor])} in mode {shapes.columns[mode]}"
         raise table.error(f"has no displacement of {place}")
     return shapes.to_numpy().T

@@ -110,7 +110,9 @@ def keyed(
     frame = table.rows[[table.column(key) for key in keys]].set_axis([*keys], axis=1)
     if MODE in frame:
         frame[MODE] = table.numbers(MODE, "mode number", MODE_NUMBERS).astype(int)
-    for line in frame.index[frame.duplicated()][:1]:
+    twice = frame.duplicated()
+    if twice.any():
+        line = twice.idxmax()
         names = brief(" ".join(map(str, frame.loc[line])))
         raise table.sheet.error(line, None, f"{names} is there twice; choose by tower= or points=")
     read = partial(table.in_si, unit=unit) if what in {"mass", "length"} else table.numbers

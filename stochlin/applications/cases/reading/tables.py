@@ -209,7 +209,9 @@ class Table:
                 names += [f"{key}.{each}" for each in inner.keys(self)]
         near = nearest(name, names)
         said = instead_of(name) or (f"did you mean {near}? " if near else "")
-        what = "is not a key that is known here" + f", of {form.described_as}" * bool(form.described_as)
+        what = "is not a key that is known here"
+        if form.described_as:
+            what += f", of {form.described_as}"
         return self.error(name, f"{what}; {said}allowed: {listed(keys, MOST_LISTED)}")
 
     def _check_together(self, form: type[Form]) -> None:

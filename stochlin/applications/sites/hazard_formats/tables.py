@@ -97,7 +97,9 @@ def _of_columns(sheets: Sequence[Sheet], of: Hazard, choice: AskedHazard) -> Ord
         if choice.years is None:
             title = brief(other.column.title)
             raise table.error(f"has {title}, a probability; give investigation_time=")
-        for n in np.flatnonzero(~SHARE.contains(values))[:1]:
+        allowed = SHARE.contains(values)
+        if not allowed.all():
+            n = int(np.argmin(allowed))
             what = f"the probability is {values[n]:g}; allowed: {SHARE}"
             raise table.sheet.error(table.rows.index[n], other.column.number - 1, what)
         _check_years(table, other.column.title, choice.years)
