@@ -8,6 +8,7 @@ import pytest
 import stochlin as sl
 from stochlin.applications.risk import risk as risk_module
 from stochlin.applications.risk.risk import allowed_rate
+from stochlin.solver.simulation.prepared import FiniteMotion
 
 GROUND = sl.named_ground("firm", intensity=0.01)
 SHAPE = sl.AminAng(2.0, 10.0, 0.5)
@@ -145,7 +146,7 @@ def test_risk_of_what_is_not_known_exactly_is_the_mean_of_the_rates_of_drawn_pai
 def test_the_error_of_a_rate_contains_that_of_the_intensities(monkeypatch):
     """Of yielding structures, by the same motions at many more intensities."""
     pair = dict(zip(("first", "second"), YIELDING, strict=True))
-    motion = pair, GROUND, sl.PowerLawHazard(k0=0.02, k=2.5), (15.0, SHAPE, 0.0, 512, 3)
+    motion = pair, GROUND, sl.PowerLawHazard(k0=0.02, k=2.5), FiniteMotion(15.0, SHAPE, 0.0, 3), 512
     usual = risk_module.simulated_risk(*motion)
     monkeypatch.setattr(risk_module, "POINTS", 97)
     fine = risk_module.simulated_risk(*motion)

@@ -4,8 +4,8 @@ import numpy as np
 import xarray as xr
 
 import stochlin as sl
-from stochlin.solver.simulation.finite_motions import enough_motions, required_gaps
-from stochlin.solver.simulation.simulation import check_repeated
+from stochlin.solver.simulation.finite_motions import required_gaps
+from stochlin.solver.simulation.prepared import FiniteMotion, PreparedStructures, enough_motions
 
 FIRM = sl.named_ground("firm", intensity=0.01)
 
@@ -42,7 +42,14 @@ def test_motions_grow_until_the_interval_is_short_enough_and_no_further():
 def test_what_is_quick_begins_with_many_motions_and_storeys_with_few():
     one = sl.Bilinear(0.6, 0.05)
     tower = sl.ShearBuilding([2e5] * 10, [2e8] * 10, [3.0] * 10, 0.05)
-    assert check_repeated([one, one], FIRM, 20.0, None, 1) == (2048, 2048)
-    begin, most = check_repeated([tower, one], FIRM, 20.0, None, 1)
+    motion = FiniteMotion(20.0, None, 0.0, 1)
+
+    def numbers(first, paths=None):
+        pair = {"first": first, "second": one}
+        prepared = PreparedStructures.of(pair, FIRM, motion, paths)
+        return prepared.fewest, prepared.most
+
+    assert numbers(one) == (2048, 2048)
+    begin, most = numbers(tower)
     assert 256 <= begin < 1024 < most == 2048
-    assert check_repeated([tower, one], FIRM, 20.0, 640, 1) == (640, 640)
+    assert numbers(tower, 640) == (640, 640)

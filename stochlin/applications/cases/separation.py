@@ -28,6 +28,7 @@ from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.kernels.simulation.stepping import whole_groups
 from stochlin.models.grounds import OF_SPECTRUM
 from stochlin.models.plausible import unquestioned
+from stochlin.solver.simulation.prepared import FiniteMotion
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import standing
 
@@ -97,7 +98,16 @@ def answer_case(case: Case, progress: Progress | None = None) -> CaseAnswer:
     existing = None
     matters = None
     records = None
-    search = None if gap is None else GapSearch(standing(first, second), models[2], gap, motion)
+    search = None
+    if gap is not None:
+        search = GapSearch.of(
+            standing(first, second),
+            models[2],
+            gap,
+            case.wanted.confidence,
+            _finite_motion(case),
+            motion["paths"],
+        )
     risky = _simulated_risk(case, models, part_of(progress, 0.0, begin))
     half = (begin + middle) / 2 if scattered else middle
     simulated = separation(
@@ -164,16 +174,21 @@ def _spectrum(case: Case) -> xr.Dataset:
     return xr.Dataset()
 
 
+def _finite_motion(case: Case) -> FiniteMotion:
+    """The simulated motions of a case."""
+    course = case.site.course
+    return FiniteMotion(course.duration, course.envelope, case.site.scatter, case.simulated.seed)
+
+
 def _simulated_risk(case: Case, models: Any, progress: Progress | None) -> SimulatedRisk | None:
     """Simulated motions at all intensities of the hazard; None if the case has no hazard."""
     if (hazard := case.site.hazard) is None:
         return None
     first, second, ground = models
-    duration, envelope = case.site.course[:2]
     paths = whole_groups(max(FEWEST_PATHS, case.simulated.motions // SHARE))
-    motion = duration, envelope, case.site.scatter, paths, case.simulated.seed
     with case.site.form.hazard.table.naming(""):
-        return simulated_risk(standing(first, second), ground, hazard, motion, progress)
+        motion = _finite_motion(case)
+        return simulated_risk(standing(first, second), ground, hazard, motion, paths, progress)
 
 
 def _risk_table(simulated: SimulatedRisk, case: Case, answer: float) -> xr.Dataset | None:

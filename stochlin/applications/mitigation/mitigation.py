@@ -38,18 +38,15 @@ from stochlin.models.parameters import expect
 from stochlin.models.plausible import PLAUSIBLE
 from stochlin.models.systems import AnyStructure, Arrangement, arrangement_of, first_mode
 from stochlin.models.uncertain import applied, median_of
-from stochlin.solver.linearization.strength import strength_in_metres
 from stochlin.solver.simulation.finite_motions import (
-    enough_motions,
     keeping_apart,
     pair_separation,
     quantiles_of,
     required_gaps,
 )
+from stochlin.solver.simulation.prepared import FiniteMotion, PreparedStructures
 from stochlin.solver.simulation.results.peaks import LINK_PEAKS
-from stochlin.solver.simulation.simulation import check_repeated, simulate
 from stochlin.solver.tables import labels
-from stochlin.solver.tables.checks import check_duration
 from stochlin.solver.tables.labels import LINK
 
 # kinds of measures
@@ -153,21 +150,11 @@ def mitigate(
     """
     if not isinstance(measures, Mapping):
         raise TypeError(f"measures = {brief(measures)}; allowed: a mapping of them by name")
-    usual = median_of(ground)
-    left = applied(lambda s: strength_in_metres(s, usual), first)
-    right = applied(lambda s: strength_in_metres(s, usual), second)
-    both = {"first": median_of(left), "second": median_of(right)}
-    check_duration(duration, both)
+    motion = FiniteMotion(duration, envelope, scatter_of(ground, scatter), seed)
     simulations = len(measures) + SIMULATIONS
-    scatter = scatter_of(ground, scatter)
-    motion = {"duration": duration, "envelope": envelope, "scatter": scatter, "seed": seed}
-    pair = MitigatedPair(
-        structures=(left, right),
-        ground=ground,
-        gap=float(gap),
-        motion={**motion, "quantiles": [confidence]},
-        paths=check_repeated([*both.values()], usual, duration, paths, simulations),
-    )
+    as_built = {"first": first, "second": second}
+    prepared = PreparedStructures.of(as_built, ground, motion, paths, simulations)
+    pair = MitigatedPair(prepared, float(gap), confidence)
     rows = [partial(pair.row, AS_BUILT, AS_BUILT, Measure())]
     for name, measure in measures.items():
         check_label("the name of a measure", name)
@@ -189,14 +176,14 @@ def mitigate(
         _table(tables, confidence).assign_attrs(
             gap_m=float(gap),
             confidence=confidence,
-            **labels.of_scatter(scatter),
+            **labels.of_scatter(motion.scatter),
             duration_s=duration,
             paths=pair.built.sizes["path"],
             seed=seed,
         ),
-        f"Measures against pounding, {usual.name} ground",
+        f"Measures against pounding, {prepared.usual.name} ground",
         f"mitigate(gap={gap:g}, duration={duration:g}, confidence={confidence:g}, seed={seed})",
-        {"first": first, "second": second, "ground": ground},
+        {**as_built, "ground": ground},
     )
 
 
@@ -219,21 +206,18 @@ def _table(rows: list[xr.Dataset], confidence: float) -> xr.Dataset:
 
 @dataclass(frozen=True)
 class MitigatedPair:
-    """Two structures, with strengths in metres, and all conditions that a measure does not change."""
+    """Two structures and all conditions that a measure does not change."""
 
-    structures: tuple[Any, Any]
-    ground: Ground
+    prepared: PreparedStructures
     gap: float
-    motion: Mapping[str, Any]  # other options of `simulate`
-    paths: tuple[int, int]  # fewest and most motions
+    confidence: float
 
     def changed(self, measure: Measure) -> list[Any]:
         """The structures with the added damping of the measure."""
-        added = measure.added_damping_1, measure.added_damping_2
-        return [
-            applied(partial(_damped, added=float(more), number=number), structure)
-            for number, (structure, more) in enumerate(zip(self.structures, added, strict=True), 1)
-        ]
+        first, second = self.prepared.structures
+        damped_1 = partial(_damped, added=float(measure.added_damping_1), number=1)
+        damped_2 = partial(_damped, added=float(measure.added_damping_2), number=2)
+        return [applied(damped_1, first), applied(damped_2, second)]
 
     def known(self, measure: Measure) -> tuple[Any, Any]:
         """The changed structures with uncertain parameters at their medians."""
@@ -247,15 +231,14 @@ class MitigatedPair:
     @cached_property
     def built(self) -> xr.Dataset:
         """The simulated motions of the buildings as built."""
-        return enough_motions(partial(self.simulated, Measure()), *self.paths)
+        return self.prepared.enough(self.confidence)
 
     def simulated(self, measure: Measure, paths: int | None = None) -> xr.Dataset:
         """The simulated motions, as many as for the buildings as built or another number of them."""
-        return simulate(
-            self.changed(measure),
-            self.ground,
-            **self.motion,
-            paths=paths or self.built.sizes["path"],
+        return self.prepared.simulated(
+            paths or self.built.sizes["path"],
+            self.confidence,
+            structures=self.changed(measure),
             link=measure.links,
         )
 
@@ -284,7 +267,7 @@ class MitigatedPair:
         rho = apart = np.nan
         # There is no solution, or no stationary response: storeys without stiffness.
         with suppress(ArithmeticError, ValueError):
-            rho, apart = linearized_at_roof(self.known(measure), median_of(self.ground), measure.links)
+            rho, apart = linearized_at_roof(self.known(measure), self.prepared.usual, measure.links)
         return {"rho": rho, "relative_displacement_std": apart}
 
     def searches(self) -> list[tuple[str, Callable[[float], Measure], Array, str]]:

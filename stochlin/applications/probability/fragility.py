@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -32,11 +33,10 @@ from stochlin.models.parameters import Parameter
 from stochlin.models.structures import Gap
 from stochlin.models.systems import AnyStructure, first_period
 from stochlin.models.uncertain import as_array, median_of
-from stochlin.solver.linearization.strength import strength_in_metres
 from stochlin.solver.linearization.transient_response import IN_TIME, InTime
 from stochlin.solver.linearization.transient_systems import check_course, course_of, over_time
 from stochlin.solver.simulation.finite_motions import pounding_shares
-from stochlin.solver.simulation.simulation import check_repeated
+from stochlin.solver.simulation.prepared import FiniteMotion, PreparedStructures
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_duration
 from stochlin.solver.tables.lazy import arrays_of
@@ -148,10 +148,12 @@ def pounding_fragility(
         raise ValueError(f"{', '.join(arrays)} is an array; allowed: the numbers of one pair at a time")
     scatter = scatter_of(ground, scatter)
     seconds = check_course(duration, envelope)
-    check_duration(seconds, {"first": first, "second": second})
-    pair = [strength_in_metres(structure, ground) for structure in (first, second)]
+    pair = (first, second)
+    by_role = {"first": first, "second": second}
+    check_duration(seconds, by_role)
     if paths:
-        check_repeated(pair, ground, seconds, paths, levels.size)
+        motion = FiniteMotion(seconds, envelope, scatter, seed)
+        prepared = PreparedStructures.of(by_role, ground, motion, paths, levels.size)
     course = course_of(envelope, seconds, min(float(first_period(each)) for each in pair), POINTS)
     taken = closure_in_time(closure, pair)
     along = labels.axis(INTENSITY, "intensity S0", levels, "m^2/s^3")
@@ -170,10 +172,10 @@ def pounding_fragility(
             raise
         comment = f"There are no formulas: {error}."
     if paths:
-        motion: dict[str, Any] = {"duration": seconds, "envelope": envelope, "scatter": scatter}
-        motion |= {"paths": paths, "seed": seed, "progress": part_of(progress, OF_FORMULA, 1.0)}
+        rest = part_of(progress, OF_FORMULA, 1.0)
         unit = times_intensity(ground, 1 / float(ground.arrays()[INTENSITY]))
-        motions = simulated_separations(pair, unit, levels, levels, 0.5, **motion)
+        of_unit = replace(prepared, ground=unit)
+        motions = simulated_separations(of_unit, levels, levels, 0.5, paths, rest)
         table = table.assign(_of_motions(motions, distance, confidence))
     table["status"] = labels.status_where(distance.valid() & xr.ones_like(along, bool))
     table.attrs = {

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import partial, reduce
+from functools import reduce
 from operator import and_
 from typing import Annotated, Any, Literal
 
@@ -38,12 +38,11 @@ from stochlin.solver.linearization.transient_systems import (
     over_time,
 )
 from stochlin.solver.simulation.finite_motions import (
-    enough_motions,
     keeping_apart,
     pair_separation,
     quantile_interval,
 )
-from stochlin.solver.simulation.simulation import MOTIONS, check_repeated, simulate
+from stochlin.solver.simulation.prepared import MOST, FiniteMotion, PreparedStructures
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.cells import over_cells
 from stochlin.solver.tables.checks import check_duration
@@ -215,20 +214,16 @@ def pounding_probability(
     taken = closure_in_time(closure, [usual["first"], usual["second"]])
     periods = [_periods(role, usual[role], seconds) for role in ("first", "second")]
     course = course_of(envelope, seconds, min(float(period.min()) for period in periods), points)
-    motion: dict[str, Any] = {
-        "duration": seconds,
-        "envelope": envelope,
-        "scatter": scatter,
-        "seed": seed,
-    }
-    begin = most = paths or MOTIONS[1]
-    if paths != 0 and not arrays_of(models):
-        pair = [usual["first"], usual["second"]]
-        begin, most = check_repeated(pair, usual["ground"], seconds, paths, 1)
+    motion = FiniteMotion(seconds, envelope, scatter, seed)
+    # All cells of a table have the same number of motions.
+    count = paths or (MOST if arrays_of(models) else None)
 
     def of_cell(first: Any, second: Any, ground: Any, distance: Gap) -> xr.Dataset:
         """All results of one pair, whose gap may be an array."""
         pair = (first, second)
+        if paths != 0:
+            by_role = {"first": first, "second": second}
+            prepared = PreparedStructures.of(by_role, ground, motion, count)
         table = xr.Dataset()
         comment = IN_TIME[taken]
         try:
@@ -240,9 +235,7 @@ def pounding_probability(
             comment = f"There are no formulas: {error}."
         table["status"] = labels.status_where(distance.valid())
         if paths != 0:
-            rest = part_of(progress, OF_FORMULA, 1.0)
-            run = partial(simulate, pair, ground, quantiles=[confidence], progress=rest, **motion)
-            motions = enough_motions(lambda count: run(paths=count), begin, most)
+            motions = prepared.enough(confidence, part_of(progress, OF_FORMULA, 1.0))
             table = _with_simulation(table, motions, distance, confidence)
             table = table.assign_attrs(paths=motions.sizes["path"], seed=seed)
         yields = any(median_of(structure).yields for structure in pair)

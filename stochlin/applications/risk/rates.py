@@ -7,7 +7,6 @@ extrapolated with the slope of linear structures.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
@@ -21,7 +20,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.models.uncertain import applied
 from stochlin.solver.simulation.finite_motions import pair_separation
-from stochlin.solver.simulation.simulation import simulate
+from stochlin.solver.simulation.prepared import PreparedStructures
 
 TINY = 1e-12  # smallest separation [m], in place of zero in logarithms
 FITTED, TOO_FEW_POUND, ALL_POUND, TOO_FEW_INTENSITIES, NOT_SIMULATED = range(5)
@@ -78,25 +77,23 @@ class SeparationsByIntensity(NamedTuple):
 
 
 def simulated_separations(
-    structures: Sequence[Any],
-    ground: Any,
+    prepared: PreparedStructures,
     intensity: Array,
     factors: Array,
     power: float,
+    paths: int,
     progress: Progress | None,
-    **motion: Any,
 ) -> SeparationsByIntensity:
     """Separations in the same motions at several intensities.
 
-    At each ``intensity`` the ``S0`` of the ground is multiplied by one of the ``factors``. ``motion``
-    are the further arguments of `simulate`.
+    At each ``intensity`` the ``S0`` of the ground is multiplied by one of the ``factors``.
     """
     count = intensity.size
     columns = []
     for n, factor in enumerate(factors):
-        stronger = applied(partial(times_intensity, factor=factor), ground)
+        stronger = applied(partial(times_intensity, factor=factor), prepared.ground)
         part = part_of(progress, n / count, (n + 1) / count)
-        columns.append(pair_separation(simulate(structures, stronger, progress=part, **motion)))
+        columns.append(pair_separation(prepared.simulated(paths, progress=part, ground=stronger)))
     return SeparationsByIntensity(intensity, np.stack(columns, axis=1), power)
 
 

@@ -37,10 +37,9 @@ from stochlin.models.grounds import Ground, scatter_of
 from stochlin.models.hazards import Hazard, HazardCurve
 from stochlin.models.plausible import PLAUSIBLE
 from stochlin.models.systems import AnyStructure, first_period
-from stochlin.models.uncertain import applied, median_of
-from stochlin.solver.linearization.strength import strength_in_metres
+from stochlin.models.uncertain import median_of
 from stochlin.solver.simulation.finite_motions import mean_with_error, pounding_shares
-from stochlin.solver.simulation.simulation import check_repeated
+from stochlin.solver.simulation.prepared import FiniteMotion, PreparedStructures
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.cells import over_cells
 from stochlin.solver.tables.checks import check_duration, standing
@@ -150,10 +149,16 @@ def pounding_risk(
     >>> bool(table.annual_rate_standard_error < 0.2 * table.annual_rate)
     True
     """
-    motion = duration, envelope, scatter_of(ground, scatter), paths, seed
+    motion = FiniteMotion(duration, envelope, scatter_of(ground, scatter), seed)
     table = _over_cells(
         lambda simulated: simulated.of_gap(gap, years),
-        *(standing(first, second), ground, hazard, motion, progress, "pounding_risk"),
+        standing(first, second),
+        ground,
+        hazard,
+        motion,
+        paths,
+        progress,
+        "pounding_risk",
     )
     return table.assign_attrs(years=float(years), gap_m=float(gap))
 
@@ -213,15 +218,18 @@ def required_gap(
     """
     if text := doubt_of_text(risk):
         warnings.warn(f"required_gap: risk {text}", ImplausibleInput, stacklevel=3)
-    motion = duration, envelope, scatter_of(ground, scatter), paths, seed
+    motion = FiniteMotion(duration, envelope, scatter_of(ground, scatter), seed)
     table = _over_cells(
         lambda simulated: simulated.gap_of(risk),
-        *(standing(first, second), ground, hazard, motion, progress, "required_gap"),
+        standing(first, second),
+        ground,
+        hazard,
+        motion,
+        paths,
+        progress,
+        "required_gap",
     )
     return table.assign_attrs(risk=brief(risk))
-
-
-Motion = tuple[float, Envelope | None, float, int, int]  # duration, envelope, scatter, paths, seed
 
 
 def _over_cells(
@@ -229,33 +237,35 @@ def _over_cells(
     structures: dict[str, Any],
     ground: Ground,
     hazard: Hazard,
-    motion: Motion,
+    motion: FiniteMotion,
+    paths: int,
     progress: Progress | None,
     call: str,
 ) -> xr.Dataset:
     """Results for every cell of structures and ground; NaN if a period exceeds the duration."""
-    duration, envelope, scatter, paths, seed = motion
+    duration = motion.duration
+    envelope = motion.envelope
     both = {role: median_of(structure) for role, structure in structures.items()}
     check_duration(duration, both)
     long_enough = reduce(and_, (first_period(structure) <= duration for structure in both.values()))
 
     def of_cell(ground: Ground, **structures: AnyStructure) -> xr.Dataset:
-        return result(simulated_risk(structures, ground, hazard, motion, progress))
+        return result(simulated_risk(structures, ground, hazard, motion, paths, progress))
 
     models = {**structures, "ground": ground}
     what = "pounding of two structures", "one structure crossing its property line"
     return labels.with_run_information(
         labels.label(over_cells(of_cell, models, long_enough)).assign_attrs(
             paths=paths,
-            seed=seed,
+            seed=motion.seed,
             duration_s=float(duration),
             envelope="none" if envelope is None else envelope.describe(),
             measure=hazard.measure,
             **({"pga_step_s": PGA_STEP} if hazard.measure == "pga" else {}),
-            **labels.of_scatter(scatter),
+            **labels.of_scatter(motion.scatter),
         ),
         f"Risk of {what[len(structures) == 1]}, {median_of(ground).name} ground",
-        f"{call}(duration={duration:g}, paths={paths}, seed={seed})",
+        f"{call}(duration={duration:g}, paths={paths}, seed={motion.seed})",
         {**models, "hazard": hazard},
         REFERENCES,
     )
@@ -454,7 +464,8 @@ def simulated_risk(
     structures: Mapping[str, AnyStructure],
     ground: Ground,
     hazard: Hazard,
-    motion: Motion,
+    motion: FiniteMotion,
+    paths: int,
     progress: Progress | None = None,
 ) -> SimulatedRisk:
     """Simulated motions at all intensities of a hazard.
@@ -462,26 +473,20 @@ def simulated_risk(
     ``structures`` are those of `pounding_risk`, by the names of their arguments. Raises an error for a
     duration shorter than a period, or too much work.
     """
-    duration, envelope, scatter, paths, seed = motion
-    both = {role: median_of(structure) for role, structure in structures.items()}
-    usual = median_of(ground)
     levels = simulated_at(hazard)
-    check_duration(duration, both)
-    check_repeated([*both.values()], usual, duration, paths, POINTS)
-    pair = [applied(lambda s: strength_in_metres(s, usual), each) for each in structures.values()]
+    prepared = PreparedStructures.of(structures, ground, motion, paths, POINTS)
+    usual = prepared.usual
     power = 0.5
     of_one = 1.0  # S0 of motions with the intensity 1 in the measure of the hazard
     if hazard.measure != "intensity":
         goal: dict[str, Any] = {hazard.measure: 1.0, "period": hazard.period}
-        scaled = scale_ground(usual, duration, envelope, seed=seed, **goal)
+        scaled = scale_ground(usual, motion.duration, motion.envelope, seed=motion.seed, **goal)
         power = 1.0
         of_one = float(scaled.arrays()["intensity"])
-    options: dict[str, Any] = {"duration": duration, "envelope": envelope, "scatter": scatter}
-    options |= {"paths": paths, "seed": seed}
 
     def simulated(at: Array, part: Progress | None) -> SeparationsByIntensity:
         factors = of_one / float(usual.arrays()["intensity"]) * at ** (2 * power)
-        return simulated_separations(pair, ground, at, factors, power, part, **options)
+        return simulated_separations(prepared, at, factors, power, paths, part)
 
     risk = SimulatedRisk(simulated(levels, part_of(progress, 0.0, 0.5)), hazard)
     if risk.is_coarse():

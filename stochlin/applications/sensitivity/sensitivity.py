@@ -24,10 +24,16 @@ from stochlin.solver.simulation.finite_motions import (
     quantile_interval,
     simulate_finite,
 )
-from stochlin.solver.simulation.simulation import STEPS_PER_PERIOD, check_repeated, checked_structures
-from stochlin.solver.simulation.structures_in_motion import GROUND, INPUT, structures_in_motion
+from stochlin.solver.simulation.prepared import FiniteMotion, PreparedStructures
+from stochlin.solver.simulation.simulation import STEPS_PER_PERIOD
+from stochlin.solver.simulation.structures_in_motion import (
+    GROUND,
+    INPUT,
+    checked_structures,
+    structures_in_motion,
+)
 from stochlin.solver.tables import labels
-from stochlin.solver.tables.checks import check_duration, standing
+from stochlin.solver.tables.checks import standing
 
 WITHOUT = ("peak_factor", "mass")  # of an oscillator: part of a definition, and without influence
 STEP = 0.1  # relative change of a known input, to either side
@@ -116,19 +122,16 @@ def sensitivity(
     array([-0.051,  0.049])
     """
     usual = median_of(ground)
-    scatter = scatter_of(ground, scatter)
+    motion = FiniteMotion(duration, envelope, scatter_of(ground, scatter), seed)
     structures = standing(first, second)
-    both = {role: median_of(structure) for role, structure in structures.items()}
-    check_duration(duration, both)
-    checked_structures([*both.values()], usual)
+    checked_structures([*structures.values()], usual)
     roles = {f"structure_{n}": each for n, each in enumerate(structures.values(), start=1)}
     models = {role: described(model) for role, model in {**roles, GROUND: ground}.items()}
     inputs = [entry for role, model in models.items() for entry in inputs_of(role, model)]
     for role in roles:  # reduction factors refer to the ground at its medians
         models[role] = models[role].changed(lambda s: strength_in_metres(s, usual))
-    check_repeated([*both.values()], usual, duration, paths, 2 * (1 + len(inputs)))
-    draws = {"paths": paths, "seed": seed, "scatter": scatter}
-    factors, responses = _responses(models, inputs, (duration, envelope), draws, progress)
+    PreparedStructures.of(structures, ground, motion, paths, 2 * (1 + len(inputs)))  # raises
+    factors, responses = _responses(models, inputs, motion, paths, progress)
     table = labels.label(_table(inputs, factors, responses, confidence))
     subject = "the set-back of a building" if second is None else "the gap of two buildings"
     return labels.with_run_information(
@@ -138,7 +141,7 @@ def sensitivity(
             seed=seed,
             duration_s=float(duration),
             envelope="none" if envelope is None else envelope.describe(),
-            **labels.of_scatter(scatter),
+            **labels.of_scatter(motion.scatter),
         ),
         f"What matters for {subject}, {usual.name} ground",
         f"sensitivity(duration={duration:g}, confidence={confidence:g}, paths={paths}, seed={seed})",
@@ -150,8 +153,8 @@ def sensitivity(
 def _responses(
     models: Mapping[str, UncertainModel],
     inputs: Sequence[Input],
-    motion: tuple[float, Envelope | None],
-    draws: Mapping[str, Any],
+    motion: FiniteMotion,
+    paths: int,
     progress: Progress | None,
 ) -> tuple[Array, Array]:
     """Factors (inputs, 2) on the inputs, and separations (2 + 2 inputs, motions) [m] with them.
@@ -169,11 +172,21 @@ def _responses(
             model if sampled and model.uncertain else model.median() for model in present
         )
         others = {role: samples for role, samples in made.items() if role not in changes}
-        options = {**draws, "steps_per_period": STEPS_PER_PERIOD, "step": steps[0] if steps else None}
-        moving = structures_in_motion(structures, ground, None, False, made=others, **options)
+        moving = structures_in_motion(
+            structures,
+            ground,
+            None,
+            False,
+            paths=paths,
+            seed=motion.seed,
+            made=others,
+            scatter=motion.scatter,
+            steps_per_period=STEPS_PER_PERIOD,
+            step=steps[0] if steps else None,
+        )
         if not steps:
             made.update(moving.samples)
-        table = simulate_finite(moving, *motion, (), None)
+        table = simulate_finite(moving, motion.duration, motion.envelope, (), None)
         steps.append(moving.run.plan.dt)
         if progress is not None:
             progress(len(steps) / (2 * len(inputs) + 2))

@@ -9,7 +9,8 @@ between the trial values on both sides.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -32,17 +33,16 @@ from stochlin.models.grounds import Ground, scatter_of
 from stochlin.models.systems import AnyStructure, first_mode, weaker
 from stochlin.models.uncertain import applied, median_of
 from stochlin.solver.linearization.equivalent_systems import solved_together
-from stochlin.solver.linearization.strength import solved_reduction_factor, strength_in_metres
+from stochlin.solver.linearization.strength import solved_reduction_factor
 from stochlin.solver.simulation.finite_motions import (
-    enough_motions,
     keeping_apart,
     pair_separation,
     quantile_interval,
     required_gaps,
 )
-from stochlin.solver.simulation.simulation import check_repeated, simulate
+from stochlin.solver.simulation.prepared import FiniteMotion, PreparedStructures
 from stochlin.solver.tables import labels
-from stochlin.solver.tables.checks import check_duration, standing
+from stochlin.solver.tables.checks import standing
 
 STRENGTHS = np.geomspace(1 / 8, 8, 13)  # factors of both reduction factors
 AS_BUILT = 6  # index of the factor 1 among these
@@ -222,78 +222,75 @@ def existing_gap(
     (True, True)
     """
     structures = standing(first, second)
-    motion: dict[str, Any] = {"confidence": confidence, "seed": seed}
-    motion |= {"scatter": scatter_of(ground, scatter)}
-    motion |= {"duration": duration, "envelope": envelope, "paths": paths}
-    search = GapSearch(structures, ground, gap, motion)
+    motion = FiniteMotion(duration, envelope, scatter_of(ground, scatter), seed)
+    search = GapSearch.of(structures, ground, gap, confidence, motion, paths)
     if progress is not None:
         progress(0.0)
-    built = enough_motions(lambda n: search.simulated(structures.values(), ground, n), *search.numbers)
+    built = search.prepared.enough(confidence)
     return search.limits(pair_separation(built), part_of(progress, 1 / SIMULATIONS, 1.0))
 
 
 @dataclass
 class GapSearch:
-    """The search for the limits within which the existing ``gap`` [m] is sufficient.
+    """The search for the limits within which the existing ``gap`` [m] is sufficient."""
 
-    Raises as `existing_gap`, when it is made.
-    """
-
-    structures: Mapping[str, AnyStructure]  # by role
-    ground: Ground
+    structures: Mapping[str, AnyStructure]  # by role, as described
+    prepared: PreparedStructures
     gap: float
-    motion: Mapping[str, Any]  # the other arguments of `existing_gap`
-    numbers: tuple[int, int] = field(init=False)  # fewest and most motions
+    confidence: float
 
-    def __post_init__(self) -> None:
-        both = {role: median_of(structure) for role, structure in self.structures.items()}
-        duration = self.motion["duration"]
-        paths = self.motion["paths"]
-        usual = median_of(self.ground)
-        check_duration(duration, both)
-        self.numbers = check_repeated([*both.values()], usual, duration, paths, SIMULATIONS)
-
-    def simulated(self, pair: Iterable[AnyStructure], ground: Ground, paths: int) -> xr.Dataset:
-        """Simulated motions of structures that may be changed."""
-        motion = {**self.motion, "paths": paths}
-        return simulate([*pair], ground, quantiles=[motion.pop("confidence")], **motion)
+    @classmethod
+    def of(
+        cls,
+        structures: Mapping[str, AnyStructure],
+        ground: Ground,
+        gap: float,
+        confidence: float,
+        motion: FiniteMotion,
+        paths: int | None,
+    ) -> GapSearch:
+        """The search for structures by role; raises as `existing_gap`."""
+        prepared = PreparedStructures.of(structures, ground, motion, paths, SIMULATIONS)
+        return cls(structures, prepared, gap, confidence)
 
     def limits(self, samples: xr.DataArray, progress: Progress | None) -> xr.Dataset:
         """The result of `existing_gap`, from the gap [m] that each motion (``path``) needs as built."""
-        as_built = quantile_interval(samples.values, self.motion["confidence"])
-        usual = median_of(self.ground)
+        as_built = quantile_interval(samples.values, self.confidence)
+        prepared = self.prepared
         done = 0.0
         advance = part_of(progress, 0.0, 1.0)
-        structures = self.structures.values()
-        pair = [applied(lambda s: strength_in_metres(s, usual), each) for each in structures]
         advance(0.0)
 
-        def required(change: Callable[[float], tuple[Any, Ground]], present: float) -> Required:
+        def required(change: Callable[[float], dict[str, Any]], present: float) -> Required:
             def gaps(value: float, paths: int) -> Ends:
                 nonlocal done
-                motions = self.simulated(*change(value), paths)
+                motions = prepared.simulated(paths, self.confidence, **change(value))
                 done += paths / samples.size
                 advance(min(done / SIMULATIONS, 1.0))
                 return required_gaps(motions)
 
             return Required(gaps, self.gap, samples.size, {(present, samples.size): as_built})
 
-        def changed(change: Callable[[Any, float], Any], value: float) -> list[AnyStructure]:
-            return [applied(lambda s: change(s, value), structure) for structure in pair]
+        def changed(change: Callable[[Any, float], Any], value: float) -> dict[str, Any]:
+            several = prepared.structures
+            return {"structures": [applied(lambda s: change(s, value), each) for each in several]}
 
-        def amplified(amplitude: float) -> Ground:
-            return applied(lambda g: replace(g, intensity=g.intensity * amplitude**2), self.ground)
+        def amplified(amplitude: float) -> dict[str, Any]:
+            factor = amplitude**2
+            ground = applied(lambda g: replace(g, intensity=g.intensity * factor), prepared.ground)
+            return {"ground": ground}
 
-        by_strength = required(lambda factor: (changed(weaker, factor), self.ground), 1.0)
+        by_strength = required(partial(changed, weaker), 1.0)
         # The present strength, or the next that is sufficient, sought among stronger structures first.
         order = (*range(AS_BUILT, -1, -1), *range(AS_BUILT + 1, STRENGTHS.size))
         least_factor = by_strength.end(STRENGTHS, order, -1, Edge(0.0))
         largest_factor = by_strength.end(STRENGTHS, order, 1, NO_LIMIT)
-        by_shaking = required(lambda factor: (pair, amplified(factor)), 1.0)
+        by_shaking = required(amplified, 1.0)
         amplitude = by_shaking.end(AMPLITUDES, [0], 1, NO_LIMIT)
-        added = required(lambda more: (changed(damped, more), self.ground), 0.0).least(DAMPINGS)
+        added = required(partial(changed, damped), 0.0).least(DAMPINGS)
         columns: dict[str, Any] = {**keeping_apart(samples, self.gap), "required_gap": as_built[0]}
-        modes = [first_mode(median_of(structure)) for structure in structures]
+        usual = prepared.usual
+        modes = [first_mode(median_of(structure)) for structure in self.structures.values()]
         factors = [solved_reduction_factor(mode, solved_together((mode,), usual)) for mode in modes]
         limits: dict[str, Any] = {}
         for end, edge in (("largest", largest_factor), ("least", least_factor)):
@@ -308,20 +305,20 @@ class GapSearch:
     def _labelled(self, table: xr.Dataset) -> xr.Dataset:
         """The table with labels, and what was searched."""
         gap = self.gap
-        motion = self.motion
-        confidence = self.motion["confidence"]
+        motion = self.prepared.motion
+        confidence = self.confidence
         searched = (
             f"reduction factors times {STRENGTHS[0]:g} to {STRENGTHS[-1]:g}, motion times "
             f"{AMPLITUDES[0]:g} to {AMPLITUDES[-1]:g}, added damping to {DAMPINGS[-1]:g}"
         )
         what = "gap" if len(self.structures) > 1 else "set-back"
-        known = {"searched": searched, **labels.of_scatter(motion["scatter"])}
+        known = {"searched": searched, **labels.of_scatter(motion.scatter)}
         return labels.with_run_information(
             labels.label(table).assign_attrs(gap_m=gap, confidence=confidence, **known),
-            f"What an existing {what} allows, {median_of(self.ground).name} ground",
-            f"existing_gap(gap={gap:g}, duration={motion['duration']:g}, confidence={confidence:g}, "
-            f"seed={motion['seed']})",
-            {**self.structures, "ground": self.ground},
+            f"What an existing {what} allows, {self.prepared.usual.name} ground",
+            f"existing_gap(gap={gap:g}, duration={motion.duration:g}, confidence={confidence:g}, "
+            f"seed={motion.seed})",
+            {**self.structures, "ground": self.prepared.ground},
         )
 
 

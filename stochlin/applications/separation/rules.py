@@ -23,6 +23,7 @@ from stochlin.applications.separation.storeys import (
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.systems.response import StationaryResponse
 from stochlin.models.buildings.base import MultistoreyBuilding
+from stochlin.models.envelopes import strong_seconds
 from stochlin.models.grounds import Ground
 from stochlin.models.rules.codes import CodeRule, Site
 from stochlin.models.rules.effective_properties import (
@@ -32,15 +33,16 @@ from stochlin.models.rules.effective_properties import (
 )
 from stochlin.models.rules.peak_factors import PEAK_FACTORS, peak_factor_model
 from stochlin.models.structures import Structure
-from stochlin.models.systems import Arrangement, arrangement_of, first_mode
+from stochlin.models.systems import Arrangement, first_mode
 from stochlin.solver.correlation.equation_4 import rho_effective
 from stochlin.solver.correlation.levels import PairsInTime, lone_pair_in_time
 from stochlin.solver.linearization.equivalent_systems import Solved, solved_together
-from stochlin.solver.linearization.levels import EnvelopesInTime, why_no_drift
+from stochlin.solver.linearization.levels import EnvelopesInTime, strengths, why_no_drift
 from stochlin.solver.linearization.peaks import peak_table, response_moments
 from stochlin.solver.linearization.strength import solved_reduction_factor
 from stochlin.solver.linearization.systems.systems import linearized_motion
 from stochlin.solver.simulation.finite_motions import mean_with_error, pair_peaks, quantiles_of
+from stochlin.solver.simulation.prepared import PreparedStructures
 
 EQ_3 = "eq. (3) with the peaks of both structures"
 COMBINES = "needs a second building: eq. (3) combines the peaks of two"
@@ -62,17 +64,36 @@ Gaps = tuple[Array, Array | None]
 class PairInMotion:
     """Two structures, or one beside its property line, with their simulated motions of finite length.
 
-    All strengths are in metres. Arrays are over the heights at which the
-    structures could meet, or cross the line. Without storeys there is one height, which is NaN.
+    Rules take the structures at their medians, and the peaks of all samples. Arrays are over the heights
+    at which the structures could meet, or cross the line. Without storeys there is one height, which is
+    NaN.
     """
 
-    structures: tuple[Any, ...]
-    ground: Ground
+    prepared: PreparedStructures
     motions: xr.Dataset
     confidence: float
-    strong_seconds: float  # [s], duration of the stationary motion with equal energy
-    course: EnvelopesInTime  # of the motions, in sizes that scatter
     site: Site  # what else the rules of codes ask
+
+    @property
+    def structures(self) -> tuple[Any, ...]:
+        """The structures at their medians, with strengths in metres."""
+        return self.prepared.medians
+
+    @property
+    def ground(self) -> Ground:
+        """The ground at its medians."""
+        return self.prepared.usual
+
+    @cached_property
+    def strong_seconds(self) -> float:
+        """Duration of the stationary motion with equal energy [s]."""
+        return strong_seconds(self.prepared.motion.duration, self.prepared.motion.envelope)
+
+    @cached_property
+    def course(self) -> EnvelopesInTime:
+        """The motions in sizes that scatter."""
+        motion = self.prepared.motion
+        return EnvelopesInTime.of(motion.envelope, motion.duration, *strengths(motion.scatter))
 
     @property
     def alone(self) -> bool:
@@ -84,10 +105,10 @@ class PairInMotion:
         """Whether one of the structures is a building with storeys."""
         return any(isinstance(structure, MultistoreyBuilding) for structure in self.structures)
 
-    @cached_property
+    @property
     def system(self) -> Arrangement:
         """All structures as one system, without links."""
-        return arrangement_of(self.structures)
+        return self.prepared.system
 
     @cached_property
     def heights(self) -> Array:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import partial, reduce
+from functools import reduce
 from operator import and_
 from typing import Any
 
@@ -28,15 +28,12 @@ from stochlin.models.arguments import (
     checked,
 )
 from stochlin.models.buildings.base import MultistoreyBuilding
-from stochlin.models.envelopes import Envelope, strong_seconds
+from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground, scatter_of
 from stochlin.models.rules.codes import BOTH, Site
 from stochlin.models.systems import AnyStructure, first_period
 from stochlin.models.uncertain import median_of
-from stochlin.solver.linearization.levels import EnvelopesInTime, strengths
-from stochlin.solver.linearization.strength import strength_in_metres
 from stochlin.solver.simulation.finite_motions import (
-    enough_motions,
     keeping_apart,
     mean_with_error,
     pair_separation,
@@ -44,7 +41,7 @@ from stochlin.solver.simulation.finite_motions import (
     required_gaps,
     separation_at,
 )
-from stochlin.solver.simulation.simulation import MOTIONS, check_repeated, simulate
+from stochlin.solver.simulation.prepared import MOST, FiniteMotion, PreparedStructures
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.cells import over_cells
 from stochlin.solver.tables.checks import (
@@ -224,31 +221,24 @@ def separation(
         site = of_storeys(site, list(both.values()))
 
     # All cells of a table have the same number of motions.
-    count = paths or (MOTIONS[1] if arrays_of({**by_role, "ground": ground}) else None)
-    scatter = scatter_of(ground, scatter)
-    motion = {"duration": duration, "envelope": envelope, "scatter": scatter, "seed": seed}
+    count = paths or (MOST if arrays_of({**by_role, "ground": ground}) else None)
+    motion = FiniteMotion(duration, envelope, scatter_of(ground, scatter), seed)
 
     def of_cell(ground: Ground, **by_role: AnyStructure) -> xr.Dataset:
         with np.errstate(all="ignore"):  # overflow by extreme input shows in the status
-            known = [median_of(structure) for structure in by_role.values()]
-            begin, most = check_repeated(known, median_of(ground), duration, count, 1)
+            prepared = PreparedStructures.of(by_role, ground, motion, count)
             rest = part_of(progress, 0.0, 1.0 if records is None else BEFORE_RECORDS)
-            options: Any = {**motion, "quantiles": [confidence], "progress": rest}
-            simulated = partial(simulate, [*by_role.values()], ground, **options)
-            motions = enough_motions(lambda n: simulated(paths=n), begin, most)
-            # The rules take the structures at their medians, and the peaks of all samples.
-            ground = median_of(ground)
-            structures = tuple(strength_in_metres(structure, ground) for structure in known)
-            course = EnvelopesInTime.of(envelope, duration, *strengths(scatter))
-            strong = strong_seconds(duration, envelope)
-            pair = PairInMotion(structures, ground, motions, confidence, strong, course, site)
+            motions = prepared.enough(confidence, rest)
+            pair = PairInMotion(prepared, motions, confidence, site)
             table = _judged(all_rules(pair, rules), pair)
             if "input_factor" in motions:
                 table["input_factor"] = motions.input_factor
-            table.attrs = {name: motions.attrs[name] for name in MOTION} | labels.of_scatter(scatter)
+            table.attrs = {name: motions.attrs[name] for name in MOTION}
+            table.attrs |= labels.of_scatter(motion.scatter)
             if records is None:
                 return table
-            left, right = (*structures, None)[:2]
+            left = pair.structures[0]
+            right = None if pair.alone else pair.structures[1]
             rest = part_of(progress, BEFORE_RECORDS, 1.0)
             recorded = recorded_gap(left, right, records, progress=rest)
             recorded = recorded.drop_dims("quantile", errors="ignore")

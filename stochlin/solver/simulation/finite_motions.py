@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,7 +12,7 @@ from scipy.special import bdtrik, betaincinv
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, cores
 from stochlin.kernels.simulation.ensemble import Extremes, Links, finite_extremes
-from stochlin.kernels.simulation.stepping import LANES, whole_groups
+from stochlin.kernels.simulation.stepping import LANES
 from stochlin.messages import brief
 from stochlin.models.arguments import checked, is_number
 from stochlin.models.envelopes import Envelope, envelope_at
@@ -33,7 +33,6 @@ from stochlin.solver.tables.lazy import check_names
 
 TAIL = (1 - 0.95) / 2  # probability on each side of a 95 % interval
 FAR = 1e200  # [m], in place of infinity, between which and a number no quantile can be
-PRECISION, MARGIN = 0.1, 1.2  # half of an interval over a gap, and motions over those that it needs
 BLOCK = 256  # time steps that are computed at once
 ABOVE_GROUND = "height above the ground"
 Columns = dict[str, Column]
@@ -304,20 +303,6 @@ def pair_peaks(motions: xr.Dataset) -> Array:
 def required_gaps(motions: xr.Dataset) -> tuple[float, float, float]:
     """First quantile of `pair_separation` [m], with the lower and upper end of its 95 % interval."""
     return quantile_interval(pair_separation(motions).values, motions["quantile"].values[0])
-
-
-def enough_motions(simulated: Callable[[int], xr.Dataset], paths: int, most: int) -> xr.Dataset:
-    """As many simulated motions as the first quantile needs, from ``paths`` to ``most``.
-
-    They are enough if the 95 % interval of the gap is no longer than `PRECISION` times the gap to both
-    sides. ``simulated`` are the motions for a number.
-    """
-    motions = simulated(paths)
-    gap, lower, upper = required_gaps(motions)
-    wide = (upper - lower) / (2 * PRECISION * gap) if upper > lower and gap > 0 else 0.0
-    if wide <= 1 or paths >= most:
-        return motions
-    return enough_motions(simulated, whole_groups(int(min(most, MARGIN * paths * wide**2))), most)
 
 
 def _is_alone(motions: xr.Dataset) -> bool:

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
-import numpy as np
 import xarray as xr
 
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.kernels.simulation.stepping import LANES, whole_groups
-from stochlin.messages import brief
 from stochlin.models.arguments import (
     Duration,
     Paths,
@@ -23,21 +21,20 @@ from stochlin.models.arguments import (
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground, scatter_of
 from stochlin.models.links import Link
-from stochlin.models.parameters import expect
-from stochlin.models.structures import Structure
-from stochlin.models.systems import STRUCTURES, AnyStructure, floor_count
+from stochlin.models.systems import AnyStructure, floor_count
 from stochlin.models.uncertain import median_of
-from stochlin.solver.simulation.ensembles import check_memory, seconds_of
-from stochlin.solver.simulation.finite_motions import check_finite, check_motion, simulate_finite
+from stochlin.solver.simulation.ensembles import check_memory
+from stochlin.solver.simulation.finite_motions import check_motion, simulate_finite
 from stochlin.solver.simulation.results import descriptions
 from stochlin.solver.simulation.stationary_motions import stationary_moments
-from stochlin.solver.simulation.structures_in_motion import StructuresInMotion, structures_in_motion
+from stochlin.solver.simulation.structures_in_motion import (
+    StructuresInMotion,
+    checked_structures,
+    structures_in_motion,
+)
 from stochlin.solver.tables import labels
-from stochlin.solver.tables.checks import check_scalars
 
-SCALARS = "scalars, one structure an entry; correlate(method='simulation') takes arrays"
 STEPS_PER_PERIOD = 32
-SHORT, MOTIONS = 0.5, (256, 2048)  # [s] of a simulation, and fewest and most motions, where not given
 
 
 @checked(uncertain=True)
@@ -184,65 +181,58 @@ def simulate(
         scatter=scatter,
     )
     if duration is not None:
-        table = simulate_finite(moving, duration, envelope, quantiles, progress)
-        state, more = "finite motions", f", duration={duration}"
+        table = simulated_motions(moving, duration, envelope, quantiles, progress)
+        state = "finite motions"
+        more = f", duration={duration}"
     else:
         table = stationary_moments(moving, relaxation_times, progress)
-        state, more = "stationary response", ""
+        table = labels.label(table, descriptions(), last=labels.NOT_RESOLVED)
+        state = "stationary response"
+        more = ""
     lone = isinstance(link, Link)
     models = labels.named_models(structures, ground, () if lone else moving.links)
     return labels.with_run_information(
-        labels.label(table, descriptions(), last=labels.NOT_RESOLVED),
+        table,
         f"Simulation of {len(structures)} structures in {state}, {median_of(ground).name} ground",
         f"simulate(paths={paths}, seed={seed}{more})",
         models | ({"link": link} if lone else {}),
     )
 
 
-def checked_structures(structures: Sequence[AnyStructure], ground: Ground) -> dict[str, AnyStructure]:
-    """Medians of the structures by their roles; raises if these or the ground do not suit `simulate`."""
-    if not isinstance(structures, Sequence):
-        raise TypeError(f"structures = {brief(structures)}; allowed: a list of structures")
-    if not structures:
-        raise ValueError("structures is empty; allowed: at least one")
-    roles = {f"structures[{number}]": median_of(each) for number, each in enumerate(structures)}
-    for role, structure in roles.items():
-        expect(structure, STRUCTURES, role)
-        if isinstance(structure, Structure):
-            check_scalars(structure, role, SCALARS)
-    check_scalars(median_of(ground), "ground", SCALARS)
-    return roles
+def simulated_motions(
+    moving: StructuresInMotion,
+    duration: float,
+    envelope: Envelope | None,
+    quantiles: Sequence[float],
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """`simulate` in finite motions, with labels, without what says how the dataset was made."""
+    table = simulate_finite(moving, duration, envelope, quantiles, progress)
+    return labels.label(table, descriptions(), last=labels.NOT_RESOLVED)
+
+
+def in_finite_motions(
+    structures: Sequence[Any],
+    ground: Any,
+    link: Link | Sequence[Link | None] | None = None,
+    *,
+    paths: int,
+    seed: int = 0,
+    scatter: float = 0.0,
+) -> StructuresInMotion:
+    """Structures in finite motions, with the usual time step."""
+    return structures_in_motion(
+        structures,
+        ground,
+        link,
+        False,
+        paths=paths,
+        seed=seed,
+        steps_per_period=STEPS_PER_PERIOD,
+        scatter=scatter,
+    )
 
 
 def time_step(structures: Sequence[AnyStructure], ground: Ground) -> float:
     """Time step of `simulate` in finite motions of these structures [s]."""
-    return _moving(structures, ground, paths=1).run.plan.dt
-
-
-def _moving(structures: Sequence[AnyStructure], ground: Ground, paths: int) -> StructuresInMotion:
-    """Structures without links in finite motions."""
-    steps = STEPS_PER_PERIOD
-    return structures_in_motion(
-        structures, ground, None, False, paths=paths, seed=0, steps_per_period=steps
-    )
-
-
-def check_repeated(
-    structures: Sequence[AnyStructure],
-    ground: Ground,
-    duration: float,
-    paths: int | None,
-    times: int,
-) -> tuple[int, int]:
-    """Fewest and most motions of finite simulations: ``paths``, or so many that each is short.
-
-    Raises if structures do not suit `simulate`, or if ``times`` simulations would take too long.
-    """
-    checked_structures(structures, ground)
-    moving = _moving(structures, ground, paths or LANES)
-    run, functions = moving.run, sum(map(len, moving.functions.values()))
-    check_finite(run, duration, functions, times)
-    if paths is not None:
-        return paths, paths
-    each = seconds_of(run, duration / run.plan.dt, 2.0 * functions) / LANES
-    return whole_groups(int(np.clip(SHORT / each, *MOTIONS))), MOTIONS[1]
+    return in_finite_motions(structures, ground, paths=1).run.plan.dt

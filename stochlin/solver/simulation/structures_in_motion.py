@@ -11,10 +11,14 @@ import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.simulation.stepping import whole_groups
+from stochlin.messages import brief
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
+from stochlin.models.parameters import expect
 from stochlin.models.structures import Structure
 from stochlin.models.systems import (
+    STRUCTURES,
+    AnyStructure,
     Arrangement,
     Stack,
     arrangement_of,
@@ -34,6 +38,7 @@ from stochlin.solver.simulation.connected_structures import (
     unlinked_oscillators,
 )
 from stochlin.solver.simulation.ensembles import SimulationRun, drift_time_of, prepare
+from stochlin.solver.tables.checks import check_scalars
 from stochlin.solver.tables.labels import (
     ELEMENT,
     FLOOR,
@@ -43,7 +48,11 @@ from stochlin.solver.tables.labels import (
 )
 
 STRUCTURE = "structure"
-PATH, INPUT, GROUND, HEIGHT = "path", "input", "ground", "height"
+PATH = "path"
+INPUT = "input"
+GROUND = "ground"
+HEIGHT = "height"
+SCALARS = "scalars, one structure an entry; correlate(method='simulation') takes arrays"
 Samples = Mapping[str, Sequence[Any]]  # by uncertain model: stacks or grounds, one for each motion
 NONE: Samples = {}
 STREAM = 2  # stream of random numbers, different from those of the motions with the same seed
@@ -162,6 +171,21 @@ class StructuresInMotion(NamedTuple):
         values = np.stack(list(columns.values()), axis=1)
         inputs = (INPUT, list(columns), {"long_name": "uncertain parameter"})
         return {"input_factor": xr.DataArray(values, dims=(PATH, INPUT), coords={INPUT: inputs})}
+
+
+def checked_structures(structures: Sequence[AnyStructure], ground: Ground) -> dict[str, AnyStructure]:
+    """Medians of the structures by their roles; raises if these or the ground do not suit `simulate`."""
+    if not isinstance(structures, Sequence):
+        raise TypeError(f"structures = {brief(structures)}; allowed: a list of structures")
+    if not structures:
+        raise ValueError("structures is empty; allowed: at least one")
+    roles = {f"structures[{number}]": median_of(each) for number, each in enumerate(structures)}
+    for role, structure in roles.items():
+        expect(structure, STRUCTURES, role)
+        if isinstance(structure, Structure):
+            check_scalars(structure, role, SCALARS)
+    check_scalars(median_of(ground), "ground", SCALARS)
+    return roles
 
 
 def structures_in_motion(
