@@ -46,7 +46,7 @@ from .solver.linearization.strength import (
 )
 from .solver.loops import hysteresis_loop as hysteresis_loop
 from .solver.simulation.ground_motions import simulated_motions as simulated_motions
-from .solver.simulation.finite_motions import exceedance as exceedance
+from .solver.simulation.statistics import exceedance as exceedance
 
 # The gap
 from .applications.separation.separation import separation as separation

@@ -4,8 +4,8 @@ import numpy as np
 import xarray as xr
 
 import stochlin as sl
-from stochlin.solver.simulation.finite_motions import required_gaps
 from stochlin.solver.simulation.prepared import FiniteMotion, PreparedStructures, enough_motions
+from stochlin.solver.simulation.statistics import required_gaps
 
 FIRM = sl.named_ground("firm", intensity=0.01)
 

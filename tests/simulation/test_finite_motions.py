@@ -9,7 +9,7 @@ import xarray as xr
 
 import stochlin as sl
 from stochlin.kernels.simulation.ensemble import MotionGroup
-from stochlin.solver.simulation.finite_motions import quantile_intervals
+from stochlin.solver.simulation.statistics import quantile_intervals
 from stochlin.solver.simulation.structures_in_motion import structures_in_motion
 
 pytestmark = pytest.mark.oracle

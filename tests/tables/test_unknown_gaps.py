@@ -10,7 +10,7 @@ import stochlin as sl
 from stochlin.applications.risk.rates import SeparationsByIntensity, lognormal_fragility
 from stochlin.applications.separation.code_gaps import Rule
 from stochlin.applications.separation.separation import NOT_AVAILABLE, judged_rules
-from stochlin.solver.simulation.finite_motions import keeping_apart, quantile_interval
+from stochlin.solver.simulation.statistics import keeping_apart, quantile_interval
 
 pytestmark = pytest.mark.invariant
 

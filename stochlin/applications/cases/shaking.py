@@ -16,7 +16,7 @@ from stochlin.applications.records.response import response_spectrum
 from stochlin.applications.sites.elastic_spectra import USUAL_DAMPING
 from stochlin.applications.sites.intensity import shaking
 from stochlin.models.plausible import PLAUSIBLE
-from stochlin.solver.simulation.finite_motions import keeping_apart
+from stochlin.solver.simulation.statistics import keeping_apart
 from stochlin.solver.tables import labels
 
 if TYPE_CHECKING:

@@ -17,7 +17,7 @@ from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.models.grounds import Ground, WhiteNoise
 from stochlin.models.plausible import unquestioned
 from stochlin.solver.correlation.correlation import Method, correlate
-from stochlin.solver.simulation.finite_motions import keeping_apart
+from stochlin.solver.simulation.statistics import keeping_apart
 from stochlin.solver.tables import labels
 
 LINES = np.geomspace(0.25, 4.0, 81)

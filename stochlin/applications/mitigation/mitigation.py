@@ -38,14 +38,14 @@ from stochlin.models.parameters import expect
 from stochlin.models.plausible import PLAUSIBLE
 from stochlin.models.systems import AnyStructure, Arrangement, arrangement_of, first_mode
 from stochlin.models.uncertain import applied, median_of
-from stochlin.solver.simulation.finite_motions import (
+from stochlin.solver.simulation.prepared import FiniteMotion, PreparedStructures
+from stochlin.solver.simulation.results.peaks import LINK_PEAKS
+from stochlin.solver.simulation.statistics import (
     keeping_apart,
     pair_separation,
     quantiles_of,
     required_gaps,
 )
-from stochlin.solver.simulation.prepared import FiniteMotion, PreparedStructures
-from stochlin.solver.simulation.results.peaks import LINK_PEAKS
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.labels import LINK
 

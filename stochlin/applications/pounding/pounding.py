@@ -30,14 +30,14 @@ from stochlin.models.arguments import Quantiles, Whole, checked
 from stochlin.models.links import Link
 from stochlin.models.plausible import PLAUSIBLE
 from stochlin.models.systems import AnyStructure
-from stochlin.solver.simulation.finite_motions import (
+from stochlin.solver.simulation.results.peaks import LINK_PEAKS
+from stochlin.solver.simulation.statistics import (
     Columns,
     keeping_apart,
     mean_columns,
     pounding_shares,
     quantile_columns,
 )
-from stochlin.solver.simulation.results.peaks import LINK_PEAKS
 from stochlin.solver.tables import labels
 
 OF_CONTACTS = "contact", "impact", "side", "neighbours"  # dimensions dropped for one building alone

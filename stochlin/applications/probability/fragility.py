@@ -35,8 +35,8 @@ from stochlin.models.systems import AnyStructure, first_period
 from stochlin.models.uncertain import as_array, median_of
 from stochlin.solver.linearization.transient_response import IN_TIME, InTime
 from stochlin.solver.linearization.transient_systems import check_course, course_of, over_time
-from stochlin.solver.simulation.finite_motions import pounding_shares
 from stochlin.solver.simulation.prepared import FiniteMotion, PreparedStructures
+from stochlin.solver.simulation.statistics import pounding_shares
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_duration
 from stochlin.solver.tables.lazy import arrays_of

@@ -37,12 +37,8 @@ from stochlin.solver.linearization.transient_systems import (
     course_of,
     over_time,
 )
-from stochlin.solver.simulation.finite_motions import (
-    keeping_apart,
-    pair_separation,
-    quantile_interval,
-)
 from stochlin.solver.simulation.prepared import MOST, FiniteMotion, PreparedStructures
+from stochlin.solver.simulation.statistics import keeping_apart, pair_separation, quantile_interval
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.cells import over_cells
 from stochlin.solver.tables.checks import check_duration

@@ -24,7 +24,7 @@ from stochlin.kernels.records import oscillator as recorded
 from stochlin.kernels.records.runs import peaks_on_records
 from stochlin.models.arguments import checked
 from stochlin.models.laws.bilinear import Bilinear
-from stochlin.solver.simulation.finite_motions import quantile_intervals
+from stochlin.solver.simulation.statistics import quantile_intervals
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.cells import over_cells
 from stochlin.solver.tables.checks import standing

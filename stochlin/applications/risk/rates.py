@@ -19,8 +19,8 @@ from scipy.special import log_ndtr
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.models.uncertain import applied
-from stochlin.solver.simulation.finite_motions import pair_separation
 from stochlin.solver.simulation.prepared import PreparedStructures
+from stochlin.solver.simulation.statistics import pair_separation
 
 TINY = 1e-12  # smallest separation [m], in place of zero in logarithms
 FITTED, TOO_FEW_POUND, ALL_POUND, TOO_FEW_INTENSITIES, NOT_SIMULATED = range(5)

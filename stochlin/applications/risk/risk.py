@@ -38,8 +38,8 @@ from stochlin.models.hazards import Hazard, HazardCurve
 from stochlin.models.plausible import PLAUSIBLE
 from stochlin.models.systems import AnyStructure, first_period
 from stochlin.models.uncertain import median_of
-from stochlin.solver.simulation.finite_motions import mean_with_error, pounding_shares
 from stochlin.solver.simulation.prepared import FiniteMotion, PreparedStructures
+from stochlin.solver.simulation.statistics import mean_with_error, pounding_shares
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.cells import over_cells
 from stochlin.solver.tables.checks import check_duration, standing

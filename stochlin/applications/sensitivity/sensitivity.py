@@ -19,13 +19,10 @@ from stochlin.models.grounds import Ground, scatter_of
 from stochlin.models.systems import AnyStructure
 from stochlin.models.uncertain import Uncertain, UncertainModel, median_of
 from stochlin.solver.linearization.strength import strength_in_metres
-from stochlin.solver.simulation.finite_motions import (
-    pair_separation,
-    quantile_interval,
-    simulate_finite,
-)
+from stochlin.solver.simulation.finite_motions import simulate_finite
 from stochlin.solver.simulation.prepared import FiniteMotion, PreparedStructures
 from stochlin.solver.simulation.simulation import STEPS_PER_PERIOD
+from stochlin.solver.simulation.statistics import pair_separation, quantile_interval
 from stochlin.solver.simulation.structures_in_motion import (
     GROUND,
     INPUT,

@@ -34,13 +34,13 @@ from stochlin.models.systems import AnyStructure, first_mode, weaker
 from stochlin.models.uncertain import applied, median_of
 from stochlin.solver.linearization.equivalent_systems import solved_together
 from stochlin.solver.linearization.strength import solved_reduction_factor
-from stochlin.solver.simulation.finite_motions import (
+from stochlin.solver.simulation.prepared import FiniteMotion, PreparedStructures
+from stochlin.solver.simulation.statistics import (
     keeping_apart,
     pair_separation,
     quantile_interval,
     required_gaps,
 )
-from stochlin.solver.simulation.prepared import FiniteMotion, PreparedStructures
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import standing
 

@@ -41,8 +41,8 @@ from stochlin.solver.linearization.levels import EnvelopesInTime, strengths, why
 from stochlin.solver.linearization.peaks import peak_table, response_moments
 from stochlin.solver.linearization.strength import solved_reduction_factor
 from stochlin.solver.linearization.systems.systems import linearized_motion
-from stochlin.solver.simulation.finite_motions import mean_with_error, pair_peaks, quantiles_of
 from stochlin.solver.simulation.prepared import PreparedStructures
+from stochlin.solver.simulation.statistics import mean_with_error, pair_peaks, quantiles_of
 
 EQ_3 = "eq. (3) with the peaks of both structures"
 COMBINES = "needs a second building: eq. (3) combines the peaks of two"

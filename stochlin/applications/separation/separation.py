@@ -33,7 +33,8 @@ from stochlin.models.grounds import Ground, scatter_of
 from stochlin.models.rules.codes import BOTH, Site
 from stochlin.models.systems import AnyStructure, first_period
 from stochlin.models.uncertain import median_of
-from stochlin.solver.simulation.finite_motions import (
+from stochlin.solver.simulation.prepared import MOST, FiniteMotion, PreparedStructures
+from stochlin.solver.simulation.statistics import (
     keeping_apart,
     mean_with_error,
     pair_separation,
@@ -41,7 +42,6 @@ from stochlin.solver.simulation.finite_motions import (
     required_gaps,
     separation_at,
 )
-from stochlin.solver.simulation.prepared import MOST, FiniteMotion, PreparedStructures
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.cells import over_cells
 from stochlin.solver.tables.checks import (

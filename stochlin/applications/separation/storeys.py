@@ -37,7 +37,7 @@ from stochlin.models.systems import (
 )
 from stochlin.solver.correlation.correlation import correlate
 from stochlin.solver.linearization.systems.systems import linearized_motion
-from stochlin.solver.simulation.finite_motions import ABOVE_GROUND
+from stochlin.solver.simulation.statistics import ABOVE_GROUND
 from stochlin.solver.simulation.structures_in_motion import at_height, meeting_heights
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_scalars

@@ -18,7 +18,7 @@ from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.arguments import Acceleration, DampingRatio, Duration, Paths, Seconds, Seed, checked
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground, rms_acceleration
-from stochlin.solver.simulation.finite_motions import mean_with_error
+from stochlin.solver.simulation.statistics import mean_with_error
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_scalars
 

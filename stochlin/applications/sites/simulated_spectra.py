@@ -26,8 +26,9 @@ from stochlin.models.parameters import Model
 from stochlin.models.systems import stack_of
 from stochlin.solver.simulation.connected_structures import oscillator_groups
 from stochlin.solver.simulation.ensembles import prepare
-from stochlin.solver.simulation.finite_motions import extremes_of, mean_with_error
+from stochlin.solver.simulation.finite_motions import extremes_of
 from stochlin.solver.simulation.ground_motions import simulated_motions
+from stochlin.solver.simulation.statistics import mean_with_error
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_scalars
 

@@ -19,8 +19,9 @@ from stochlin.models.systems import Arrangement
 from stochlin.models.uncertain import applied, median_of
 from stochlin.solver.linearization.strength import strength_in_metres
 from stochlin.solver.simulation.ensembles import seconds_of
-from stochlin.solver.simulation.finite_motions import check_finite, required_gaps
-from stochlin.solver.simulation.simulation import in_finite_motions, simulated_motions
+from stochlin.solver.simulation.finite_motions import check_finite
+from stochlin.solver.simulation.simulation import in_finite_motions, labelled_motions
+from stochlin.solver.simulation.statistics import required_gaps
 from stochlin.solver.simulation.structures_in_motion import checked_structures
 from stochlin.solver.tables.checks import check_duration
 
@@ -116,7 +117,7 @@ class PreparedStructures:
             seed=motion.seed,
             scatter=motion.scatter,
         )
-        return simulated_motions(moving, motion.duration, motion.envelope, levels, progress)
+        return labelled_motions(moving, motion.duration, motion.envelope, levels, progress)
 
     def enough(self, confidence: float, progress: Progress | None = None) -> xr.Dataset:
         """As many simulated motions as the gap for a confidence needs."""

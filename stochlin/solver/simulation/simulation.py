@@ -181,7 +181,7 @@ def simulate(
         scatter=scatter,
     )
     if duration is not None:
-        table = simulated_motions(moving, duration, envelope, quantiles, progress)
+        table = labelled_motions(moving, duration, envelope, quantiles, progress)
         state = "finite motions"
         more = f", duration={duration}"
     else:
@@ -199,7 +199,7 @@ def simulate(
     )
 
 
-def simulated_motions(
+def labelled_motions(
     moving: StructuresInMotion,
     duration: float,
     envelope: Envelope | None,
