@@ -15,6 +15,7 @@ import numpy as np
 import xarray as xr
 
 import stochlin as sl
+from stochlin.files.storage import whole_file
 from stochlin.kernels.correlation.corrections import ENTRIES
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.solver.correlation.signatures import (
@@ -28,7 +29,6 @@ from stochlin.solver.linearization.equivalent_systems import solved_together
 from stochlin.solver.simulation import stationary_motions
 from stochlin.solver.tables.checks import USUAL
 from stochlin.solver.tables.interpolation import Grid
-from stochlin.solver.tables.storage import whole_file
 
 HARDENING = (0.02, 0.05, 0.1, 0.2, 0.5)
 DAMPING = (0.01, 0.02, 0.05, 0.1)

@@ -11,11 +11,11 @@ import numpy as np
 import xarray as xr
 
 import stochlin as sl
+from stochlin.files.storage import save_table
 from stochlin.kernels.basics.arrays import on_arrays
 from stochlin.kernels.linearization.drift import drifting_correlation
 from stochlin.solver.correlation.signatures import drifting_side
 from stochlin.solver.linearization.equivalent_systems import solved_together
-from stochlin.solver.tables.storage import save_table
 
 FILE = Path(__file__).parents[1] / "docs" / "gallery" / "drift_pairs.nc"
 SIMULATION, DERIVED = "simulation", "derived"  # the latter: the drift closure without its map

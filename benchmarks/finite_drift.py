@@ -16,10 +16,10 @@ import xarray as xr
 from drift_pairs import FILE
 
 import stochlin as sl
+from stochlin.files.storage import save_table
 from stochlin.kernels.linearization import levels as of_structures
 from stochlin.solver.correlation import levels as pairs_at_levels
 from stochlin.solver.linearization import levels as structures_at_levels
-from stochlin.solver.tables.storage import save_table
 
 PAIRS = FILE.with_name("finite_pairs.nc")
 PATHS, SEED = 4096, 7

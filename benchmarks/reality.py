@@ -48,10 +48,10 @@ import stochlin as sl
 from stochlin.applications.sites.elastic_spectra import marked
 from stochlin.applications.sites.motion_fit import Components
 from stochlin.applications.sites.spectra import labelled
+from stochlin.files.storage import save_table, whole_file
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import DoubtfulInput
 from stochlin.models.grounds import OTHER_COMPONENT
-from stochlin.solver.tables.storage import save_table, whole_file
 
 OF_RECORDS = "elastic, of records"
 DAMPING, HARDENING, STOREY_HEIGHT, MASS = 0.05, 0.05, 3.2, 4e5

@@ -12,10 +12,10 @@ import xarray as xr
 from drift_pairs import FILE, MOMENTS, difference, parts, structures
 
 import stochlin as sl
+from stochlin.files.storage import save_table
 from stochlin.kernels.correlation.errors import error_of_difference
 from stochlin.models.grounds import Calibration, Filter, Ground, KanaiTajimi
 from stochlin.models.parameters import PERIODS, POSITIVE, Parameter, Range, parameter
-from stochlin.solver.tables.storage import save_table
 
 PAIRS = FILE.with_name("two_peaked_pairs.nc")
 STRUCTURE = ("period", "damping", "hardening", "strength")

@@ -3,7 +3,7 @@
 Whoever still uses a name reads the clause in an error.
 """
 
-from stochlin.data_files import data_of
+from stochlin.files.package_data import data_of
 
 REMOVED: dict[str, str] = data_of(__package__, "removed.toml")
 

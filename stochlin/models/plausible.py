@@ -14,7 +14,7 @@ import numpy as np
 import xarray as xr
 from scipy.constants import g
 
-from stochlin.data_files import data_of
+from stochlin.files.package_data import data_of
 from stochlin.messages import ImplausibleInput
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from functools import cache
 
-from stochlin.data_files import data_of
+from stochlin.files.package_data import data_of
 
 Variables = Mapping[str, tuple[str, str]]
 NONE: Variables = {}

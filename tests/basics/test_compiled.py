@@ -14,7 +14,8 @@ from commands import process
 
 import stochlin as sl
 from stochlin import messages
-from stochlin.kernels.basics import compiled, folders
+from stochlin.files import folders
+from stochlin.kernels.basics import compiled
 from stochlin.kernels.basics.children import command, environment
 from stochlin.kernels.simulation.laws import by_number
 
@@ -226,7 +227,7 @@ def test_no_mark_is_waited_for(tmp_path):
         (tmp_path / name).mkdir()
     os.mkfifo(tmp_path / "stochlin-1" / folders.MARK)
     (tmp_path / "stochlin-2" / folders.MARK).mkdir()
-    program = f"from stochlin.kernels.basics.folders import *; remove_left(Path({str(tmp_path)!r}), '')"
+    program = f"from stochlin.files.folders import *; remove_left(Path({str(tmp_path)!r}), '')"
     done = process(tmp_path, {}, "-c", program)
     assert done.returncode == 0, done.stderr
     assert len([*tmp_path.iterdir()]) == 2
@@ -267,7 +268,7 @@ def test_a_folder_in_use_stays_and_one_of_an_ended_process_goes(tmp_path):
 
 ENDS = """
 import os, sys
-from stochlin.kernels.basics.folders import process_folder
+from stochlin.files.folders import process_folder
 process_folder()
 if sys.argv[1] == "killed":
     os.kill(os.getpid(), 9)

@@ -18,7 +18,7 @@ import stochlin as sl
 from stochlin.applications.buildings.mode_files import AskedModes, csi
 from stochlin.applications.buildings.mode_files.csi_tables import tables_in
 from stochlin.applications.sheets.sheets import text_sheet
-from stochlin.solver.tables.inputs import only_within
+from stochlin.files.inputs import only_within
 
 MASSES, HEIGHTS = np.array([300.0, 300.0, 220.0]), np.array([4.0, 3.2, 3.2])  # t, m
 LEVELS, STORIES = np.cumsum(HEIGHTS), ("Story1", "Story2", "Roof")

@@ -11,8 +11,8 @@ import xarray as xr
 from cases import recorded_example
 from commands import answered, invoke, refused
 
-from stochlin.kernels.basics.folders import mark
-from stochlin.solver.tables.storage import save_table, whole_file
+from stochlin.files.folders import mark
+from stochlin.files.storage import save_table, whole_file
 
 pytestmark = pytest.mark.cli
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import stochlin as sl
-from stochlin.solver.tables.file_kinds import KINDS
+from stochlin.files.file_kinds import KINDS
 
 pytestmark = pytest.mark.oracle
 

@@ -9,7 +9,7 @@ import pytest
 from uploads import open_case
 
 import stochlin as sl
-from stochlin.solver.tables.inputs import MOST_BYTES, MOST_LINES, only_within
+from stochlin.files.inputs import MOST_BYTES, MOST_LINES, only_within
 
 pytestmark = pytest.mark.invariant
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from stochlin.solver.tables.toml import read_toml
+from stochlin.files.toml import read_toml
 
 pytestmark = pytest.mark.invariant
 

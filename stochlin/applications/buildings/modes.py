@@ -14,12 +14,12 @@ from stochlin.applications.buildings.mode_files import AskedModes, ModesOfFile, 
 from stochlin.applications.buildings.mode_files import plain as plain_form
 from stochlin.applications.buildings.mode_files.csi_tables import RATIOS, tables_in
 from stochlin.applications.sheets.sheets import check_alone, sheets_of
+from stochlin.files.inputs import input_path
 from stochlin.messages import DoubtfulInput, brief, listed, plain
 from stochlin.models.arguments import Label, checked
 from stochlin.models.buildings.base import FLOOR, MODE
 from stochlin.models.buildings.modal import ModalBuilding, doubt_of_shape, effective_masses_of
 from stochlin.solver.tables import labels
-from stochlin.solver.tables.inputs import input_path
 
 Direction = Literal["UX", "UY"]
 DIRECTIONS: tuple[Direction, ...] = get_args(Direction)

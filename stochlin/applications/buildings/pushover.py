@@ -20,13 +20,13 @@ from stochlin.applications.sheets.columns import (
     noted,
 )
 from stochlin.applications.sheets.sheets import sheets_of, table_in
+from stochlin.files.inputs import input_path
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import DoubtfulInput, brief, plain
 from stochlin.models.arguments import Metres, Number, checked
 from stochlin.models.plausible import PLAUSIBLE
 from stochlin.models.structures import STATIONARY_HARDENING
 from stochlin.solver.tables import labels
-from stochlin.solver.tables.inputs import input_path
 
 CURVE = "base_shear"
 DISPLACEMENT = "displacement"

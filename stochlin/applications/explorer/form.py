@@ -23,8 +23,8 @@ from stochlin.applications.cases.reading.kinds import (
 )
 from stochlin.applications.cases.reading.site import FITTED
 from stochlin.applications.cases.reading.tables import NO_TABLE, Place, key_lines
+from stochlin.files.toml import toml_tables
 from stochlin.messages import plain
-from stochlin.solver.tables.toml import toml_tables
 
 SHOWN = "site", "motion", "separation"  # besides the buildings, tables on which the gap depends
 TIMES = 4.0  # a slider goes from the value over this to the value times this

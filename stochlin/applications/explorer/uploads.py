@@ -15,9 +15,9 @@ import xarray as xr
 from stochlin.applications.cases.reading.case import Case, case_of, read_case
 from stochlin.applications.cases.reading.site import Site
 from stochlin.applications.cases.reading.tables import read_table
+from stochlin.files.inputs import only_within
+from stochlin.files.toml import read_toml
 from stochlin.messages import DoubtfulInput
-from stochlin.solver.tables.inputs import only_within
-from stochlin.solver.tables.toml import read_toml
 
 
 class Fitted(NamedTuple):

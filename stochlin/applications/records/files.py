@@ -10,10 +10,10 @@ from itertools import islice
 from stochlin.applications.records.columns import Text
 from stochlin.applications.records.formats import FORMATS, HEADER_LINES, RecordFile, Series
 from stochlin.applications.sheets.columns import ColumnName
+from stochlin.files.inputs import input_path, read_text
 from stochlin.messages import brief, plain, refuse
 from stochlin.models.arguments import is_label, is_whole
 from stochlin.models.units import likely_unit, size_of
-from stochlin.solver.tables.inputs import input_path, read_text
 
 _COMMENT = re.compile(r"^([-+.,;\dDEde\s]*)[#%].*")
 

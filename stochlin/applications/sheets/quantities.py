@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from stochlin.data_files import data_of
+from stochlin.files.package_data import data_of
 from stochlin.models.units import size_of
 
 

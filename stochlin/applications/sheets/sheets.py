@@ -17,12 +17,12 @@ import pandas as pd
 
 from stochlin.applications.sheets.titles import Said, said_by
 from stochlin.applications.sheets.workbooks import rows_of
+from stochlin.files.file_kinds import WORKBOOK
+from stochlin.files.inputs import read_input, read_text
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief, listed, plain
 from stochlin.models.parameters import Range
 from stochlin.models.units import parsed, stated_size
-from stochlin.solver.tables.file_kinds import WORKBOOK
-from stochlin.solver.tables.inputs import read_input, read_text
 
 MOST_CELLS = 2**23  # of a text, with the empty ones between others
 _SAMPLE = 50  # lines in which the separator is looked for, and where the numbers begin

@@ -19,13 +19,13 @@ from stochlin.applications.sites.hazard_formats import (
     tables,
     usgs,
 )
+from stochlin.files.file_kinds import JSON
+from stochlin.files.inputs import input_path, read_input, read_text
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief, listed
 from stochlin.models.arguments import Years, checked
 from stochlin.models.hazards import Exceeded, Hazard, HazardCurve, check_curve
 from stochlin.models.units import stated_size
-from stochlin.solver.tables.file_kinds import JSON
-from stochlin.solver.tables.inputs import input_path, read_input, read_text
 
 FilePath = str | os.PathLike[str]
 

@@ -21,11 +21,11 @@ from stochlin.applications.sites.elastic_spectra import (
 )
 from stochlin.applications.sites.hazard_formats import Site
 from stochlin.applications.sites.spectrum_files import AskedSpectrum, points_in
+from stochlin.files.inputs import input_path
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import DoubtfulInput, brief, listed, plain
 from stochlin.models.arguments import DampingRatio, Truth, checked, is_number
 from stochlin.solver.tables import labels
-from stochlin.solver.tables.inputs import input_path
 
 SHORTEST = 0.05  # shortest period for which a spectrum is fitted or compared [s]
 BAND = (0.2, 2.0)  # [s] of usual buildings, in which spectra are compared

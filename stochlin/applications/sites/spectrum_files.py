@@ -41,11 +41,11 @@ from stochlin.applications.sheets.titles import damping_in_remark, divided_by_re
 from stochlin.applications.sites import usgs_spectra
 from stochlin.applications.sites.hazard_formats import Site, period_of
 from stochlin.applications.sites.hazard_formats.tables import line_of_site, table_of_sites
+from stochlin.files.file_kinds import JSON, WORKBOOK
+from stochlin.files.inputs import read_input, read_text
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief, listed, plain, refuse
 from stochlin.models.units import stated_size
-from stochlin.solver.tables.file_kinds import JSON, WORKBOOK
-from stochlin.solver.tables.inputs import read_input, read_text
 
 ABSCISSAE = (PERIOD, FREQUENCY, ANGULAR)
 ORDINATES = (SPECTRAL, ACCELERATION, PSEUDO_VELOCITY, SPECTRAL_DISPLACEMENT)

@@ -36,6 +36,7 @@ from stochlin.applications.sites.spectra import (
     checked_spectrum,
     interpolated,
 )
+from stochlin.files.inputs import input_path, read_text
 from stochlin.messages import LONGEST_MESSAGE, DoubtfulInput, brief, listed, plain, refuse, sentence
 from stochlin.models.arguments import (
     Acceleration,
@@ -47,7 +48,6 @@ from stochlin.models.arguments import (
     checked,
 )
 from stochlin.models.plausible import PLAUSIBLE
-from stochlin.solver.tables.inputs import input_path, read_text
 
 FILE = "file"  # name of the table column with the paths of the records
 WHO_BELONGS = f"the columns {FILE}, event and station of a table say which belong together"

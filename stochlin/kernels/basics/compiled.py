@@ -35,7 +35,7 @@ import numba as nb
 import numpy as np
 from numba.extending import overload, register_jitable
 
-from stochlin.kernels.basics.folders import is_private, mark, remove_unused
+from stochlin.files.folders import is_private, mark, remove_unused
 from stochlin.messages import WHEN_COMPILING
 
 KERNELS = Path(__file__).parents[1]

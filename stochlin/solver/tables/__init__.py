@@ -1,1 +1,1 @@
-"""Labelled tables of all rooms: names and units, broadcasting, checks of arguments, files."""
+"""Labelled tables of all rooms: names and units, broadcasting, checks of arguments."""

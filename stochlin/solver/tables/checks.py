@@ -1,4 +1,4 @@
-"""Checks of several arguments together, of paths, packages and work, and the stop rule."""
+"""Checks of several arguments together, of packages and work, and the stop rule."""
 
 from __future__ import annotations
 
@@ -7,26 +7,13 @@ import math
 import os
 from collections.abc import Hashable, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
 
-from stochlin.messages import brief
 from stochlin.models.arguments import DURATION, Number, Whole, check_fields
 from stochlin.models.parameters import Model, Range
 from stochlin.models.systems import AnyStructure, first_period
-
-LONGEST_PATH = 4096
-
-
-def as_path(name: str, value: object) -> Path:
-    """The path; raises a TypeError or ValueError if ``value`` cannot be one."""
-    if not isinstance(value, (str, os.PathLike)):
-        raise TypeError(f"{name} = {brief(value)}; allowed: the name of a file, as text or a path")
-    if len(os.fspath(value)) > LONGEST_PATH:
-        raise ValueError(f"{name} = {brief(value)} is too long; allowed: {LONGEST_PATH} characters")
-    return Path(value)
 
 
 def check_scalars(model: Model, role: str, allowed: str) -> None:

@@ -70,8 +70,8 @@ def building(
         from stochlin.applications.buildings.mode_files.plain import EXAMPLE
         from stochlin.applications.buildings.modes import read_modes, with_masses
         from stochlin.applications.buildings.pushover import bilinear_of, pushover_options, read_pushover
+        from stochlin.files.storage import FORMATS
         from stochlin.models.buildings.modal import ModalBuilding
-        from stochlin.solver.tables.storage import FORMATS
         from stochlin.views.buildings.words import building_sections
 
         if example:

@@ -57,8 +57,8 @@ def rho(out: Path | None, method: Any, **options: Any) -> None:
       stochlin rho --period-1 0.2s:2s:19 --period-2 1s --hardening 0.05 --reduction-factor 2,4,6 \\
           --ground kanai-tajimi --ground-period 2s --ground-damping 0.05 --out table.nc
     """
+    from stochlin.files.storage import FORMATS, save_table
     from stochlin.solver.correlation.correlation import correlate
-    from stochlin.solver.tables.storage import FORMATS, save_table
     from stochlin.views.shared.words import roles_in_words
 
     with bad_input():

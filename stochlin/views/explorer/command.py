@@ -38,7 +38,7 @@ def explore(case: Path | None, port: int, show: bool) -> None:
             raise ImportError(f"{what} ({error})") from error
         from stochlin.applications.cases.examples import short_example
         from stochlin.applications.explorer.uploads import of_file, uploaded
-        from stochlin.kernels.basics.folders import process_folder
+        from stochlin.files.folders import process_folder
 
         check_port(port)
         tempfile.tempdir = str(process_folder())  # removed with all that is left in it

@@ -12,8 +12,8 @@ from nicegui import background_tasks, ui
 
 from stochlin.applications.explorer.form import changed_text, form_of
 from stochlin.applications.explorer.uploads import Upload, uploaded
+from stochlin.files.inputs import MOST_BYTES
 from stochlin.messages import LONGEST_MESSAGE, sentence
-from stochlin.solver.tables.inputs import MOST_BYTES
 from stochlin.views.explorer.answering import REFUSED
 from stochlin.views.explorer.answers import TABS
 from stochlin.views.explorer.rows import TYPING, EntryRow

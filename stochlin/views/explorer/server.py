@@ -17,7 +17,7 @@ from starlette.responses import PlainTextResponse
 from starlette.websockets import WebSocketClose
 
 from stochlin.applications.explorer.uploads import Upload
-from stochlin.solver.tables.inputs import MOST_BYTES
+from stochlin.files.inputs import MOST_BYTES
 from stochlin.views.explorer import answers
 from stochlin.views.explorer.page import Page
 from stochlin.views.explorer.workers import Job, Worker

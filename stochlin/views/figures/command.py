@@ -104,7 +104,7 @@ def charts(
 
 def _write(dataset: Any, path: Path, comparison: bool, options: dict[str, Any]) -> None:
     """Write the dataset and its pictures."""
-    from stochlin.solver.tables.storage import save_table
+    from stochlin.files.storage import save_table
     from stochlin.views.figures.pictures import draw
     from stochlin.views.shared.style import PRINT, SCREEN, save
 

@@ -36,7 +36,7 @@ def mitigate(case: Path, out: Path | None) -> None:
     with bad_input():
         from stochlin.applications.cases.pairs import mitigate_case
         from stochlin.applications.cases.reading.case import read_case
-        from stochlin.solver.tables.storage import CSV, FORMATS
+        from stochlin.files.storage import CSV, FORMATS
         from stochlin.views.mitigation.words import answer_sections
 
         described = read_case(case)

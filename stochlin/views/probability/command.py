@@ -44,8 +44,8 @@ def probability(case: Path, gap: float | None, out: Path | None, picture: Path |
     from stochlin.applications.cases.pairs import judge_gap
     from stochlin.applications.cases.reading.case import read_case
     from stochlin.applications.cases.rows import TOUCHING
+    from stochlin.files.storage import FORMATS
     from stochlin.models.plausible import PLAUSIBLE
-    from stochlin.solver.tables.storage import FORMATS
     from stochlin.views.probability.pictures import draw_pounding
     from stochlin.views.probability.words import answer_sections
 

@@ -85,7 +85,7 @@ def gap(
             raise ValueError("CASE is missing; 'stochlin gap --example > case.toml' writes a file")
         from stochlin.applications.cases.reading.case import read_case
         from stochlin.applications.cases.separation import answer_case
-        from stochlin.solver.tables.storage import CSV, FORMATS, whole_file
+        from stochlin.files.storage import CSV, FORMATS, whole_file
         from stochlin.views.separation.pictures import elevation_figure
         from stochlin.views.separation.report import answer_sections, report_page
 

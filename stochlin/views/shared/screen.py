@@ -147,7 +147,7 @@ def check_target(
     option: str, path: Path | None, allowed: Collection[str], inputs: Iterable[Path] = ()
 ) -> None:
     """Raise before the work for a file that could not be written after it, or that is an input."""
-    from stochlin.solver.tables.storage import CSV, written_file
+    from stochlin.files.storage import CSV, written_file
 
     if path is None:
         return
@@ -179,7 +179,7 @@ def write(
     table: xr.Dataset, out: Path | None, picture: Path | None = None, draw: Draw | None = None
 ) -> None:
     """Save the table, and the picture drawn of it, each where it is asked for."""
-    from stochlin.solver.tables.storage import save_table
+    from stochlin.files.storage import save_table
     from stochlin.views.shared.style import save
 
     if out is not None:
@@ -235,7 +235,7 @@ def _columns(table: Table) -> list[str]:
 
 def on_screen(table: xr.Dataset) -> str:
     """The table as text: a row a cell, cut where a screen ends; a single cell as a row a number."""
-    from stochlin.solver.tables.storage import in_rows
+    from stochlin.files.storage import in_rows
 
     shown = table[[name for name in table.data_vars if not str(name).startswith("yield")]]
     digits: Any = {"float_format": lambda x: f"{x:.6g}"}

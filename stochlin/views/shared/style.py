@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any, Literal, ParamSpec
 import numpy as np
 import xarray as xr
 
+from stochlin.files.storage import whole_file
 from stochlin.messages import brief, check_names
 from stochlin.models.arguments import checked
-from stochlin.solver.tables.storage import whole_file
 from stochlin.views.shared.blocks import PICTURES, typeset
 from stochlin.views.shared.words import roles_in_words
 

@@ -40,6 +40,7 @@ from stochlin.applications.cases.reading.site import MOTIONS, SITES, Motion, Sit
 from stochlin.applications.cases.reading.tables import NO_TABLE, Form, Table, read_table
 from stochlin.applications.risk.risk import check_target, doubt_of_text
 from stochlin.applications.sites.elastic_spectra import doubt_of_pga
+from stochlin.files.inputs import input_path
 from stochlin.kernels.simulation.stepping import whole_groups
 from stochlin.messages import hint, plain
 from stochlin.models.arguments import checked
@@ -60,7 +61,6 @@ from stochlin.models.rules.codes import (
 )
 from stochlin.models.rules.other_codes import other_code
 from stochlin.models.uncertain import UncertainModel
-from stochlin.solver.tables.inputs import input_path
 
 NUMBERED = re.compile(r"building_([1-9]\d{0,5})")
 ALL = "all"

@@ -12,13 +12,13 @@ import numpy as np
 from scipy.constants import g
 
 from stochlin.applications.sheets.columns import COUNTED
+from stochlin.files.toml import BACKSLASH
 from stochlin.messages import brief, hint
 from stochlin.models.arguments import A_LABEL, Whole, is_label, is_number, is_whole
 from stochlin.models.parameters import Model, Range
 from stochlin.models.plausible import ANY, Plausible
 from stochlin.models.uncertain import Uncertain, median_of
 from stochlin.models.units import UNITS, likely_unit, size_of
-from stochlin.solver.tables.toml import BACKSLASH
 
 Warn = Callable[[str], None]  # called with what is doubtful about a value that is allowed
 NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(.*)", re.DOTALL)

@@ -11,6 +11,8 @@ from pathlib import Path
 from typing import Any, ClassVar, TypeVar, dataclass_transform
 
 from stochlin.applications.cases.reading.kinds import TEXT, Inner, Key, ListOf, Quantity, Word, keys_of
+from stochlin.files.inputs import input_path
+from stochlin.files.toml import read_toml
 from stochlin.messages import (
     LONGEST_MESSAGE,
     DoubtfulInput,
@@ -24,8 +26,6 @@ from stochlin.messages import (
 from stochlin.models.plausible import unquestioned
 from stochlin.models.uncertain import median_of
 from stochlin.removed import instead_of
-from stochlin.solver.tables.inputs import input_path
-from stochlin.solver.tables.toml import read_toml
 
 F = TypeVar("F", bound="Form")
 M = TypeVar("M")

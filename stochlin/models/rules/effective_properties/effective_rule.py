@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from stochlin.data_files import data_of
+from stochlin.files.package_data import data_of
 from stochlin.kernels.basics.arrays import Array
 from stochlin.models.arguments import Truth, checked
 from stochlin.models.parameters import POSITIVE, Parameter, parameter

@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from stochlin.data_files import data_of
+from stochlin.files.package_data import data_of
 
 _EDGE = 4096  # bytes at each end in which a kind is recognized; archives list their parts at the end
 _MARK = b"\xef\xbb\xbf"  # of text in UTF-8, which some programs write

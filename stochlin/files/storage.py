@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
-from stochlin.kernels.basics.folders import temporary_folder
+from stochlin.files.folders import temporary_folder
 from stochlin.messages import REASONS, brief
 
 if TYPE_CHECKING:

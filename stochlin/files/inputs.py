@@ -13,9 +13,9 @@ from contextvars import ContextVar
 from io import BytesIO
 from pathlib import Path
 
+from stochlin.files.file_kinds import FileKind, check_kind
+from stochlin.files.paths import as_path
 from stochlin.messages import brief, plain
-from stochlin.solver.tables.checks import as_path
-from stochlin.solver.tables.file_kinds import FileKind, check_kind
 
 _GZIP = b"\x1f\x8b"
 MOST_BYTES = 64 * 2**20

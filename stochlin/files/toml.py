@@ -7,9 +7,9 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
+from stochlin.files.file_kinds import check_kind
+from stochlin.files.inputs import read_input
 from stochlin.messages import plain
-from stochlin.solver.tables.file_kinds import check_kind
-from stochlin.solver.tables.inputs import read_input
 
 BACKSLASH = (
     "a backslash begins a special sign in \"double quotes\": write a path in 'single quotes', or with /"
