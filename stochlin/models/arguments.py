@@ -248,7 +248,8 @@ def _doubts(values: dict[str, Any], in_metres: InMetres) -> Iterator[str]:
         structure = median_of(each)
         idle = "ductility" not in values and not getattr(structure, "yields", True)
         if idle and np.any(structure.cells().get("hardening", 1.0) != 1):
-            strength = getattr(structure, "strength_name", "yield_displacement or reduction_factor")
+            strength = structure.strength_name
+            strength += "" if structure.has_storeys else " or reduction_factor"
             yield f"hardening = {brief(structure.hardening)} has no effect without {strength}"
     envelope = values.get("envelope")
     end = values.get("duration")

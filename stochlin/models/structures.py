@@ -1,4 +1,4 @@
-"""Structures: oscillators of one degree of freedom that may yield.
+"""Structures: what all have in common, and oscillators of one degree of freedom that may yield.
 
 The hysteresis law of a structure is its class, in a module of `stochlin.models.laws` or of another
 package.
@@ -6,15 +6,17 @@ package.
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import KW_ONLY, dataclass, replace
 from functools import cache, cached_property
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 import xarray as xr
 from scipy.constants import g
 
+from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.gaussian import Closure
 from stochlin.messages import listed
 from stochlin.models.parameters import PERIODS, POSITIVE, Model, Parameter, Range, parameter
@@ -57,9 +59,54 @@ CLOSURES: Registry[Callable[[type[Structure]], Closure | None]] = Registry(
 )
 
 
+class AnyStructure(Model, base=True):
+    """Base of all structures: oscillators, and buildings with floors."""
+
+    has_storeys: ClassVar[bool]
+    strength_name: ClassVar[str]  # the parameter with the strength [m]
+    damping: Any
+    hardening: Any
+
+    @property
+    @abstractmethod
+    def yields(self) -> bool:
+        """Whether a strength is given, so that the structure can yield."""
+
+    @property
+    @abstractmethod
+    def floor_count(self) -> int:
+        """Number of floors; an oscillator has one."""
+
+    @property
+    @abstractmethod
+    def has_mass(self) -> bool:
+        """Whether a mass is given, so that the structure can act on others."""
+
+    @property
+    @abstractmethod
+    def by_reduction_factor(self) -> bool:
+        """Whether the strength follows from the ground by a reduction factor."""
+
+    @abstractmethod
+    def levels(self) -> Array:
+        """Levels of the floors above the ground [m], (floors,); NaN for an oscillator."""
+
+    @abstractmethod
+    def first_mode(self) -> Structure:
+        """An oscillator itself, or the first mode of a building as an oscillator."""
+
+    @abstractmethod
+    def first_period(self) -> xr.DataArray:
+        """Period of an oscillator, or of the first mode of a building [s]."""
+
+    @abstractmethod
+    def elastic(self) -> Self:
+        """The structure without its strength."""
+
+
 @dataclass(frozen=True)
-class Structure(Model, base=True):
-    """Base of the structures, eq. (5): ``mu'' + 2 xi w mu' + alpha w^2 mu + (1 - alpha) w^2 z = f/uy``.
+class Structure(AnyStructure, base=True):
+    """Base of the oscillators, eq. (5): ``mu'' + 2 xi w mu' + alpha w^2 mu + (1 - alpha) w^2 z = f/uy``.
 
     The strength is given by ``yield_displacement`` or by ``reduction_factor``; without either of them
     the structure stays elastic. A mass is needed only by structures that act on one another, through a
@@ -70,6 +117,8 @@ class Structure(Model, base=True):
     unless the subclass has its own.
     """
 
+    has_storeys = False
+    strength_name = "yield_displacement"
     closures: ClassVar[Mapping[str, Closure]] = {}  # of this law alone, in closed form, by name
 
     period: Parameter = parameter("s", "period of small oscillations", PERIODS)
@@ -111,6 +160,37 @@ class Structure(Model, base=True):
     def yields(self) -> bool:
         """Whether a strength is given, so that the structure can yield."""
         return self.yield_displacement is not None or self.reduction_factor is not None
+
+    @property
+    def floor_count(self) -> int:
+        """1, as for a building of one storey."""
+        return 1
+
+    @property
+    def has_mass(self) -> bool:
+        """Whether a mass is given, so that the structure can act on others."""
+        return self.mass is not None
+
+    @property
+    def by_reduction_factor(self) -> bool:
+        """Whether the strength is given by ``reduction_factor``."""
+        return self.reduction_factor is not None
+
+    def levels(self) -> Array:
+        """NaN, (1,): an oscillator has no height."""
+        return np.full(1, np.nan)
+
+    def first_mode(self) -> Structure:
+        """The oscillator itself."""
+        return self
+
+    def first_period(self) -> xr.DataArray:
+        """The period [s]."""
+        return self.arrays()["period"]
+
+    def elastic(self) -> Self:
+        """The oscillator without its strength."""
+        return replace(self, yield_displacement=None, reduction_factor=None)
 
     @classmethod
     def kinds(cls) -> Collection[type[Model]]:

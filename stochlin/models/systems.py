@@ -17,7 +17,6 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy.linalg
-import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.systems import System
@@ -26,10 +25,8 @@ from stochlin.models.buildings.base import MultistoreyBuilding
 from stochlin.models.buildings.modal import ModalBuilding
 from stochlin.models.links import GROUND, Link
 from stochlin.models.parameters import expect
-from stochlin.models.structures import CURE, Structure
+from stochlin.models.structures import CURE, AnyStructure, Structure
 
-AnyStructure = Structure | MultistoreyBuilding
-STRUCTURES = Structure, MultistoreyBuilding
 LEVEL = 0.05  # [m], floors whose heights differ by less are at the same level
 
 
@@ -259,6 +256,7 @@ def stack_of(structure: AnyStructure) -> Stack:
         by_modes = isinstance(structure, ModalBuilding)
         shares = structure.shear_shares()
         return Stack(structure.system(), structure.levels(), structure.element_law, shares, by_modes)
+    assert isinstance(structure, Structure)
     values = {name: np.asarray(value) for name, value in structure.cells().items()}
     mass = values.get("mass", np.float64(1.0))
     w = 2 * np.pi / values["period"]
@@ -308,29 +306,12 @@ def shares_at(levels: Array, height: float) -> Array:
     return np.array([np.interp(height, [0.0, *levels], [0.0, *floor]) for floor in floors])
 
 
-def floor_count(structure: AnyStructure) -> int:
-    """Number of floors of a structure; an oscillator has one."""
-    return structure.storeys if isinstance(structure, MultistoreyBuilding) else 1
-
-
-def first_mode(structure: AnyStructure) -> Structure:
-    """An oscillator itself, or the first mode of a building as an oscillator."""
-    return structure.oscillator() if isinstance(structure, MultistoreyBuilding) else structure
-
-
 def weaker(structure: AnyStructure, factor: float) -> AnyStructure:
     """The structure with its yield displacement or yield drifts [m] divided by ``factor``."""
     if not structure.yields or factor == 1:
         return structure
-    name = getattr(structure, "strength_name", "yield_displacement")
+    name = structure.strength_name
     return replace(structure, **{name: getattr(structure, name) / factor})
-
-
-def first_period(structure: AnyStructure) -> xr.DataArray:
-    """Period of an oscillator, or of the first mode of a building [s]."""
-    if isinstance(structure, MultistoreyBuilding):
-        return structure.mode_periods()[0].reset_coords(drop=True)
-    return structure.arrays()["period"]
 
 
 def arrangement_of(structures: Sequence[AnyStructure], links: Sequence[Link | None] = ()) -> Arrangement:
@@ -421,5 +402,5 @@ def check_links(name: str, links: object, count: int) -> tuple[Link | None, ...]
 
 def check_mass(structure: AnyStructure, role: str) -> None:
     """Raise a ValueError if a structure on which a link or a contact acts has no mass."""
-    if isinstance(structure, Structure) and structure.mass is None:
+    if not structure.has_mass:
         raise ValueError(f"{role}: mass is not given; links and contacts need it, 0 < value, in kg")

@@ -17,7 +17,7 @@ from stochlin.applications.sites.design_spectra import reduced_eurocode_8
 from stochlin.applications.sites.spectra import interpolated
 from stochlin.kernels.basics.arrays import Array
 from stochlin.models.rules.codes import BEHAVIOUR, IMPORTANCE, CodeRule, Site
-from stochlin.models.systems import arrangement_of, first_mode
+from stochlin.models.systems import arrangement_of
 from stochlin.solver.simulation.structures_in_motion import at_height
 from stochlin.solver.tables import labels
 
@@ -92,7 +92,7 @@ def design_displacements(case: Case, building: Building, rule: CodeRule) -> Arra
     """
     if building.form.displacements:
         return np.array(building.form.displacements)
-    mode = first_mode(building.structure)
+    mode = building.structure.first_mode()
     spectrum = case.site.spectrum
     assert spectrum is not None
     period = float(mode.arrays()["period"])

@@ -36,7 +36,8 @@ from stochlin.models.links import Link
 from stochlin.models.measures import Measure
 from stochlin.models.parameters import expect
 from stochlin.models.plausible import PLAUSIBLE
-from stochlin.models.systems import AnyStructure, Arrangement, arrangement_of, first_mode
+from stochlin.models.structures import AnyStructure
+from stochlin.models.systems import Arrangement, arrangement_of
 from stochlin.models.uncertain import applied, median_of
 from stochlin.solver.simulation.prepared import FiniteMotion, PreparedStructures
 from stochlin.solver.simulation.results.peaks import LINK_PEAKS
@@ -326,7 +327,7 @@ class MitigatedPair:
             self.system(_dashpot(0.0))
         except ValueError:
             return None
-        modes = [first_mode(structure).arrays() for structure in self.known(Measure())]
+        modes = [structure.first_mode().arrays() for structure in self.known(Measure())]
         mass = float(reduced_mass(*(float(mode["mass"]) for mode in modes)))
         frequency = float(np.mean([2 * np.pi / float(mode["period"]) for mode in modes]))
         return 2 * mass * frequency, mass * frequency**2

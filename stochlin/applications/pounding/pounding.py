@@ -29,7 +29,7 @@ from stochlin.messages import ImplausibleInput
 from stochlin.models.arguments import Quantiles, Whole, checked
 from stochlin.models.links import Link
 from stochlin.models.plausible import PLAUSIBLE
-from stochlin.models.systems import AnyStructure
+from stochlin.models.structures import AnyStructure
 from stochlin.solver.simulation.results.peaks import LINK_PEAKS
 from stochlin.solver.simulation.statistics import (
     Columns,

@@ -18,10 +18,9 @@ from stochlin.models.arguments import as_numbers
 from stochlin.models.contacts.elements import Contact, Element
 from stochlin.models.links import Link
 from stochlin.models.parameters import expect
-from stochlin.models.structures import Structure
+from stochlin.models.structures import AnyStructure
 from stochlin.models.systems import (
     LEVEL,
-    AnyStructure,
     Arrangement,
     arrangement_of,
     check_links,
@@ -93,8 +92,7 @@ def checked_buildings(structures: Sequence[AnyStructure]) -> list[AnyStructure]:
     for number, structure in enumerate(structures, start=1):
         role = f"structures, number {number}"
         check_structure(role, structure)
-        if isinstance(structure, Structure):
-            check_scalars(structure, role, NUMBERS)
+        check_scalars(structure, role, NUMBERS)
         check_mass(structure, role)
     return list(structures)
 

@@ -19,7 +19,7 @@ from stochlin.kernels.linearization.transient import TransientMoments
 from stochlin.kernels.probability import accumulated, exceeding, hazards
 from stochlin.models.parameters import Parameter
 from stochlin.models.structures import DRIFT, Gap
-from stochlin.models.systems import Arrangement, first_period
+from stochlin.models.systems import Arrangement
 from stochlin.models.uncertain import median_of
 from stochlin.solver.correlation.levels import PairsInTime, lone_pair_in_time
 from stochlin.solver.linearization.levels import INSTANTS, EnvelopesInTime, strengths
@@ -256,7 +256,7 @@ def by_formula(
     ground = replace(ground, intensity=scaled)
     system, problem = problem_of(models_of(pair, ground), in_time=True)
     heights = meeting_heights(*system.stacks)
-    shortest = min(float(first_period(structure)) for structure in pair)
+    shortest = min(float(structure.first_period()) for structure in pair)
     moments = moments_of_pair(system, problem, heights, course, shortest, progress)
     return [
         _table(RelativeMotion(PairMoments(*parts), course, weights), heights, distance, confidence)

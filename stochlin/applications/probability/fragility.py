@@ -30,8 +30,7 @@ from stochlin.models.arguments import Duration, Probability, Scatter, Seed, as_n
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground, scatter_of
 from stochlin.models.parameters import Parameter
-from stochlin.models.structures import Gap
-from stochlin.models.systems import AnyStructure, first_period
+from stochlin.models.structures import AnyStructure, Gap
 from stochlin.models.uncertain import as_array, median_of
 from stochlin.solver.linearization.transient_response import IN_TIME, InTime
 from stochlin.solver.linearization.transient_systems import check_course, course_of, over_time
@@ -154,7 +153,7 @@ def pounding_fragility(
     if paths:
         motion = FiniteMotion(seconds, envelope, scatter, seed)
         prepared = PreparedStructures.of(by_role, ground, motion, paths, levels.size)
-    course = course_of(envelope, seconds, min(float(first_period(each)) for each in pair), POINTS)
+    course = course_of(envelope, seconds, min(float(each.first_period()) for each in pair), POINTS)
     taken = closure_in_time(closure, pair)
     along = labels.axis(INTENSITY, "intensity S0", levels, "m^2/s^3")
     table = xr.Dataset(coords={INTENSITY: along})

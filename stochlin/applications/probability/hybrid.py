@@ -15,8 +15,7 @@ from stochlin.kernels.probability import beyond_phase, concentration, least_phas
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import expect
 from stochlin.models.states import NotLinearizedError
-from stochlin.models.structures import Gap, Structure
-from stochlin.models.systems import AnyStructure
+from stochlin.models.structures import AnyStructure, Gap, Structure
 from stochlin.solver.correlation.correlation import correlate
 from stochlin.solver.linearization.strength import strength_in_metres
 from stochlin.solver.linearization.transient_systems import TIME

@@ -25,8 +25,7 @@ from stochlin.models.arguments import (
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground, scatter_of
 from stochlin.models.parameters import Parameter, expect
-from stochlin.models.structures import DRIFT, GAUSSIAN, Gap
-from stochlin.models.systems import AnyStructure, first_period
+from stochlin.models.structures import DRIFT, GAUSSIAN, AnyStructure, Gap
 from stochlin.models.uncertain import median_of
 from stochlin.solver.linearization.levels import why_no_drift
 from stochlin.solver.linearization.transient_response import IN_TIME, InTime
@@ -277,7 +276,7 @@ def closure_in_time(closure: InTime | None, structures: Sequence[AnyStructure]) 
 def _periods(role: str, structure: AnyStructure, duration: float) -> xr.DataArray:
     """First periods [s], NaN where they are invalid or longer than the duration."""
     check_duration(duration, {role: structure})
-    period = first_period(structure)
+    period = structure.first_period()
     return period.where(structure.valid() & (period <= duration))
 
 

@@ -18,8 +18,8 @@ from stochlin.messages import plain
 from stochlin.models.arguments import OfClass, check_label, is_label
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import expect
-from stochlin.models.structures import Structure
-from stochlin.models.systems import STRUCTURES, AnyStructure, falls_at
+from stochlin.models.structures import AnyStructure, Structure
+from stochlin.models.systems import falls_at
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.cells import Flat, flat
 from stochlin.solver.tables.checks import check_work, count_cells
@@ -127,8 +127,8 @@ def ends_of_events(values: xr.DataArray, events: Sequence[object]) -> list[xr.Da
 
 def check_structure(role: str, structure: AnyStructure) -> None:
     """Raise an error for a structure whose response to a record cannot be computed."""
-    expect(structure, STRUCTURES, role)
-    if isinstance(structure, Structure) and structure.reduction_factor is not None:
+    expect(structure, AnyStructure, role)
+    if structure.by_reduction_factor:
         raise ValueError(f"{role}: reduction_factor is for a ground; allowed: yield_displacement")
 
 

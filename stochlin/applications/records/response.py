@@ -23,8 +23,8 @@ from stochlin.kernels.records.runs import peaks_on_records, response
 from stochlin.models.arguments import Whole, checked
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import Parameter
-from stochlin.models.structures import Structure
-from stochlin.models.systems import AnyStructure, arrangement_of
+from stochlin.models.structures import AnyStructure
+from stochlin.models.systems import arrangement_of
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_scalars
 
@@ -257,8 +257,7 @@ def respond(
     >>> motion.sizes["time"], float(abs(motion.z).max())
     (1997, 1.0)
     """
-    if isinstance(structure, Structure):
-        check_scalars(structure, "structure", SCALARS)
+    check_scalars(structure, "structure", SCALARS)
     if not isinstance(record, xr.DataArray):
         raise TypeError(f"record is a {type(record).__name__}; allowed: one xarray.DataArray")
     motions = checked_motions(record)
@@ -279,7 +278,7 @@ def respond(
 def _until_fall(table: xr.Dataset, structure: AnyStructure) -> xr.Dataset:
     """A history with NaN after the structure falls, and with the time at which it does, if it does."""
     system = arrangement_of([structure])
-    drifts = table.displacement if isinstance(structure, Structure) else table.storey_drift
+    drifts = table.storey_drift if structure.has_storeys else table.displacement
     fallen = system.fallen(drifts.values.reshape(table.time.size, -1), system.limits)[:, 0]
     if not fallen.any():
         return table

@@ -17,8 +17,8 @@ from stochlin.kernels.records.runs import SampledMotion
 from stochlin.kernels.simulation.contacts import Contacts
 from stochlin.kernels.simulation.moving import ENTERING, SPENT, VISCOUS_LOSS, Q, V, Z
 from stochlin.messages import DoubtfulInput
-from stochlin.models.structures import Structure
-from stochlin.models.systems import AnyStructure, Arrangement, arrangement_of, first_period
+from stochlin.models.structures import AnyStructure
+from stochlin.models.systems import Arrangement, arrangement_of
 from stochlin.solver.simulation.connected_structures import SteppedGroup, connected_groups, row_of
 from stochlin.solver.simulation.finite_motions import runs_away
 from stochlin.solver.simulation.structures_in_motion import apart, at_height, pairs_of
@@ -168,7 +168,7 @@ def stepped_history(structure: AnyStructure, ground: SampledMotion, refine: int)
     columns = {f"{name}_energy_per_mass": ("time", e / mass.sum()) for name, e in energies.items()}
     table = xr.Dataset({"displacement": over(FLOOR, u), "velocity": over(FLOOR, v), **columns})
     if lone:
-        radius = np.hypot(u[:, 0], v[:, 0] * float(first_period(structure)) / (2 * np.pi))
+        radius = np.hypot(u[:, 0], v[:, 0] * float(structure.first_period()) / (2 * np.pi))
         table["radius"] = ("time", radius)
     else:
         table["storey_drift"] = over(ELEMENT, drift)
@@ -194,7 +194,7 @@ def stepped_gap(
         moved = np.array([apart(system, pair) for pair in pairs]) @ floors
     functions = np.concatenate([highest, system.drifts, moved])
     connected = connected_groups(system)
-    periods = [float(s.arrays()["period"]) for s in structures if isinstance(s, Structure)]
+    periods = [float(s.arrays()["period"]) for s in structures if not s.has_storeys]
     tables = []
     for ground in motions.grounds:
         motion = stepped_response(system, connected, ground, functions)

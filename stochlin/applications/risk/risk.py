@@ -36,7 +36,7 @@ from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground, scatter_of
 from stochlin.models.hazards import Hazard, HazardCurve
 from stochlin.models.plausible import PLAUSIBLE
-from stochlin.models.systems import AnyStructure, first_period
+from stochlin.models.structures import AnyStructure
 from stochlin.models.uncertain import median_of
 from stochlin.solver.simulation.prepared import FiniteMotion, PreparedStructures
 from stochlin.solver.simulation.statistics import mean_with_error, pounding_shares
@@ -247,7 +247,7 @@ def _over_cells(
     envelope = motion.envelope
     both = {role: median_of(structure) for role, structure in structures.items()}
     check_duration(duration, both)
-    long_enough = reduce(and_, (first_period(structure) <= duration for structure in both.values()))
+    long_enough = reduce(and_, (structure.first_period() <= duration for structure in both.values()))
 
     def of_cell(ground: Ground, **structures: AnyStructure) -> xr.Dataset:
         return result(simulated_risk(structures, ground, hazard, motion, paths, progress))

@@ -16,7 +16,7 @@ from stochlin.models.arguments import Duration, Paths, Probability, Scatter, See
 from stochlin.models.buildings.shear import RegularBuilding
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground, scatter_of
-from stochlin.models.systems import AnyStructure
+from stochlin.models.structures import AnyStructure
 from stochlin.models.uncertain import Uncertain, UncertainModel, median_of
 from stochlin.solver.linearization.strength import strength_in_metres
 from stochlin.solver.simulation.finite_motions import simulate_finite

@@ -32,7 +32,7 @@ from stochlin.models.rules.codes import (
     code_rule,
     code_rule_names,
 )
-from stochlin.models.systems import AnyStructure
+from stochlin.models.structures import AnyStructure
 from stochlin.solver.tables import labels
 
 PEAKS = "peak_1", "peak_2"

@@ -30,7 +30,8 @@ from stochlin.models.arguments import (
 )
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground, scatter_of
-from stochlin.models.systems import AnyStructure, first_mode, weaker
+from stochlin.models.structures import AnyStructure
+from stochlin.models.systems import weaker
 from stochlin.models.uncertain import applied, median_of
 from stochlin.solver.linearization.equivalent_systems import solved_together
 from stochlin.solver.linearization.strength import solved_reduction_factor
@@ -290,7 +291,7 @@ class GapSearch:
         added = required(partial(changed, damped), 0.0).least(DAMPINGS)
         columns: dict[str, Any] = {**keeping_apart(samples, self.gap), "required_gap": as_built[0]}
         usual = prepared.usual
-        modes = [first_mode(median_of(structure)) for structure in self.structures.values()]
+        modes = [median_of(structure).first_mode() for structure in self.structures.values()]
         factors = [solved_reduction_factor(mode, solved_together((mode,), usual)) for mode in modes]
         limits: dict[str, Any] = {}
         for end, edge in (("largest", largest_factor), ("least", least_factor)):

@@ -22,7 +22,6 @@ from stochlin.applications.separation.storeys import (
 )
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.systems.response import StationaryResponse
-from stochlin.models.buildings.base import MultistoreyBuilding
 from stochlin.models.envelopes import strong_seconds
 from stochlin.models.grounds import Ground
 from stochlin.models.rules.codes import CodeRule, Site
@@ -33,7 +32,7 @@ from stochlin.models.rules.effective_properties import (
 )
 from stochlin.models.rules.peak_factors import PEAK_FACTORS, peak_factor_model
 from stochlin.models.structures import Structure
-from stochlin.models.systems import Arrangement, first_mode
+from stochlin.models.systems import Arrangement
 from stochlin.solver.correlation.equation_4 import rho_effective
 from stochlin.solver.correlation.levels import PairsInTime, lone_pair_in_time
 from stochlin.solver.linearization.equivalent_systems import Solved, solved_together
@@ -103,7 +102,7 @@ class PairInMotion:
     @property
     def has_storeys(self) -> bool:
         """Whether one of the structures is a building with storeys."""
-        return any(isinstance(structure, MultistoreyBuilding) for structure in self.structures)
+        return any(structure.has_storeys for structure in self.structures)
 
     @property
     def system(self) -> Arrangement:
@@ -127,7 +126,7 @@ class PairInMotion:
     @cached_property
     def modes(self) -> list[Structure]:
         """The first modes of the structures as oscillators."""
-        return [first_mode(structure) for structure in self.structures]
+        return [structure.first_mode() for structure in self.structures]
 
     @cached_property
     def elastic(self) -> list[Solved]:
@@ -149,9 +148,7 @@ class PairInMotion:
         """Mean peak ductility of the first modes, from roof displacements; 0 if elastic."""
         roofs = self.motions.peak_mean.to_numpy()[self.system.first[1:] - 1]
         shares = [
-            float(structure.first_mode_moves()[-1])
-            if isinstance(structure, MultistoreyBuilding)
-            else 1.0
+            float(structure.first_mode_moves()[-1]) if structure.has_storeys else 1.0
             for structure in self.structures
         ]
         ductilities: Array = roofs / np.array(shares) / np.array(self.yield_displacements)

@@ -27,11 +27,10 @@ from stochlin.models.arguments import (
     Seed,
     checked,
 )
-from stochlin.models.buildings.base import MultistoreyBuilding
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground, scatter_of
 from stochlin.models.rules.codes import BOTH, Site
-from stochlin.models.systems import AnyStructure, first_period
+from stochlin.models.structures import AnyStructure
 from stochlin.models.uncertain import median_of
 from stochlin.solver.simulation.prepared import MOST, FiniteMotion, PreparedStructures
 from stochlin.solver.simulation.statistics import (
@@ -217,7 +216,7 @@ def separation(
     check_scalars(site, "separation", "a number")
     check_duration(duration, both)
     inputs = inputs_in_words(site, numbers)
-    if any(isinstance(structure, MultistoreyBuilding) for structure in both.values()):
+    if any(structure.has_storeys for structure in both.values()):
         site = of_storeys(site, list(both.values()))
 
     # All cells of a table have the same number of motions.
@@ -245,7 +244,7 @@ def separation(
             return table.assign({f"record_{name}": recorded[name] for name in recorded.data_vars})
 
     models: dict[str, Any] = {**by_role, "ground": ground}
-    long_enough = reduce(and_, (first_period(structure) <= duration for structure in both.values()))
+    long_enough = reduce(and_, (structure.first_period() <= duration for structure in both.values()))
     table = over_cells(of_cell, models, long_enough)
     table["verdict"] = table.verdict.where(table.gap.notnull(), NOT_AVAILABLE).astype(np.int8)
     table = labels.label(table)

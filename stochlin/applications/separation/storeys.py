@@ -22,19 +22,13 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.systems import Modes
 from stochlin.kernels.linearization.systems.response import StationaryResponse
 from stochlin.messages import DoubtfulInput
-from stochlin.models.buildings.base import MODE, MultistoreyBuilding
+from stochlin.models.buildings.base import MODE
 from stochlin.models.grounds import Ground, WhiteNoise
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.links import Link
 from stochlin.models.rules.codes import Site
-from stochlin.models.structures import Structure
-from stochlin.models.systems import (
-    LEVEL,
-    AnyStructure,
-    Arrangement,
-    arrangement_of,
-    slabs_on_columns,
-)
+from stochlin.models.structures import AnyStructure
+from stochlin.models.systems import LEVEL, Arrangement, arrangement_of, slabs_on_columns
 from stochlin.solver.correlation.correlation import correlate
 from stochlin.solver.linearization.systems.systems import linearized_motion
 from stochlin.solver.simulation.statistics import ABOVE_GROUND
@@ -101,16 +95,17 @@ def of_storeys(site: Site, structures: Sequence[AnyStructure]) -> Site:
     for n, structure in enumerate(structures, start=1):
         height = getattr(site, f"height_{n}")
         storeys = getattr(site, f"storeys_{n}")
-        if isinstance(structure, MultistoreyBuilding):
+        own = structure.floor_count
+        if structure.has_storeys:
             roof = float(structure.levels()[-1])
             if height is not None and abs(height - roof) > LEVEL:
                 what = f"height_{n} = {height:g} m, but the storeys add up to {roof:g} m; leave it out"
                 raise ValueError(what)
-            if storeys not in (None, structure.storeys):
-                what = f"storeys_{n} = {storeys:g}, but that building has {structure.storeys} storeys"
+            if storeys not in (None, own):
+                what = f"storeys_{n} = {storeys:g}, but that building has {own} storeys"
                 raise ValueError(f"{what}; leave it out")
             height = roof
-            storeys = structure.storeys
+            storeys = own
         roofs.append(height)
         numbers[f"storeys_{n}"] = storeys
     if site.floors_align:
@@ -121,7 +116,7 @@ def of_storeys(site: Site, structures: Sequence[AnyStructure]) -> Site:
 
 def _check_floors(structures: Sequence[AnyStructure]) -> None:
     """Raise a ValueError if floors of two structures with storeys are not at the same levels."""
-    levels = [each.levels() for each in structures if isinstance(each, MultistoreyBuilding)]
+    levels = [each.levels() for each in structures if each.has_storeys]
     off = slabs_on_columns(*levels) if len(levels) == 2 else ()
     if off:
         at = ", ".join(f"{levels[side][floor - 1]:g}" for side, floor in off)
@@ -173,8 +168,7 @@ def spectral_peaks(
     spectrum has no value for a mode.
     """
     for n, structure in enumerate(structures, start=1):
-        if isinstance(structure, Structure):
-            check_scalars(structure, f"modes_{n}", "numbers")
+        check_scalars(structure, f"modes_{n}", "numbers")
     system = arrangement_of(structures)
     heights = facing_heights(system)
     modes = modes_of(system)

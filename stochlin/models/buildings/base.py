@@ -5,6 +5,7 @@ from __future__ import annotations
 import warnings
 from abc import abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
@@ -19,7 +20,7 @@ from stochlin.models.laws.hysteretic import Hysteretic, law_of
 from stochlin.models.parameters import Model, check_units
 from stochlin.models.plausible import PLAUSIBLE, doubts_of_size
 from stochlin.models.states import in_words
-from stochlin.models.structures import HARDENING, Structure
+from stochlin.models.structures import HARDENING, AnyStructure, Structure
 from stochlin.models.uncertain import WithoutCells, as_array
 from stochlin.models.values import CASE
 
@@ -38,7 +39,7 @@ PERIOD_OFF = 0.1  # of the first period, by which a pushover curve may differ
 GRAVITY = scipy.constants.g
 
 
-class MultistoreyBuilding(WithoutCells, Model, base=True):
+class MultistoreyBuilding(WithoutCells, AnyStructure, base=True):
     """Base of the buildings with floors: `ShearBuilding` and `ModalBuilding`.
 
     The elements of a building have one hysteresis law: they are its storeys, or its modes. Its arrays
@@ -46,12 +47,12 @@ class MultistoreyBuilding(WithoutCells, Model, base=True):
     """
 
     instead = "use linearize_system, simulate or pound, or give the building's oscillator()"
+    has_storeys = True
+    by_reduction_factor = False
+    has_mass = True
     element: ClassVar[str]  # the dimension of the elements, which are storeys or modes
-    strength_name: ClassVar[str]  # the parameter with the strength of the elements [m]
     dimensions: ClassVar[Mapping[str, str]]  # of the parameters that are lists
     one_for_all: ClassVar[Sequence[str]]  # parameters of which one number may stand for a list
-    damping: Any
-    hardening: Any
     law: str | sympy.Expr | Mapping[str, sympy.Expr]
     law_parameters: Mapping[str, Any] | None
 
@@ -99,6 +100,23 @@ class MultistoreyBuilding(WithoutCells, Model, base=True):
     def storeys(self) -> int:
         """Number of storeys, which is also that of the floors."""
         return int(self.cells()["heights"].size)
+
+    @property
+    def floor_count(self) -> int:
+        """Number of floors, one above each storey."""
+        return self.storeys
+
+    def first_mode(self) -> Structure:
+        """The first mode as an oscillator."""
+        return self.oscillator()
+
+    def first_period(self) -> xr.DataArray:
+        """Period of the first mode [s]."""
+        return self.mode_periods()[0].reset_coords(drop=True)
+
+    def elastic(self) -> Self:
+        """The building without its strength."""
+        return replace(self, **{self.strength_name: None})
 
     @property
     @abstractmethod

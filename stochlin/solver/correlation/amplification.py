@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import partial
 from typing import Any, Literal
 
@@ -12,12 +11,10 @@ import xarray as xr
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief
 from stochlin.models.arguments import Duration, Paths, Seed, checked
-from stochlin.models.buildings.base import MultistoreyBuilding
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import expect
-from stochlin.models.structures import GAUSSIAN, Structure
-from stochlin.models.systems import AnyStructure, first_period
+from stochlin.models.structures import GAUSSIAN, AnyStructure, Structure
 from stochlin.solver.linearization.equivalent_systems import solve_elastic
 from stochlin.solver.linearization.linearization import linearize
 from stochlin.solver.simulation.simulation import simulate
@@ -145,7 +142,7 @@ def amplification(
 def _of_peaks(models: dict[str, Any], motion: dict[str, Any]) -> xr.Dataset:
     """The dataset that `amplification` returns for peaks."""
     duration = check_duration(motion["duration"], {"structure": models["structure"]})
-    long_enough = first_period(models["structure"]) <= duration
+    long_enough = models["structure"].first_period() <= duration
     table = labels.label(over_cells(partial(_of_cell, motion), models, long_enough))
     labels.raise_if_lone_failure(table, "amplification", *models.values())
     return labels.with_run_information(
@@ -159,12 +156,12 @@ def _of_peaks(models: dict[str, Any], motion: dict[str, Any]) -> xr.Dataset:
 
 def _of_cell(motion: dict[str, Any], structure: AnyStructure, ground: Ground) -> xr.Dataset:
     """Amplification of the peaks of one structure, which moves beside its elastic counterpart."""
-    motions = simulate([structure, _elastic(structure)], ground, scatter=0.0, **motion)
+    motions = simulate([structure, structure.elastic()], ground, scatter=0.0, **motion)
     n = motions.peak.shape[1] // 2
     peaks = motions.peak.values
     ratios = _ratios(peaks[:, :n], peaks[:, n:])
     attrs = {key: value for key, value in motions.attrs.items() if not key.startswith("structure")}
-    if isinstance(structure, MultistoreyBuilding):
+    if structure.has_storeys:
         own = motions.isel({FLOOR: slice(None, n), ELEMENT: slice(None, n)})[["peak_mean", "ductility"]]
         columns = {name: (FLOOR, values) for name, values in ratios.items()}
         table = xr.Dataset(columns, own.coords).assign(ductility=own.ductility)
@@ -172,19 +169,12 @@ def _of_cell(motion: dict[str, Any], structure: AnyStructure, ground: Ground) ->
         most = motions.peak_drift.max("path") * motions.ductility
         stayed = not bool((most > motions.peak_drift_mean).any())
     else:
-        strength = float(solve_elastic(structure, ground).yield_displacement)
+        strength = float(solve_elastic(structure.first_mode(), ground).yield_displacement)
         table = xr.Dataset({name: float(values[0]) for name, values in ratios.items()})
         table["ductility"] = table.peak_mean / strength
         stayed = bool((peaks[:, 0] <= strength).all())
     status = np.int8(labels.ELASTIC_LIMIT if stayed else labels.CONVERGED)
     return table.assign(status=status).assign_attrs(attrs)
-
-
-def _elastic(structure: AnyStructure) -> AnyStructure:
-    """The structure without its strength."""
-    if isinstance(structure, MultistoreyBuilding):
-        return replace(structure, **{structure.strength_name: None})
-    return replace(structure, yield_displacement=None, reduction_factor=None)
 
 
 @np.errstate(invalid="ignore")  # infinite if the structure falls in a motion

@@ -13,11 +13,9 @@ from scipy.optimize import elementwise
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief
 from stochlin.models.arguments import checked
-from stochlin.models.buildings.base import MultistoreyBuilding
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import POSITIVE, Model, Parameter, parameter
-from stochlin.models.structures import DRIFT, GAUSSIAN, Structure
-from stochlin.models.systems import AnyStructure
+from stochlin.models.structures import DRIFT, GAUSSIAN, AnyStructure, Structure
 from stochlin.solver.linearization.drift_map import STRENGTH_RATIO, with_correction
 from stochlin.solver.linearization.equivalent_systems import (
     JUDGED,
@@ -263,7 +261,7 @@ def solved_reduction_factor(structure: Structure, solved: Solved) -> float:
 
 def strength_in_metres(structure: AnyStructure, ground: Ground) -> Any:
     """The structure with its strength as a yield displacement [m] instead of a reduction factor."""
-    if isinstance(structure, MultistoreyBuilding) or structure.reduction_factor is None:
+    if not (isinstance(structure, Structure) and structure.by_reduction_factor):
         return structure
     uy = solved_together((structure,), ground).labelled(0, ["yield_displacement"])["yield_displacement"]
     if not np.ndim(uy) and not 0 < float(uy) < np.inf:

@@ -12,7 +12,8 @@ from stochlin.kernels.basics.parallel import Progress, cores
 from stochlin.kernels.simulation.ensemble import Extremes, Links, finite_extremes
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.models.envelopes import Envelope, envelope_at
-from stochlin.models.systems import AnyStructure, Arrangement, Stack
+from stochlin.models.structures import AnyStructure
+from stochlin.models.systems import Arrangement, Stack
 from stochlin.solver.simulation.ensembles import SimulationRun, seconds_of
 from stochlin.solver.simulation.results import RESULTS, EndedMotions, columns_of
 from stochlin.solver.simulation.statistics import (

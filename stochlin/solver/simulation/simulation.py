@@ -21,7 +21,7 @@ from stochlin.models.arguments import (
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground, scatter_of
 from stochlin.models.links import Link
-from stochlin.models.systems import AnyStructure, floor_count
+from stochlin.models.structures import AnyStructure
 from stochlin.models.uncertain import median_of
 from stochlin.solver.simulation.ensembles import check_memory
 from stochlin.solver.simulation.finite_motions import check_motion, simulate_finite
@@ -169,7 +169,7 @@ def simulate(
     if scatter is None:
         scatter = 0.0 if duration is None else scatter_of(ground, None)
     check_motion(duration, envelope, scatter, roles)
-    check_memory(sum(map(floor_count, roles.values())), paths)
+    check_memory(sum(structure.floor_count for structure in roles.values()), paths)
     moving = structures_in_motion(
         structures,
         ground,

@@ -15,10 +15,8 @@ from stochlin.messages import brief
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
 from stochlin.models.parameters import expect
-from stochlin.models.structures import Structure
+from stochlin.models.structures import AnyStructure, Structure
 from stochlin.models.systems import (
-    STRUCTURES,
-    AnyStructure,
     Arrangement,
     Stack,
     arrangement_of,
@@ -181,9 +179,8 @@ def checked_structures(structures: Sequence[AnyStructure], ground: Ground) -> di
         raise ValueError("structures is empty; allowed: at least one")
     roles = {f"structures[{number}]": median_of(each) for number, each in enumerate(structures)}
     for role, structure in roles.items():
-        expect(structure, STRUCTURES, role)
-        if isinstance(structure, Structure):
-            check_scalars(structure, role, SCALARS)
+        expect(structure, AnyStructure, role)
+        check_scalars(structure, role, SCALARS)
     check_scalars(median_of(ground), "ground", SCALARS)
     return roles
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from stochlin.models.arguments import DURATION, Number, Whole, check_fields
 from stochlin.models.parameters import Model, Range
-from stochlin.models.systems import AnyStructure, first_period
+from stochlin.models.structures import AnyStructure
 
 
 def check_scalars(model: Model, role: str, allowed: str) -> None:
@@ -30,7 +30,7 @@ def check_duration(duration: Any, structures: Mapping[str, AnyStructure] | None 
     """
     DURATION("duration", duration)
     for role, structure in (structures or {}).items():
-        period = first_period(structure)
+        period = structure.first_period()
         if period.ndim == 0 and float(period) > duration:
             what = f"duration = {duration:g} s is shorter than the period of {role}, {float(period):g} s"
             raise ValueError(f"{what}; allowed: one period or more")

@@ -39,7 +39,7 @@ from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Range
 from stochlin.models.plausible import PLAUSIBLE, doubts_of_factors, doubts_of_size, unquestioned
 from stochlin.models.rules.codes import AT_LEAST_1, OF_IMPORTANCE
-from stochlin.models.systems import first_period, slabs_on_columns
+from stochlin.models.systems import slabs_on_columns
 from stochlin.models.uncertain import applied, median_of
 from stochlin.solver.linearization.drift_map import calibrated_closure
 from stochlin.solver.linearization.strength import strength_for_ductility, strength_in_metres
@@ -293,7 +293,7 @@ class Building:
     @property
     def period(self) -> float:
         """Period of the first mode, of small oscillations [s]."""
-        return float(first_period(self.structure))
+        return float(self.structure.first_period())
 
     @property
     def turning(self) -> str:

@@ -24,14 +24,8 @@ from stochlin.models.arguments import as_numbers, checked
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
 from stochlin.models.parameters import Model, expect
-from stochlin.models.structures import GAUSSIAN
-from stochlin.models.systems import (
-    STRUCTURES,
-    AnyStructure,
-    Arrangement,
-    arrangement_of,
-    check_links,
-)
+from stochlin.models.structures import GAUSSIAN, AnyStructure
+from stochlin.models.systems import Arrangement, arrangement_of, check_links
 from stochlin.solver.linearization.strength import strength_in_metres
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_scalars
@@ -47,7 +41,7 @@ def problem_of(models: Mapping[str, Any], *, in_time: bool = False) -> tuple[Arr
     """
     ground = models["ground"]
     values = models["ground"].arrays()
-    structures = [strength_in_metres(m, ground) for m in models.values() if isinstance(m, STRUCTURES)]
+    structures = [strength_in_metres(m, ground) for m in models.values() if isinstance(m, AnyStructure)]
     numbers = [int(role.removeprefix(LINK)) for role in models if role.startswith(LINK)]
     ties = [models.get(f"{LINK}{n}") for n in range(1, 1 + max(numbers, default=0))]
     system = arrangement_of(structures, ties)
@@ -103,7 +97,7 @@ def models_of(
     if not structures:
         raise ValueError("structures = []; allowed: at least one structure")
     for number, structure in enumerate(structures, start=1):
-        expect(structure, STRUCTURES, f"structures, number {number}")
+        expect(structure, AnyStructure, f"structures, number {number}")
     return labels.named_models(structures, ground, check_links("links", links, len(structures)))
 
 

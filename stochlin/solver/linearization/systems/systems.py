@@ -26,12 +26,8 @@ from stochlin.models.arguments import Number, checked
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
 from stochlin.models.parameters import Range
-from stochlin.models.systems import (
-    AnyStructure,
-    Arrangement,
-    check_stationary,
-    floor_count,
-)
+from stochlin.models.structures import AnyStructure
+from stochlin.models.systems import Arrangement, check_stationary
 from stochlin.solver.linearization.equivalent_systems import ELASTIC, STRONG
 from stochlin.solver.linearization.systems.state_space import (
     in_elements,
@@ -229,7 +225,7 @@ def solve_system(
 
 def _check_iteration(cells: int, structures: Sequence[AnyStructure]) -> None:
     """Raise a ValueError if the iteration of all cells would take too long or too much memory."""
-    elements = sum(map(floor_count, structures))
+    elements = sum(structure.floor_count for structure in structures)
     check_work(
         f"the iteration of {cells} systems would take" if cells > 1 else "the iteration would take",
         "take fewer cells at a time, storeys together, or structures that are not linked apart",
