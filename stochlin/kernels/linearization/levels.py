@@ -25,7 +25,7 @@ from stochlin.kernels.linearization.filters import Filter
 from stochlin.kernels.linearization.grounds import followed
 
 LEAST = 0.02  # lowest level for motions of one size
-LEVELS = 16  # number of levels from it to 1
+STEPS = 15  # from it to 1
 FINE = 8  # steps of a table between two levels
 AT_REST = 1e-12  # squared level of a motion that has not begun
 NEWTON = 5  # steps to a slow mode
@@ -40,7 +40,7 @@ Rows = TypeVar("Rows", bound=tuple[Array, ...])
 
 def levels_for(spread: float) -> Array:
     """Levels up to 1 for motions of which the largest is so many times the smallest."""
-    steps = (LEVELS - 1) * np.log(spread / LEAST) / np.log(1 / LEAST)
+    steps = STEPS * np.log(spread / LEAST) / np.log(1 / LEAST)
     return np.geomspace(LEAST / spread, 1.0, 1 + int(np.ceil(steps)))
 
 

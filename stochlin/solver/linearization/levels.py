@@ -20,7 +20,7 @@ from stochlin.kernels.linearization.levels import (
     moving,
     structure_rows,
 )
-from stochlin.models.envelopes import Envelope, envelope_at
+from stochlin.models.envelopes import Envelope, envelope_at, strong_seconds
 from stochlin.models.grounds import Ground
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.structures import DRIFT, Structure
@@ -64,6 +64,7 @@ class EnvelopesInTime(NamedTuple):
     envelope: Array  # (instants, m), over the scale
     squares: Array  # (steps, m) squared envelopes in the middle of each step of the lag, likewise
     weights: Array  # (m,) of the sizes, over which results are averaged
+    strong_seconds: float  # duration of the stationary motion of equal energy [s]
 
     @classmethod
     def of(
@@ -82,12 +83,8 @@ class EnvelopesInTime(NamedTuple):
         scale = float(within.max())
         spread = float(sizes.max() / sizes.min())
         now = np.maximum(envelope_at(envelope, times)[:, None] * sizes / scale, LEAST_ENVELOPE)
-        return cls(times, scale, spread, now, (within / scale) ** 2, weights)
-
-    @property
-    def strong_seconds(self) -> float:
-        """Duration of the stationary motion of equal energy [s]."""
-        return float((self.squares / self.squares.max(axis=0)).mean() * self.times[-1])
+        strong = strong_seconds(duration, envelope)
+        return cls(times, scale, spread, now, (within / scale) ** 2, weights, strong)
 
     @property
     def step(self) -> float:
