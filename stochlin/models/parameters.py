@@ -119,6 +119,7 @@ class Model(ByValue, metaclass=_Kind):
     is_base: ClassVar[bool] = True  # declared by ``base=True`` of a class: others are to derive from it
     of_arguments: ClassVar[bool] = False  # arguments of a function; messages then omit the class name
     other_limits: ClassVar[Mapping[str, Plausible]] = {}  # of parameters that mean something else here
+    number_of: ClassVar[str] = ""  # what a parameter that is no array is a number of, for messages
     instead: ClassVar[str] = ""  # advice in the message of a function that does not take this model
 
     def __init_subclass__(cls, base: bool = False, **options: Any) -> None:
@@ -145,7 +146,8 @@ class Model(ByValue, metaclass=_Kind):
                 object.__setattr__(self, field.name, checked)
                 several += [checked] if isinstance(checked, xr.DataArray) else []
                 if isinstance(checked, xr.DataArray) and field.metadata["scalar"]:
-                    raise ValueError(f"{prefix}{field.name} is an array; allowed: a number")
+                    what = f"{prefix}{field.name} is an array"
+                    raise ValueError(f"{what}; allowed: a number{self.number_of}")
         check_alignment(f"{prefix}parameters", *several)
 
     @classmethod

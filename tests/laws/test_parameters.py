@@ -54,6 +54,6 @@ def test_a_law_without_a_drift_closure_says_what_it_has():
 @pytest.mark.parametrize("gamma", [-0.5, -0.6, -50.0])
 def test_bouc_wen_without_a_bound_is_refused(gamma):
     """In loading ``z' = v (1 - (beta + gamma) |z|^n)``, which only a positive sum ends."""
-    message = rf"BoucWen: gamma = {gamma:g} .*allowed: -beta < value, and beta is 0\.5"
+    message = rf"BoucWen: gamma = {gamma:g} .*allowed: -beta < value, where z is bounded; beta is 0\.5"
     with pytest.raises(ValueError, match=message):
         sl.BoucWen(1.0, 0.05, 0.1, reduction_factor=4, beta=0.5, gamma=gamma)

@@ -47,6 +47,7 @@ class MultistoreyBuilding(WithoutCells, AnyStructure, base=True):
     """
 
     instead = "use linearize_system, simulate or pound, or give the building's oscillator()"
+    number_of = " for the whole building"
     has_storeys = True
     by_reduction_factor = False
     has_mass = True

@@ -431,7 +431,8 @@ class ModalBuilding(MultistoreyBuilding):
             what = f"{name}mode {listed(np.flatnonzero(still) + 1)} does not move along the gap"
             raise ValueError(f"{what}; allowed: modes with {LEAST_MASS:g} of the mass or more")
         if total > 1 + ORTHOGONAL:
-            raise ValueError(f"{name}modal_masses are {total:.3g} of the masses; allowed: at most 1")
+            what = f"{name}modal_masses are {total:.3g} of the masses"
+            raise ValueError(f"{what}; allowed: at most 1, in kg and along the gap")
         if total < ENOUGH_MASS:
             what = f"{name}the modes have {total:.1%} of the mass; {1 - total:.1%} is left out"
             limit = f"more than the {1 - ENOUGH_MASS:.0%} that codes allow"

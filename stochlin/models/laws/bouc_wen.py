@@ -107,7 +107,9 @@ class BoucWen(Structure):
         saturates = self._saturates()
         if not saturates.ndim and not saturates:
             what = f"BoucWen: gamma = {self.gamma:g} is out of range"
-            raise ValueError(f"{what}; allowed: -beta < value, and beta is {self.beta:g}")
+            raise ValueError(
+                f"{what}; allowed: -beta < value, where z is bounded; beta is {self.beta:g}"
+            )
 
     def doubts(self) -> Iterator[str]:
         """Texts of `Structure`, and on a bound of z that makes the strength another one."""
