@@ -69,7 +69,7 @@ class _Short(reprlib.Repr):
     def repr_int(self, x: int, level: int) -> str:
         """Python refuses to write out very large ones."""
         power = int(x.bit_length() * 0.30103)
-        return repr(x) if power < LONGEST else f"about {'-' * (x < 0)}1e{power}"
+        return repr(x) if power < LONGEST else f"about {'-' if x < 0 else ''}1e{power}"
 
     def repr_instance(self, x: object, level: int) -> str:
         """What is not built in: of one with parameters its kind and them."""

@@ -203,7 +203,8 @@ class HazardCurve(Hazard):
             covered = f"{axis[0]:.4g} to {axis[-1]:.4g}"
             what = f"{name} = {value:g} is beyond the hazard curve; allowed: {covered}"
             early = name == "return_period" and axis[-1] < OF_DESIGN
-            raise ValueError(what + ", or, if its frequencies are probabilities, annual ones" * early)
+            cure = ", or, if its frequencies are probabilities, annual ones" if early else ""
+            raise ValueError(what + cure)
 
         def interpolated(at: Array) -> Array:
             result = np.exp(np.interp(np.log(at), np.log(axis), np.log(values)))

@@ -39,15 +39,42 @@ ACCURACY_IN_TIME = 1e-3  # of those with the means of further states, some of wh
 LARGEST = 1e300  # number in a law
 MEANS = (0.0, 0.1, 1.0, 10.0)  # of further states for which the latter are checked
 _FUNCTIONS = (  # that both numpy and math have
-    *("Abs", "sign", "Max", "Min", "Heaviside", "Piecewise", "exp", "log"),
-    *("sin", "cos", "tan", "asin", "acos", "atan", "atan2"),
-    *("sinh", "cosh", "tanh", "asinh", "acosh", "atanh"),
+    "Abs",
+    "sign",
+    "Max",
+    "Min",
+    "Heaviside",
+    "Piecewise",
+    "exp",
+    "log",
+    "sin",
+    "cos",
+    "tan",
+    "asin",
+    "acos",
+    "atan",
+    "atan2",
+    "sinh",
+    "cosh",
+    "tanh",
+    "asinh",
+    "acosh",
+    "atanh",
 )
 _PARTS = (  # of expressions
     *(getattr(sympy, name) for name in _FUNCTIONS),
-    *(sympy.Add, sympy.Mul, sympy.Pow, sympy.Symbol, sympy.Number, sympy.NumberSymbol),
-    *(sympy.functions.elementary.piecewise.ExprCondPair, Relational),
-    *(sympy.And, sympy.Or, sympy.Not, sympy.logic.boolalg.BooleanAtom),
+    sympy.Add,
+    sympy.Mul,
+    sympy.Pow,
+    sympy.Symbol,
+    sympy.Number,
+    sympy.NumberSymbol,
+    sympy.functions.elementary.piecewise.ExprCondPair,
+    Relational,
+    sympy.And,
+    sympy.Or,
+    sympy.Not,
+    sympy.logic.boolalg.BooleanAtom,
 )
 _POWER = sympy.Function("power")
 _WRITE = sympy.Function("write")

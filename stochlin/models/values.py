@@ -102,7 +102,7 @@ def written(value: Any) -> str:  # noqa: PLR0911
     if isinstance(value, list):
         return f"[{_listed(map(written, value))}]"
     if isinstance(value, tuple):
-        return f"({_listed(map(written, value))}{',' * (len(value) == 1)})"
+        return f"({_listed(map(written, value))}{',' if len(value) == 1 else ''})"
     if isinstance(value, Mapping):
         return f"{{{_listed(f'{name!r}: {written(each)}' for name, each in value.items())}}}"
     if isinstance(value, type):

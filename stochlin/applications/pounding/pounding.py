@@ -56,8 +56,15 @@ BETWEEN = "impacts", "hardest_force", "contact_energy"  # also of all contacts b
 PEAKS = "peak", "peak_acceleration", "peak_storey_shear", "peak_base_shear"
 # Variables with a mean and quantiles over several motions.
 STATISTICS = (
-    *(*BETWEEN, *(f"{name}_between" for name in BETWEEN), "fastest_approach", "column_force"),
-    *("column_force_share", "amplification", *PEAKS, *(f"{name}_alone" for name in PEAKS), *LINK_PEAKS),
+    *BETWEEN,
+    *(f"{name}_between" for name in BETWEEN),
+    "fastest_approach",
+    "column_force",
+    "column_force_share",
+    "amplification",
+    *PEAKS,
+    *(f"{name}_alone" for name in PEAKS),
+    *LINK_PEAKS,
 )
 
 

@@ -188,7 +188,8 @@ def _facing(b: int, left: Array, right: Array) -> list[Meeting]:
     contacts = [Meeting(b, i, j, float(0.5 * (left[i] + right[j]))) for i, j in pairs]
     for side, floor in slabs_on_columns(left, right):
         i = floor - 1
-        levels, other = ((left, right), (right, left))[side]
+        levels = right if side else left
+        other = left if side else right
         above = int(np.searchsorted(other, levels[i]))
         share = float(shares_at(other, levels[i])[above])
         floors, struck = ((above, i), "left") if side else ((i, above), "right")

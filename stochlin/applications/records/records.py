@@ -258,7 +258,8 @@ def checked_array(array: xr.DataArray, role: str, dim: str) -> tuple[Array, Arra
         cure = "so convert its values, and state it there"
         raise ValueError(f"{role} has the attribute units {brief(units)}; allowed: m/s^2, {cure}")
     if not {array.dtype.kind, array[dim].dtype.kind} <= set("iuf"):
-        cure = f"; write ({dim} - {dim}[0]) / np.timedelta64(1, 's')" * (array[dim].dtype.kind in "mM")
+        dated = array[dim].dtype.kind in "mM"
+        cure = f"; write ({dim} - {dim}[0]) / np.timedelta64(1, 's')" if dated else ""
         raise TypeError(f"{role} is {array.dtype} over {array[dim].dtype}; allowed: numbers{cure}")
     return array[dim].to_numpy().astype(float), array.to_numpy().astype(float)
 

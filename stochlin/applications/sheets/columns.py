@@ -136,7 +136,8 @@ class Need(NamedTuple):
         if said.quantities and known is None and not lettered:
             return f"is {' or '.join(of.name for of in said.quantities)}; allowed: {self.words}"
         if said.base is not None and (isnan(said.base) or not self.logarithms):
-            return f"is a logarithm; allowed: {self.words}" + (", or its log10 or ln" * self.logarithms)
+            either = ", or its log10 or ln" if self.logarithms else ""
+            return f"is a logarithm; allowed: {self.words}{either}"
         if None not in (said.period, self.period) and said.period != self.period:
             return f"is that of {said.period:g} s; allowed: that of {self.period:g} s"
         if not self._is_damped(column):
@@ -243,7 +244,7 @@ def noted(choices: Sequence[Choice], converted: Collection[Quantity] = ()) -> di
     for choice in choices:
         changed = choice.quantity in converted or choice.column.said.base is not None
         if changed or is_whole(choice.by_caller):
-            parts.append(f"{choice.comment}{', converted' * changed}")
+            parts.append(f"{choice.comment}{', converted' if changed else ''}")
     return {"columns": "; ".join(parts)} if parts else {}
 
 

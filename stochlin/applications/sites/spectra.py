@@ -104,7 +104,7 @@ def check_ordinates(period: Array, values: Array, places: list[str]) -> None:
     periods_rise = bool((np.diff(period) > 0).all())
     ordinates_rise = bool((np.diff(values) > 0).all())
     exchanged = ordinates_rise and not periods_rise
-    cure = ", or are the columns of periods and ordinates exchanged?" * exchanged
+    cure = ", or are the columns of periods and ordinates exchanged?" if exchanged else ""
     for place, last, t, sa in zip(places, [-1.0, *period[:-1]], period, values, strict=True):
         if not (np.isfinite(t) and t >= 0):
             raise ValueError(f"{place}: the period is {t:g} s; allowed: 0 or more, finite")

@@ -97,7 +97,10 @@ def points_in(path: Path, request: AskedSpectrum) -> Points:
     needs = [
         Need("period_column", request.period_column, ABSCISSAE, logarithms=True),
         Need(
-            *("column", request.column, ORDINATES, True),
+            "column",
+            request.column,
+            ORDINATES,
+            True,
             units=request.units,
             logarithms=True,
             damping=request.damping,
@@ -105,7 +108,7 @@ def points_in(path: Path, request: AskedSpectrum) -> Points:
         Need("", None, (DAMPING,), optional=True),
     ]
     aside = any(column.said.aside for column in columns)
-    cure = ", and divided_by=4 if its ordinates are divided by R or q = 4" * aside
+    cure = ", and divided_by=4 if its ordinates are divided by R or q = 4" if aside else ""
     abscissa, ordinate, damping = chosen(table, needs, lambda: cure)
     assert abscissa is not None
     assert ordinate is not None  # only that of the damping is optional

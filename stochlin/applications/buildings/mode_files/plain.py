@@ -76,7 +76,8 @@ def read(content: Sheet, choice: AskedModes) -> ModesOfFile:
         raise content.error(first, None, "mode numbers are not 1, 2 and so on; allowed: increasing ones")
     lines = _lines(content, names[head])
     if PERIOD not in lines:
-        raise content.error([first, *head][-1], 0, "a line 'period [s]' is missing below")
+        last = [first, *head][-1]
+        raise content.error(last, 0, "a line 'period [s]' is missing below")
     check_seconds(with_unit(content.cells.at[lines[PERIOD], 0])[1], content.where(lines[PERIOD], 0))
     shapes = over_modes(floors.rows.index, "shape").T
     modes = ModesOfFile(

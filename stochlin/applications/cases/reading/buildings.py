@@ -53,14 +53,21 @@ TWO_MODES = ListOf(Integer(1, MOST_STOREYS), length=2)
 STRENGTH = "strength"
 OF_HEIGHTS = {"height of its storeys": ("storey_height", "heights")}
 WITH_HARDENING = (
-    *("reduction_factor", "yield_displacement", "ductility"),
-    *("base_shear_coefficient", "yield_drifts", "yield_displacements"),
+    "reduction_factor",
+    "yield_displacement",
+    "ductility",
+    "base_shear_coefficient",
+    "yield_drifts",
+    "yield_displacements",
 )
 
 
 OF_MODES = (
-    *("base_shear_coefficient", "reduction_factor"),
-    *("yield_displacements", "pushover", "elastic"),
+    "base_shear_coefficient",
+    "reduction_factor",
+    "yield_displacements",
+    "pushover",
+    "elastic",
 )
 
 
