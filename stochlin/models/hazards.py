@@ -141,7 +141,7 @@ class HazardCurve(Hazard):
     source: str = field(default="", kw_only=True, compare=False)
 
     def doubts(self) -> Iterator[str]:
-        """Texts of `Hazard`, on a curve that ends early, and on a level part between steep ones."""
+        """Texts of ``Hazard``, on a curve that ends early, and on a level part between steep ones."""
         of_shaking = [*super().doubts()]
         yield from of_shaking
         rarest = 1 / self.frequencies[-1]

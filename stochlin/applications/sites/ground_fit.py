@@ -107,7 +107,7 @@ def fit_ground(
         which is governed by the peak; the squared difference of their logarithms, in which all
         frequencies of the range count equally; or the Whittle likelihood, which is the most accurate if
         the model is true. The results differ widely for a record that the model does not describe; draw
-        the ``psd`` of the ground beside a periodogram of the record, as of `scipy.signal.welch`.
+        the ``psd`` of the ground beside a periodogram of the record, as of ``scipy.signal.welch``.
     part : tuple of two floats
         Fractions of the cumulative energy between which a record is used; (0, 1) is
         the whole record.

@@ -96,7 +96,7 @@ def simulated_spectrum(
     progress : callable, optional
         Called with the share of the work that is done.
     elastic, divided_by : optional
-        What a spectrum is that does not say so itself, as in `read_spectrum`.
+        What a spectrum is that does not say so itself, as in `stochlin.read_spectrum`.
 
     Returns
     -------

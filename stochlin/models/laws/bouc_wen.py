@@ -112,7 +112,7 @@ class BoucWen(Structure):
             )
 
     def doubts(self) -> Iterator[str]:
-        """Texts of `Structure`, and on a bound of z that makes the strength another one."""
+        """Texts of ``Structure``, and on a bound of z that makes the strength another one."""
         yield from super().doubts()
         largest = self.largest_z()
         text = PLAUSIBLE["largest z"].doubt(float(largest)) if not largest.ndim else ""
@@ -147,7 +147,7 @@ class BoucWen(Structure):
         return values["gamma"] <= values["beta"]
 
     def step(self) -> Any:
-        """The law in time steps, a ``RateLaw`` of `kernels.simulation.laws`; without powers if n = 1."""
+        """The law in time steps, as ``kernels.simulation.laws`` has it; without powers if n = 1."""
         from stochlin.kernels.simulation.laws import BOUC_WEN, LINEAR_BOUC_WEN
 
         return LINEAR_BOUC_WEN if (self.arrays()["exponent"] == 1).all() else BOUC_WEN

@@ -86,8 +86,8 @@ class ChartSettings(metaclass=Named):
         Effective rules in Fig. 3b: names of `stochlin.rules.effective_rule_names` or of unverified
         rules. The default is all verified rules and that of the paper.
     record : DataArray, optional
-        Record [m/s^2] over ``time`` [s] for Figs. 1 and 2, as from `read_record`. The default is a
-        simulated motion.
+        Record [m/s^2] over ``time`` [s] for Figs. 1 and 2, as from `stochlin.read_record`. The default
+        is a simulated motion.
 
     Raises
     ------
