@@ -2,7 +2,6 @@
 
 import re
 import shutil
-from dataclasses import MISSING
 from pathlib import Path
 from typing import Any
 
@@ -11,8 +10,6 @@ from docutils.utils.math.latex2mathml import tex2mathml
 from sphinx.ext import autosummary
 
 import stochlin
-from stochlin.applications.cases.reading.case import forms_of
-from stochlin.applications.cases.reading.tables import NO_TABLE, Form
 
 project = "stochlin"
 author = "The stochlin developers"
@@ -80,74 +77,42 @@ html_css_files = ["math.css"]
 html_title = f"stochlin {release}"
 
 
-# The reference page: its own words, and at the end of each section the public names that stand below the
-# same heading in stochlin/__init__.pyi; those of a submodule in its place.
-PACKAGE = Path(stochlin.__file__).parent
-PASSED_ON = re.compile(r"\bimport (\w+) as \1$|^    (\w+) as \2,$", re.MULTILINE)
+# The pages are plain Markdown, whose links lead to files of the repository. The site has pages in place
+# of some of these, and lists of contents: a page lists those that it links to.
+CHANGES = Path(__file__).parents[1] / "CHANGELOG.md"
+REPLACED = {"](../notebooks/": "](notebooks/", "](gallery)": "](auto_gallery/index.rst)"}
+LISTS = ("index", "notebooks")
+CONTENTS = "\n\n```{{toctree}}\n:hidden:\n:maxdepth: 1\n{}\n```\n"
 
-
-def _names(text: str) -> list[str]:
-    found = [a or b for a, b in PASSED_ON.findall(text)]
-    listed = []
-    for name in found:
-        file = PACKAGE / f"{name}.py"
-        inner = _names(file.read_text(encoding="utf-8")) if file.exists() else []
-        listed += [f"{name}.{one}" for one in inner if not one.isupper()] or [name]
-    return listed
-
-
-def _summary(names: list[str], folder: str) -> str:
-    options = f".. autosummary::\n   :toctree: {folder}\n   :template: autosummary/base.rst\n\n"
-    return options + "".join(f"   {name}\n" for name in names)
-
-
-STUB = (PACKAGE / "__init__.pyi").read_text(encoding="utf-8")
-_, *_parts = re.split(r"^# (.*)\n", STUB, flags=re.MULTILINE)
-SECTIONS = dict(zip(_parts[::2], map(_names, _parts[1::2]), strict=True))
-# Pages of the single names are made of a list in a file, before any page is read.
-LISTED = Path(__file__).parent / "reference" / "generated" / "names.rst"
-LISTED.parent.mkdir(exist_ok=True)
-LISTED.write_text(
-    ".. currentmodule:: stochlin\n\n" + "\n".join(_summary(names, ".") for names in SECTIONS.values()),
+# The reference leads to a page of each name, which is made of a list in a file, before any page is read.
+GENERATED = Path(__file__).parent / "reference" / "generated"
+HEADING = re.compile(r"^### (.+)$", re.MULTILINE)
+_listed = HEADING.findall((GENERATED.parent / "index.md").read_text(encoding="utf-8"))
+GENERATED.mkdir(exist_ok=True)
+(GENERATED / "names.rst").write_text(
+    ".. currentmodule:: stochlin\n\n"
+    ".. autosummary::\n   :toctree: .\n   :template: autosummary/base.rst\n\n"
+    + "".join(f"   {name}\n" for name in _listed),
     encoding="utf-8",
 )
 autosummary_generate = ["reference/generated/names.rst"]
 
 
-def _list_names(app: Any, page: str, source: list[str]) -> None:
+def _as_of_the_site(app: Any, page: str, source: list[str]) -> None:
+    text = source[0]
+    if page == "changelog":
+        text = CHANGES.read_text(encoding="utf-8").replace("](docs/", "](")
+    for link, of_site in REPLACED.items():
+        text = text.replace(link, of_site)
+    if page in LISTS:
+        linked = re.findall(r"\]\(([\w/]+)\.(?:md|ipynb|rst)[#)]", text)
+        text += CONTENTS.format("\n".join(dict.fromkeys(linked)))
     if page == "reference/index":
-        before, *parts = re.split(r"^## (.*)\n", source[0], flags=re.MULTILINE)
-        for heading, text in zip(parts[::2], parts[1::2], strict=True):
-            listed = _summary(SECTIONS[heading], "generated")
-            before += f"## {heading}\n{text.rstrip()}\n\n```{{eval-rst}}\n{listed}```\n\n"
-        source[0] = before
-
-
-# The page of case files: its own words, and tables of the keys of the forms.
-def _list_keys(app: Any, page: str, source: list[str]) -> None:
-    if page == "case_files":
-        source[0] = re.sub(r"<!-- keys: ([\w.]+) -->", lambda mark: _keys(mark[1]), source[0])
-
-
-def _keys(name: str) -> str:
-    each = {form: form.keys(NO_TABLE) for form in forms_of(name)}
-    keys = {key: known for of_form in reversed(each.values()) for key, known in of_form.items()}
-    several = len(each) > 1
-    heads = ["key", "what it is", "allowed", "if it is missing"] + ["of"] * several
-    rows = [heads, ["---"] * len(heads)]
-    for key in dict.fromkeys(key for of_form in each.values() for key in of_form):
-        default = keys[key].default
-        unset = isinstance(default, Form) or default in (None, MISSING, (), "")
-        usual = "" if unset else f"`{str(default).lower()}`"
-        having = [form for form in each if key in each[form]]
-        of = ["all" if len(having) == len(each) else "; ".join(map(_called, having))] * several
-        rows.append([f"`{key}`", keys[key].about, keys[key].kind.words, usual, *of])
-    return "\n".join(f"| {' | '.join(row)} |" for row in rows)
-
-
-def _called(form: type) -> str:
-    name = re.split("[.,;]", form.__doc__ or "")[0]
-    return name[:1].lower() + name[1:]
+        text = HEADING.sub(
+            r"\g<0>\n\n{py:obj}`Parameters, units, errors and examples <stochlin.\1>`", text
+        )
+        text += CONTENTS.format(":glob:\n\ngenerated/*")
+    source[0] = text
 
 
 # Formulas in the browser's own MathML: the pages need no network, and no script.
@@ -166,7 +131,6 @@ def _block(writer: Any, node: nodes.Element) -> None:
 
 
 def setup(app: Any) -> None:
-    """List the names, make the formulas."""
-    app.connect("source-read", _list_names)
-    app.connect("source-read", _list_keys)
+    """Turn the pages into those of the site, make the formulas."""
+    app.connect("source-read", _as_of_the_site)
     app.add_html_math_renderer("mathml", (_inline, None), (_block, None))

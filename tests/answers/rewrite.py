@@ -1,4 +1,7 @@
-"""`make answers`: rerun the cases, or those that are named, write down what moved and show it."""
+"""`make answers`: rerun the cases, or those that are named, write down what moved and show it.
+
+The pages of `docs` follow: the manual, and what the others take from the code.
+"""
 
 import json
 import shutil
@@ -19,6 +22,7 @@ from answers.frozen import (
     run,
 )
 from answers.manual import PAGE, page
+from answers.pages import rewritten as rewritten_pages
 
 
 def main(names: list[str]) -> None:
@@ -28,6 +32,7 @@ def main(names: list[str]) -> None:
     if not PAGE.exists() or PAGE.read_text(encoding="utf-8") != text:
         PAGE.write_text(text, encoding="utf-8")
         lines.append(f"{PAGE.name}: written")
+    lines += rewritten_pages()
     print("\n".join(lines or ["Nothing moved: no file was written."]))
 
 
