@@ -12,7 +12,11 @@ PYTEST = OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --maxprocesses 4
 # The tests of `make test`; `make test VENV=.venv/newest PYTHON=python3.13` runs them in another environment.
 MARKS ?= not slow
 
-.PHONY: charts test test-all check docs answers mutants dist clean
+# What the site builds, and makes beside its pages.
+SITE = $(BIN)/sphinx-build -W --keep-going -q -b html
+MADE = docs/auto_gallery docs/notebooks docs/reference/generated
+
+.PHONY: charts test test-all check docs pages answers mutants dist clean
 
 charts: $(VENV)/.run
 	$(BIN)/stochlin charts --out figures
@@ -32,13 +36,19 @@ check: $(VENV)/.dev
 	$(BIN)/mypy
 	PYTHONPATH=tests $(BIN)/python -m house.lines
 
-# The documentation site, from scratch: a warning is an error.
+# The pictures of the pages that have moved, and the documentation site, from scratch: a warning is an error.
 docs: $(VENV)/.docs
-	rm -rf build/docs docs/auto_gallery docs/notebooks docs/reference/generated
-	$(BIN)/sphinx-build -W --keep-going -b html docs build/docs
+	rm -rf build/docs $(MADE)
+	PYTHONPATH=tests $(BIN)/python -m house.pictures
+	$(SITE) docs build/docs
 
-# Reruns the frozen answers in tests/answers, rewrites those that have moved, with the verification manual,
-# and shows what moved.
+# The site without its gallery, whose scripts `make test-all` runs: a minute.
+pages: $(VENV)/.docs
+	rm -rf build/pages $(MADE)
+	$(SITE) -D plot_gallery=0 docs build/pages
+
+# Reruns the frozen answers in tests/answers, rewrites those that have moved, with the verification manual and
+# what other pages take from the code, and shows what moved.
 answers: $(VENV)/.dev
 	PYTHONPATH=tests MPLBACKEND=agg $(BIN)/python -m answers.rewrite
 
@@ -78,4 +88,4 @@ $(VENV)/.docs: pyproject.toml
 	touch $@ $(VENV)/.run
 
 clean:
-	rm -rf $(VENV) build dist docs/auto_gallery docs/notebooks docs/reference/generated *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) build dist $(MADE) *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
