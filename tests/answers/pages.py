@@ -20,7 +20,7 @@ from stochlin.applications.cases.reading.tables import NO_TABLE, Form
 
 DOCS = HERE.parents[1] / "docs"
 MARKED = re.compile(r"<!-- (keys|names|file): (.+?) -->\n(.*?)<!-- end of \1 -->", re.DOTALL)
-WIDTH = 100  # of a signature
+WIDTH = 88  # of a signature, which the column of the site has room for
 PACKAGE = Path(sl.__file__).parent
 PASSED_ON = re.compile(r"\bimport (\w+) as \1$|^    (\w+) as \2,$", re.MULTILINE)
 ABBREVIATED = ("eq.", "eqs.", "Eq.", "Eqs.")  # a sentence does not end there
