@@ -35,7 +35,7 @@ STEP = 0.025  # of a slider: a power of that number
 WRITTEN = re.compile(r'[^=#]*=\s*("[^"]*"|\[[^\]]*\]|[^\s#]+)')  # a key and its value in a line
 
 
-class Entry(NamedTuple):
+class FormEntry(NamedTuple):
     """A key of a table and its value, and the words among which it can be chosen."""
 
     table: str
@@ -98,7 +98,7 @@ class Lines(NamedTuple):
         return 0
 
 
-def form_of(text: str) -> Iterator[tuple[str, list[Entry]]]:
+def form_of(text: str) -> Iterator[tuple[str, list[FormEntry]]]:
     """Titles of the tables on which the gap depends, with the values that they have."""
     tables = toml_tables(text)  # which refuses what takes too long to be read
     lines = Lines.of(text)
@@ -110,7 +110,7 @@ def form_of(text: str) -> Iterator[tuple[str, list[Entry]]]:
             yield f"{name.replace('_', ' ').capitalize()}{called}", list(_entries(name, table, lines))
 
 
-def _entries(name: str, table: Mapping[str, Any], lines: Lines) -> Iterator[Entry]:
+def _entries(name: str, table: Mapping[str, Any], lines: Lines) -> Iterator[FormEntry]:
     """Words, numbers, lists of numbers and truth values of a table."""
     keys = _keys(name, table)
     for each, value in ((each, value) for each, value in table.items() if each in keys):
@@ -120,7 +120,7 @@ def _entries(name: str, table: Mapping[str, Any], lines: Lines) -> Iterator[Entr
         words = _words(name, table, each, accepted) if isinstance(accepted, Word) else []
         chosen = isinstance(value, str) and value in words and len(words) > 1
         if (number or of_all is TRUTH or chosen) and lines.line_of(name, each, value):
-            yield Entry(name, each, keys[each], value, words)
+            yield FormEntry(name, each, keys[each], value, words)
 
 
 def _keys(name: str, values: Mapping[str, Any]) -> Mapping[str, Key]:
@@ -140,7 +140,7 @@ def _words(table: str, values: Mapping[str, Any], name: str, accepted: Word) -> 
     return fitting
 
 
-def changed_text(text: str, entry: Entry) -> str:
+def changed_text(text: str, entry: FormEntry) -> str:
     """The text of a case file with the value of an entry; only its line changes, comments stay."""
     value = toml_tables(text)[entry.table][entry.name]
     lines = Lines.of(text)

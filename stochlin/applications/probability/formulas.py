@@ -14,7 +14,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.linearization.spectral_moments import bandwidth_of
 from stochlin.kernels.linearization.systems.springs import Springs
-from stochlin.kernels.linearization.systems.substitution import Linear, response_of
+from stochlin.kernels.linearization.systems.substitution import EquivalentCoefficients, response_of
 from stochlin.kernels.linearization.transient import TransientMoments
 from stochlin.kernels.probability import accumulated, exceeding, hazards
 from stochlin.models.parameters import Parameter
@@ -99,7 +99,9 @@ def _bandwidths(moments: TransientMoments, problem: Springs, rows: Array, times:
     chosen = np.unique(np.linspace(0, times.size - 1, 1 if elastic else BANDWIDTHS).astype(int))
     table = []
     for instant in chosen:
-        linear = Linear(moments.slip[instant], moments.relaxation[instant], problem.dashpots)
+        linear = EquivalentCoefficients(
+            moments.slip[instant], moments.relaxation[instant], problem.dashpots
+        )
         with np.errstate(invalid="ignore", divide="ignore"):
             l0, l1, l2 = response_of(problem, linear).spectral_moments(rows)
             bandwidth = bandwidth_of(l0, l1, l2)

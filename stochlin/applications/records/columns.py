@@ -31,7 +31,7 @@ _STATEMENT = re.compile(r"[:=]\s*\S|\bunits?\b", re.IGNORECASE)
 _COMMA = re.compile(r"[-+]?\d+,\d{2,}")
 
 
-class Text(NamedTuple):
+class TextFile(NamedTuple):
     """A text of numbers, with the table in its first lines and what stands above its titles."""
 
     lines: Sequence[str]
@@ -39,7 +39,7 @@ class Text(NamedTuple):
     titles: Sequence[str]
 
     @classmethod
-    def of(cls, name: str, lines: Sequence[str], skip: int) -> Text | None:
+    def of(cls, name: str, lines: Sequence[str], skip: int) -> TextFile | None:
         """The text after ``skip`` lines; None if its head is not titles, names and units of columns."""
         lines = [*[""] * skip, *lines[skip:]]
         first = next((n for n, line in enumerate(lines) if line.strip()), 0)
@@ -141,11 +141,11 @@ class Text(NamedTuple):
         second = self.head.sheet.row(self.head.rows.index[1]) if len(self.head.rows) > 1 else ()
         return len(lines) if len(second) > 1 else 0
 
-    def _below(self) -> Text | None:
+    def _below(self) -> TextFile | None:
         """The text without its first row."""
         first = int(self.head.rows.index[0])
         lines = [*self.lines[: first - 1], "", *self.lines[first:]]
-        return Text.of(self.head.sheet.name, lines, 0)
+        return TextFile.of(self.head.sheet.name, lines, 0)
 
     def _or_wrapped(self) -> str:
         """The other cure for rows of numbers without names."""

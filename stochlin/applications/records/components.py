@@ -19,7 +19,7 @@ WEAK = 1
 AMONG_OTHERS = 0  # for files that differ in it
 
 
-class Word(NamedTuple):
+class ComponentWord(NamedTuple):
     """A word for a component."""
 
     vertical: bool
@@ -31,13 +31,13 @@ class Word(NamedTuple):
 # The words of vertical components, and of horizontal ones by their angle. Letters, and words that are in
 # names of places as well, weigh less.
 _TABLE = {
-    Word(True): "UP DN DWN DOWN UD DU UPD UPDN UPDOWN UPWARD UPWARDS DOWNWARD DOWNWARDS ZUP "
+    ComponentWord(True): "UP DN DWN DOWN UD DU UPD UPDN UPDOWN UPWARD UPWARDS DOWNWARD DOWNWARDS ZUP "
     "ZDN ZDOWN UPZ VT VTC VRT VER VERT VERTIC VERTICAL VERTICALE DUSEY",
-    Word(True, weight=USUAL): "U V Z AZ ACCZ",
-    Word(False, 0.0): "NS SN LN LONG LONGITUDINAL RADIAL H1 HOR1 COMP1 FN",
-    Word(False, 90.0): "EW WE TR TRAN TRANS TRANSVERSE TRANSVERSAL H2 HOR2 COMP2 FP",
-    Word(False, 0.0, USUAL): "N S L R X AX ACCX NORTH SOUTH NORTE SUR NORD SUD KUZEY GUNEY",
-    Word(False, 90.0, USUAL): "E W T Y AY ACCY EAST WEST ESTE OESTE EST OVEST DOGU BATI",
+    ComponentWord(True, weight=USUAL): "U V Z AZ ACCZ",
+    ComponentWord(False, 0.0): "NS SN LN LONG LONGITUDINAL RADIAL H1 HOR1 COMP1 FN",
+    ComponentWord(False, 90.0): "EW WE TR TRAN TRANS TRANSVERSE TRANSVERSAL H2 HOR2 COMP2 FP",
+    ComponentWord(False, 0.0, USUAL): "N S L R X AX ACCX NORTH SOUTH NORTE SUR NORD SUD KUZEY GUNEY",
+    ComponentWord(False, 90.0, USUAL): "E W T Y AY ACCY EAST WEST ESTE OESTE EST OVEST DOGU BATI",
 }
 _WORDS = {text: word for word, texts in _TABLE.items() for text in texts.split()}
 _BELOW = {"BOREHOLE", "DOWNHOLE", "UNDERGROUND"}
@@ -59,10 +59,10 @@ class Place(NamedTuple):
     """A word in a name, and the name with a sign in its place."""
 
     rest: str
-    word: Word
+    word: ComponentWord
 
 
-def word_of(text: str) -> Word | None:
+def word_of(text: str) -> ComponentWord | None:
     """The component that a word stands for; None if it is no word for one."""
     plain = _in_capitals(text)
     if plain in _WORDS:
@@ -74,14 +74,14 @@ def word_of(text: str) -> Word | None:
     return _by_pattern(plain)
 
 
-def _by_pattern(plain: str) -> Word | None:
+def _by_pattern(plain: str) -> ComponentWord | None:
     """The component of a quadrant, a channel or an azimuth, in capitals."""
     if match := _QUADRANT.fullmatch(plain):
         angle = float(match[2])
-        return Word(False, angle if (match[1] == "N") == (match[3] == "E") else 180.0 - angle)
+        return ComponentWord(False, angle if (match[1] == "N") == (match[3] == "E") else 180.0 - angle)
     if match := _SEED.fullmatch(plain):
-        return Word(match[1] == "Z", _SEED_ANGLES.get(match[1]), after=match[2])
-    return Word(False, float(plain), USUAL) if _AZIMUTH.fullmatch(plain) else None
+        return ComponentWord(match[1] == "Z", _SEED_ANGLES.get(match[1]), after=match[2])
+    return ComponentWord(False, float(plain), USUAL) if _AZIMUTH.fullmatch(plain) else None
 
 
 def _in_capitals(text: str) -> str:
@@ -121,7 +121,7 @@ def titled_as_vertical(title: str) -> bool | None:
     return begins or ends or any(_in_capitals(run).startswith("VERTI") for run in runs) or None
 
 
-def is_vertical(stated: str, title: str, in_name: Word | None) -> bool:
+def is_vertical(stated: str, title: str, in_name: ComponentWord | None) -> bool:
     """Whether a record is vertical, by the best evidence: what is stated, the title, then the name."""
     for said in (stated_as_vertical(stated), titled_as_vertical(title)):
         if said is not None:
@@ -144,7 +144,7 @@ def _places(name: str) -> Iterator[Place]:
             yield Place(f"{name[:start]}*{word.after}{name[end:]}".lower(), word)
 
 
-def _word_in(run: re.Match[str]) -> tuple[int, int, Word | None]:
+def _word_in(run: re.Match[str]) -> tuple[int, int, ComponentWord | None]:
     """First and last place of a word for a component in a run of letters and digits, and the word."""
     if word := word_of(run[0]):
         return run.start(), run.end(), word
@@ -171,12 +171,12 @@ class FileNames:
 
     def __init__(self, names: Iterable[str]) -> None:
         self._places = {name: [*_places(name)] for name in names}
-        self._words: dict[str, list[Word]] = {}
+        self._words: dict[str, list[ComponentWord]] = {}
         for places in self._places.values():
             for place in places:
                 self._words.setdefault(place.rest, []).append(place.word)
 
-    def component(self, name: str) -> Word | None:
+    def component(self, name: str) -> ComponentWord | None:
         """The component in the name of a file; None if there is none."""
         if place := self._differing(name):
             return place.word

@@ -7,7 +7,7 @@ import re
 from collections.abc import Sequence
 from itertools import islice
 
-from stochlin.applications.records.columns import Text
+from stochlin.applications.records.columns import TextFile
 from stochlin.applications.records.formats import FORMATS, HEADER_LINES, RecordFile, Series
 from stochlin.applications.sheets.columns import ColumnName
 from stochlin.files.inputs import input_path, read_text
@@ -44,7 +44,7 @@ def read_channels(
         raise ValueError(f"{name} is empty: it holds no line of numbers")
     of = next((of for of in FORMATS.values() if any(map(of.header.search, heads))), None)
     if of is None:
-        if (text := Text.of(name, lines, skip)) is None:
+        if (text := TextFile.of(name, lines, skip)) is None:
             raise UnknownFormatError(name)
         return name, [text.series(column, time_column, wrapped)]
     columns = {"column": column, "time_column": time_column, "wrapped": wrapped or None}

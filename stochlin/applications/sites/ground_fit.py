@@ -234,17 +234,17 @@ def fit_ground(
     )
 
 
-def _wanted(spectrum: xr.DataArray, duration: float, envelope: Envelope | None) -> Wanted:
+def _wanted(spectrum: xr.DataArray, duration: float, envelope: Envelope | None) -> TargetMotions:
     period, values, damping = checked_spectrum(spectrum)
     shortest = max(SHORTEST, period[period > 0][0])
     longest = min(LONGEST, period[-1])
     if not longest > shortest * 10**_FEWEST_DECADES:
         raise ValueError(f"spectrum has {period[0]:g} to {period[-1]:g} s; allowed: half a decade")
     sought = np.geomspace(shortest, longest, POINTS)
-    return Wanted(sought, interpolated(period, values, sought), damping, duration, envelope)
+    return TargetMotions(sought, interpolated(period, values, sought), damping, duration, envelope)
 
 
-class Wanted(NamedTuple):
+class TargetMotions(NamedTuple):
     """The wanted mean spectrum of motions, with their duration and envelope."""
 
     periods: Array  # [s]
@@ -292,7 +292,7 @@ class FittedFilters(NamedTuple):
 
 
 def deliver(
-    wanted: Wanted, filters: int | None, seed: int, progress: Progress | None, paths: int = PATHS
+    wanted: TargetMotions, filters: int | None, seed: int, progress: Progress | None, paths: int = PATHS
 ) -> FittedFilters:
     """Fit to a spectrum, with ``filters`` filters or as few as give a good fit.
 
@@ -333,7 +333,7 @@ class _Search:
     deviation of the ground is wanted, it is fitted too.
     """
 
-    def __init__(self, wanted: Wanted) -> None:
+    def __init__(self, wanted: TargetMotions) -> None:
         self.wanted = wanted
         w = 2 * np.pi / wanted.periods
         # Effective damping ratio whose stationary variance is that of a start from rest.

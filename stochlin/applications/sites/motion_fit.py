@@ -17,7 +17,7 @@ from stochlin.applications.records.files import is_record
 from stochlin.applications.records.records import checked_record, strong_samples
 from stochlin.applications.records.response import response_spectrum
 from stochlin.applications.sites.elastic_spectra import USUAL_DAMPING
-from stochlin.applications.sites.ground_fit import LONGEST, POINTS, Wanted, deliver
+from stochlin.applications.sites.ground_fit import LONGEST, POINTS, TargetMotions, deliver
 from stochlin.applications.sites.spectra import BAND, BAND_POINTS, SHORTEST, check_band
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
@@ -256,7 +256,7 @@ def fit_motion(
     time = components.dt * np.arange(common.size)
     std = float(np.sqrt(components.energy() / energy_of(shape.at(time), components.dt)))
     periods = periods_of_fit(duration)
-    wanted = Wanted(periods, components.spectrum(periods), USUAL_DAMPING, duration, shape, std)
+    wanted = TargetMotions(periods, components.spectrum(periods), USUAL_DAMPING, duration, shape, std)
     fit = deliver(wanted, filters, seed, progress, PATHS)
     ground = fit.ground()
     factor = std / rms_acceleration(ground)

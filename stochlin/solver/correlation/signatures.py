@@ -37,7 +37,7 @@ from stochlin.solver.linearization.drift_map import (
     simulated,
 )
 from stochlin.solver.linearization.equivalent_systems import (
-    Law,
+    LawOfCells,
     Oscillators,
     Solved,
     in_columns,
@@ -89,7 +89,7 @@ def solved_references(
     period = rows[0] * dict(zip(ground.cells(), each, strict=True))[of_soil]
     ones = np.ones_like(period)
     cells = Oscillators(period, rows[1], rows[2], rows[3], ones, ones, each)
-    law = Law.bilinear(period.size, DRIFT)
+    law = LawOfCells.bilinear(period.size, DRIFT)
     sides = drifting_side(solve_oscillators(cells, law, ground, tolerance))
     count = table.sizes[REFERENCE]
     gram = _with_references(sides, sides, np.repeat(np.arange(soil.shape[1]), count), count)

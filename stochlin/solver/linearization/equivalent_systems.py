@@ -106,7 +106,7 @@ class Oscillators(NamedTuple):
         return np.array([*own, named[damping], self.period / named[period]])
 
 
-class Law(NamedTuple):
+class LawOfCells(NamedTuple):
     """The law by which cells yield, and its closure."""
 
     closure: Closure
@@ -115,7 +115,7 @@ class Law(NamedTuple):
     drifts: bool  # whether the closure is that with a drift
 
     @classmethod
-    def of(cls, table: Flat, closure: str) -> Law:
+    def of(cls, table: Flat, closure: str) -> LawOfCells:
         """That of the ``structure`` of a table."""
         structure = table.models["structure"]
         count = table.where.size
@@ -125,7 +125,7 @@ class Law(NamedTuple):
         return cls(structure.closure(closure), parameters, one_solution, closure == DRIFT)
 
     @classmethod
-    def bilinear(cls, count: int, closure: str) -> Law:
+    def bilinear(cls, count: int, closure: str) -> LawOfCells:
         """The bilinear law of so many cells."""
         none = np.empty((0, count))
         yes = np.ones(count, bool)
@@ -133,7 +133,7 @@ class Law(NamedTuple):
         assert in_closed_form is not None
         return cls(in_closed_form, none, yes, closure == DRIFT)
 
-    def at(self, cells: Any) -> Law:
+    def at(self, cells: Any) -> LawOfCells:
         """Some of the cells."""
         parameters = self.parameters[:, cells]
         one_solution = self.one_solution[cells]
@@ -167,7 +167,9 @@ class Solved(NamedTuple):
         more = (STRENGTH_RATIO, *OF_DRIFT, "displacement_error", *JUDGED)
         return xr.Dataset(self.labelled(0, [*PUBLIC, *(name for name in more if name in self.values)]))
 
-    def by_laws(self, laws: Sequence[Law | None], closure: str | None, tolerance: Tolerance) -> Solved:
+    def by_laws(
+        self, laws: Sequence[LawOfCells | None], closure: str | None, tolerance: Tolerance
+    ) -> Solved:
         """The cells of each structure by its law with this closure; without a law they stay elastic."""
         single = all(table.where.size == 1 for table in self.tables)
         groups = dict[Any, list[int]]()
@@ -225,7 +227,7 @@ def solved_together(
     Those by the drift closure are corrected by the map of simulations.
     """
     tables = list[Flat]()
-    laws = list[Law | None]()
+    laws = list[LawOfCells | None]()
     for structure in structures:
         yields = closure is not None and structure.yields
         if closure is not None:
@@ -234,7 +236,7 @@ def solved_together(
         if yields:
             structure.check_settles(type(structure).__name__)
         tables.append(flat({"structure": structure, "ground": ground}, settled=yields))
-        laws.append(Law.of(tables[-1], str(closure)) if yields else None)
+        laws.append(LawOfCells.of(tables[-1], str(closure)) if yields else None)
     ends = np.cumsum([table.where.size for table in tables])
     parts = [slice(end - table.where.size, end) for end, table in zip(ends, tables, strict=True)]
     cells = joined([Oscillators.of(table) for table in tables])
@@ -250,7 +252,7 @@ def joined(parts: Sequence[Any]) -> Any:
 
 
 def solve_oscillators(
-    cells: Oscillators, law: Law | None, ground: Ground, tolerance: Tolerance
+    cells: Oscillators, law: LawOfCells | None, ground: Ground, tolerance: Tolerance
 ) -> dict[str, Array]:
     """The values of `Solved` for cells of one law, without corrections by simulation."""
 
@@ -265,7 +267,7 @@ def solve_oscillators(
 
 @np.errstate(all="ignore")  # cells with extreme parameters get a status
 def _solved(
-    cells: Oscillators, law: Law | None, ground: Ground, tolerance: Tolerance
+    cells: Oscillators, law: LawOfCells | None, ground: Ground, tolerance: Tolerance
 ) -> dict[str, Array]:
     """`solve_oscillators` of cells that are computed together."""
     w = 2 * np.pi / cells.period
@@ -308,7 +310,7 @@ def _solved(
 
 
 def _problem(
-    cells: Oscillators, law: Law, ground: Ground, tolerance: Tolerance, uy: Array
+    cells: Oscillators, law: LawOfCells, ground: Ground, tolerance: Tolerance, uy: Array
 ) -> SingleStructures:
     """The equations of cells for the displacement over ``uy``."""
     soil = cells.soil.copy()

@@ -24,7 +24,7 @@ from stochlin.models.envelopes import Envelope, envelope_at, strong_seconds
 from stochlin.models.grounds import Ground
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.structures import DRIFT, Structure
-from stochlin.solver.linearization.equivalent_systems import Law, Oscillators, Solved
+from stochlin.solver.linearization.equivalent_systems import LawOfCells, Oscillators, Solved
 from stochlin.solver.linearization.strength import strength_in_metres
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.cells import ONE, Flat
@@ -153,7 +153,7 @@ def solve_levels(columns: Array, ground: Ground, levels: Array) -> SolvedLevels:
     cells = Oscillators(period, damping, hardening, strength, 0 * ones, ones, np.array(soil))
     table = Flat(ONE, np.arange(period.size), {})
     own = Solved((YIELDING,), ground, (table,), (slice(0, period.size),), cells, {})
-    solved = own.by_laws([Law.bilinear(period.size, DRIFT)], DRIFT, USUAL)
+    solved = own.by_laws([LawOfCells.bilinear(period.size, DRIFT)], DRIFT, USUAL)
     values = solved.values
     filters = ground.filter_of(cells.soil)
     system = EquivalentSystem(*values["system"])

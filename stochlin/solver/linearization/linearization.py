@@ -21,7 +21,7 @@ from stochlin.models.parameters import Model
 from stochlin.models.structures import DRIFT, Structure
 from stochlin.solver.linearization.equivalent_systems import (
     PUBLIC,
-    Law,
+    LawOfCells,
     Solved,
     check_closure,
     solved_together,
@@ -59,7 +59,7 @@ def judged(
 def _by_drift(solved: Solved, tolerance: Tolerance) -> Solved:
     """The bilinear structures by the drift closure; others stay elastic."""
     laws = [
-        Law.of(table, DRIFT) if structure.yields and isinstance(structure, Bilinear) else None
+        LawOfCells.of(table, DRIFT) if structure.yields and isinstance(structure, Bilinear) else None
         for structure, table in zip(solved.structures, solved.tables, strict=True)
     ]
     return solved.by_laws(laws, DRIFT, tolerance)

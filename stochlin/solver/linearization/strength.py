@@ -19,7 +19,7 @@ from stochlin.models.structures import DRIFT, GAUSSIAN, AnyStructure, Structure
 from stochlin.solver.linearization.drift_map import STRENGTH_RATIO, with_correction
 from stochlin.solver.linearization.equivalent_systems import (
     JUDGED,
-    Law,
+    LawOfCells,
     Oscillators,
     Solved,
     check_closure,
@@ -230,7 +230,7 @@ def _search(structure: Structure, ground: Ground, target: DuctilityTarget, closu
     """Reduction factor of every cell by Chandrupatla's method in a bracket; NaN where it fails."""
     table = flat({"structure": structure, "ground": ground, "target": target})
     cells = Oscillators.of(table)
-    law = Law.of(table, closure)
+    law = LawOfCells.of(table, closure)
     (wanted,) = in_columns([table.models["target"].ductility], cells.period.size)
     result = np.full(wanted.size, np.nan)
 

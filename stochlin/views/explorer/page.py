@@ -22,7 +22,7 @@ from stochlin.views.explorer.workers import Job, NoAnswer, Stopped
 if TYPE_CHECKING:
     from nicegui import events
 
-    from stochlin.applications.explorer.form import Entry
+    from stochlin.applications.explorer.form import FormEntry
     from stochlin.views.explorer.workers import Worker
 
 PAUSE = 0.5  # s after the last change, before the answer is computed anew
@@ -95,7 +95,7 @@ class Page:
                     for entry in entries:
                         EntryRow(entry, title, self._change)
 
-    def _change(self, entry: Entry) -> None:
+    def _change(self, entry: FormEntry) -> None:
         """Take another value of a key."""
         self._text = changed_text(self._text, entry)
         self._source.value = self._text

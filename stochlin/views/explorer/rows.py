@@ -14,7 +14,7 @@ from stochlin.views.shared.blocks import typeset_html
 if TYPE_CHECKING:
     from nicegui import events
 
-    from stochlin.applications.explorer.form import Entry
+    from stochlin.applications.explorer.form import FormEntry
 
 TYPING = 300  # ms after the last key, before a text is read
 
@@ -22,7 +22,7 @@ TYPING = 300  # ms after the last key, before a text is read
 class EntryRow:
     """The row of a key. ``changed`` is called with the entry and its other value."""
 
-    def __init__(self, entry: Entry, group: str, changed: Callable[[Entry], None]) -> None:
+    def __init__(self, entry: FormEntry, group: str, changed: Callable[[FormEntry], None]) -> None:
         self._entry = entry
         self._changed = changed
         self._center = entry  # the value in the middle of the slider

@@ -57,7 +57,7 @@ class Floors(NamedTuple):
     total: float  # mass of the whole model [kg]
 
 
-class Wanted(NamedTuple):
+class ModalCase(NamedTuple):
     """The modal case with those of its modes that move along the axis, and what is asked for."""
 
     choice: AskedModes
@@ -96,7 +96,7 @@ def read(content: Mapping[str, Table], choice: AskedModes) -> ModesOfFile:
     moving = shares[shares >= LEAST_SHARE]
     if moving.empty:
         raise ratios.error(f"has no mode with {LEAST_SHARE:.1%} of the mass along {axis}")
-    wanted = Wanted(choice, axis, str(ratios.texts("case").iloc[0]), moving.index)
+    wanted = ModalCase(choice, axis, str(ratios.texts("case").iloc[0]), moving.index)
     floors = _floors(content, others, wanted)
     _check_one_building(floors, others[2])
     effective = moving.to_numpy() * floors.total
@@ -129,7 +129,7 @@ def _axis(ratios: Table, direction: str | None) -> str:
     return axis
 
 
-def _moves(table: Table, title: str, wanted: Wanted, names: Sequence[str]) -> pd.DataFrame:
+def _moves(table: Table, title: str, wanted: ModalCase, names: Sequence[str]) -> pd.DataFrame:
     """What a column has in the modal case, by the columns with these names and by mode."""
     table = table._replace(rows=table.rows[table.texts("case") == wanted.case])
     if table.rows.empty:
@@ -181,7 +181,7 @@ def _chosen(places: pd.Index, heights: Table, weights: Table, tower: str | None)
     return chosen
 
 
-def _floors(tables: Mapping[str, Table], others: Sequence[Table], wanted: Wanted) -> Floors:
+def _floors(tables: Mapping[str, Table], others: Sequence[Table], wanted: ModalCase) -> Floors:
     """The floors, with the shapes of centres of mass or of named joints."""
     heights, weights, centres = others[:3]
     choice = wanted.choice
@@ -219,7 +219,7 @@ def _named(table: Table, points: Sequence[str]) -> Table:
     return table._replace(rows=table.rows[names.isin([*points]).any(axis=1)])
 
 
-def _turning(table: Table, wanted: Wanted) -> list[int]:
+def _turning(table: Table, wanted: ModalCase) -> list[int]:
     """Modes in which floors turn, as far as the table says it."""
     if "rz" not in table.names:
         return []

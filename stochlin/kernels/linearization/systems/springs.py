@@ -15,7 +15,7 @@ from stochlin.kernels.linearization.gaussian import Closure
 Function = Callable[[Array, Array], Array]  # of moments (3, n) and parameters (p, n)
 
 
-class Law(NamedTuple):
+class SpringLaw(NamedTuple):
     """Hysteresis law of some of the springs that yield."""
 
     springs: Array  # (i,) their numbers among the springs that yield
@@ -24,7 +24,7 @@ class Law(NamedTuple):
     states: int = 0  # number of further states, whose means are parameters after those of the law
     mean_rates: Function | None = None  # the rates of these means
 
-    def at_means(self, means: Array) -> Law:
+    def at_means(self, means: Array) -> SpringLaw:
         """The law in which its further states have these means (states or more, c, m)."""
         own = means[: self.states, :, self.springs]
         return self._replace(parameters=np.concatenate([self.parameters, own]))
@@ -36,7 +36,7 @@ class Law(NamedTuple):
         return flat.reshape(-1, *own.shape[1:])
 
 
-def coefficients_of(laws: Sequence[Law], moments: Array) -> Array:
+def coefficients_of(laws: Sequence[SpringLaw], moments: Array) -> Array:
     """``1 + c_eq`` and ``k_eq`` (2, c, m) by the closures, eqs. (9) and (10).
 
     ``moments`` (3, c, m) are ``sigma_v``, ``sigma_z`` and their correlation.
@@ -54,7 +54,7 @@ class Springs(NamedTuple):
     system: System  # the links are the last springs; without their dashpots
     soil: Filter  # the ground's
     yielding: Array  # (m,) numbers of the springs with a state z
-    laws: Sequence[Law]
+    laws: Sequence[SpringLaw]
     dashpots: Array  # (c, l) constants of the dashpots of the links, N s/m for the exponent 1
     exponents: Array  # (c, l)
     power: Array  # (k,) numbers of the links that are linearized: exponents other than 1

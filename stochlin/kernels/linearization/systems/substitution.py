@@ -37,24 +37,24 @@ SOLVED = 1e-7  # largest mismatch of a solution; rounding leaves this much in st
 IDLE = np.log(1e-6)  # log sigma of the rate [m/s] of a dashpot below which it may be a rounding error
 
 
-class Linear(NamedTuple):
+class EquivalentCoefficients(NamedTuple):
     """Equivalent coefficients of the springs that yield, and linear dashpots of all links."""
 
     slip: Array  # (c, m) 1 + c_eq
     relaxation: Array  # (c, m) k_eq [1/s]
     dashpots: Array  # (c, l) damping constants [N s/m]; 0 of those with an exponent that do not move
 
-    def at(self, cells: Array) -> Linear:
+    def at(self, cells: Array) -> EquivalentCoefficients:
         """The cells with these numbers."""
-        return Linear(*(values[cells] for values in self))
+        return EquivalentCoefficients(*(values[cells] for values in self))
 
 
-def linear_for(problem: Springs, unknowns: Array) -> Linear:
+def linear_for(problem: Springs, unknowns: Array) -> EquivalentCoefficients:
     """Equivalent linear systems for the unknowns."""
     m = problem.yielding.size
     sv, sz, r = unknowns[: 3 * m].reshape(3, m, unknowns.shape[1]).swapaxes(1, 2)
     slip, relaxation = coefficients_of(problem.laws, np.stack([np.exp(sv), np.exp(sz), np.tanh(r)]))
-    return Linear(slip, relaxation, _dashpots(problem, unknowns[3 * m :].T))
+    return EquivalentCoefficients(slip, relaxation, _dashpots(problem, unknowns[3 * m :].T))
 
 
 def _dashpots(problem: Springs, rates: Array) -> Array:
@@ -68,12 +68,12 @@ def _dashpots(problem: Springs, rates: Array) -> Array:
     return dashpots
 
 
-def response_of(problem: Springs, linear: Linear) -> StationaryResponse:
+def response_of(problem: Springs, linear: EquivalentCoefficients) -> StationaryResponse:
     """Response of the linear systems with these coefficients and dashpots."""
     return StationaryResponse(state_space(problem, linear.slip - 1, *linear[1:]))
 
 
-def respond(problem: Springs, linear: Linear) -> tuple[Array, Array]:
+def respond(problem: Springs, linear: EquivalentCoefficients) -> tuple[Array, Array]:
     """Covariance (c, states, states) of the response, and the unknowns (u, c) of its moments.
 
     They are NaN in cells without a stationary response.
@@ -106,7 +106,11 @@ def mixed(tried: Array, mismatches: Array, relaxation: float) -> Array:
     return shortened
 
 
-def largest_change(problem: Springs, now: tuple[Linear, Array], before: tuple[Linear, Array]) -> Array:
+def largest_change(
+    problem: Springs,
+    now: tuple[EquivalentCoefficients, Array],
+    before: tuple[EquivalentCoefficients, Array],
+) -> Array:
     """Largest changes (2, c) of covariances and of coefficients.
 
     That of a covariance is over the product of the standard deviations, that of ``k_eq`` over ``k_eq``
@@ -242,5 +246,5 @@ def _elastic_std(problem: Springs, dashpots: Array, weights: Array) -> Array:
     """Standard deviations of sums of coordinates (k, n) and of their rates (2, c, k) while elastic."""
     none = np.empty((len(dashpots), 0))
     elastic = problem._replace(yielding=np.empty(0, int))
-    response = response_of(elastic, Linear(none, none, dashpots))
+    response = response_of(elastic, EquivalentCoefficients(none, none, dashpots))
     return np.array([response.std(weights, rates=rates) for rates in (False, True)])

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from stochlin.models.rules import publish
-from stochlin.models.rules.codes import CODE_RULES, CodeRule, Number, Site
+from stochlin.models.rules.codes import CODE_RULES, CodeNumber, CodeRule, Site
 
 
 def china(site: Site) -> Any:
@@ -33,6 +33,6 @@ CHINA_GB_50011 = CodeRule(
         "concrete frames, intensity 8, up to 15 m where no height is given; the peaks are not used"
     ),
     countries=("China",),
-    number=Number("step", units="m", usual=3.0),
+    number=CodeNumber("step", units="m", usual=3.0),
 )
 publish(CODE_RULES, CHINA_GB_50011, place=15)

@@ -143,7 +143,7 @@ class Site(Model):
         return gap + 0 * (self.peak_1 + self.peak_2)
 
 
-class Number(NamedTuple):
+class CodeNumber(NamedTuple):
     """The number of a rule: its name, its unit, and its usual value, if it has one."""
 
     name: str
@@ -178,7 +178,7 @@ class CodeRule(Published):
     larger_factor: bool = False  # of both buildings, for both, where floors do not align
     called: Mapping[str, str] = field(default_factory=dict, hash=False)  # by name in FACTORS
     countries: Sequence[str] = ()  # in which the code is in use
-    number: Number | None = None
+    number: CodeNumber | None = None
     value: float | None = None  # of its number, in place of the usual one
 
     def __post_init__(self) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from stochlin.models.rules import publish
-from stochlin.models.rules.codes import CODE_RULES, CodeRule, Number, Site
+from stochlin.models.rules.codes import CODE_RULES, CodeNumber, CodeRule, Site
 
 
 def root_of_squares(site: Site) -> Any:
@@ -52,7 +52,7 @@ SHARE_OF_SUM = CodeRule(
     gap_of=share_of_sum,
     family="sum",
     line="of one building the factor times its own peak",
-    number=Number("factor", usual=1.0),
+    number=CodeNumber("factor", usual=1.0),
 )
 publish(CODE_RULES, SHARE_OF_SUM, place=1)
 
@@ -65,7 +65,7 @@ SHARE_OF_HEIGHT = CodeRule(
     assumptions="the peaks are not used",
     needs=("height_1", "height_2"),
     line="of one building the factor times its own height",
-    number=Number("factor"),
+    number=CodeNumber("factor"),
 )
 publish(CODE_RULES, SHARE_OF_HEIGHT, place=11)
 
@@ -77,6 +77,6 @@ FIXED_DISTANCE = CodeRule(
     family="fixed",
     assumptions="the peaks are not used",
     line="the same distance from a property line",
-    number=Number("distance", units="m"),
+    number=CodeNumber("distance", units="m"),
 )
 publish(CODE_RULES, FIXED_DISTANCE, place=12)

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from stochlin.models.rules import publish
-from stochlin.models.rules.codes import BETWEEN, CODE_RULES, CodeRule, Number, Site
+from stochlin.models.rules.codes import BETWEEN, CODE_RULES, CodeNumber, CodeRule, Site
 from stochlin.models.rules.codes.families import total
 
 
@@ -60,7 +60,7 @@ E030_OF_2026 = replace(
     reference="Norma E.030 as of 2026, Peru",
     mark="M",
     countries=(),
-    number=Number("zone_and_soil"),
+    number=CodeNumber("zone_and_soil"),
 )
 
 publish(CODE_RULES, E030, place=9)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from stochlin.models.rules import publish
-from stochlin.models.rules.codes import BETWEEN, CODE_RULES, CodeRule, Number
+from stochlin.models.rules.codes import BETWEEN, CODE_RULES, CodeNumber, CodeRule
 from stochlin.models.rules.codes.families import root_of_squares, share_of_height
 
 # "Adjacent buildings on the same property" are separated by the root of squares; a structure is set
@@ -63,6 +63,6 @@ ASCE_41 = CodeRule(
     family="height",
     assumptions="0.04 of the height is a first check of existing buildings; the peaks are not used",
     needs=("height_1", "height_2"),
-    number=Number("factor", usual=0.04),
+    number=CodeNumber("factor", usual=0.04),
 )
 publish(CODE_RULES, ASCE_41, place=13)

@@ -17,7 +17,7 @@ from stochlin.kernels.basics.systems import System
 from stochlin.kernels.linearization.gaussian import gaussian
 from stochlin.kernels.linearization.systems.lyapunov import INACCURATE, UNSTABLE
 from stochlin.kernels.linearization.systems.response import StationaryResponse
-from stochlin.kernels.linearization.systems.springs import Law, Springs
+from stochlin.kernels.linearization.systems.springs import SpringLaw, Springs
 from stochlin.kernels.linearization.systems.state_space import StateSpace, state_space
 from stochlin.messages import brief
 from stochlin.models.arguments import as_numbers, checked
@@ -66,9 +66,9 @@ def problem_of(models: Mapping[str, Any], *, in_time: bool = False) -> tuple[Arr
     return system, Springs(springs, soil, yielding, laws, dashpots, exponents, power, level)
 
 
-def _laws_of(system: Arrangement, cells: int, springs: int, in_time: bool) -> list[Law]:
+def _laws_of(system: Arrangement, cells: int, springs: int, in_time: bool) -> list[SpringLaw]:
     """The laws of so many springs that yield: those of the structures, and of links the bilinear one."""
-    laws = list[Law]()
+    laws = list[SpringLaw]()
     begin = 0
     for stack in system.stacks:
         mine = begin + np.arange(stack.yields.sum())
@@ -76,10 +76,10 @@ def _laws_of(system: Arrangement, cells: int, springs: int, in_time: bool) -> li
             values = stack.law_parameters[..., stack.yields, :]
             wide = np.broadcast_to(values, (cells, mine.size, values.shape[-1]))
             closures = stack.law.closure_in_time() if in_time else (stack.law.closure(GAUSSIAN),)
-            laws.append(Law(mine, np.moveaxis(wide, -1, 0), *closures))
+            laws.append(SpringLaw(mine, np.moveaxis(wide, -1, 0), *closures))
         begin += mine.size
     links = np.arange(begin, springs)
-    return [*laws, Law(links, np.empty((0, cells, links.size)), gaussian)] if links.size else laws
+    return [*laws, SpringLaw(links, np.empty((0, cells, links.size)), gaussian)] if links.size else laws
 
 
 def state_names(system: Arrangement, problem: Springs) -> list[str]:

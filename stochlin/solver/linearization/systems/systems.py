@@ -16,7 +16,7 @@ from stochlin.kernels.linearization.systems.response import StationaryResponse
 from stochlin.kernels.linearization.systems.springs import Springs
 from stochlin.kernels.linearization.systems.substitution import (
     DEPTH,
-    Linear,
+    EquivalentCoefficients,
     elastic_start,
     linear_for,
     response_of,
@@ -189,7 +189,7 @@ def linearize_system(
 class SystemSolution(NamedTuple):
     """Result of the iteration in c cells; NaN in cells that failed."""
 
-    linear: Linear  # elastic where a spring hardly yields
+    linear: EquivalentCoefficients  # elastic where a spring hardly yields
     changes: Array  # (iterations, 2, c) of the covariance and of the coefficients
     iterations: Array  # (c,)
     status: Array  # (c,)
@@ -214,7 +214,7 @@ def solve_system(
     solved, changes = solve_springs(problem, elastic, one_solution, *rule, depth, relaxation)
     slip, k, dashpots = linear_for(problem, solved.unknowns)
     still = (np.abs(slip) < ELASTIC) & (np.abs(k) < ELASTIC * problem.frequency)
-    linear = Linear(np.where(still, 0.0, slip), np.where(still, 0.0, k), dashpots)
+    linear = EquivalentCoefficients(np.where(still, 0.0, slip), np.where(still, 0.0, k), dashpots)
     demand = np.exp(elastic[m : 2 * m].max(axis=0, initial=-np.inf))
     failed = np.where(demand > STRONG, labels.TOO_STRONG, labels.NOT_CONVERGED)
     failed = np.where(np.isnan(demand), labels.NOT_PHYSICAL, failed)
@@ -283,7 +283,7 @@ def solution_table(
     return table
 
 
-def _results(system: Arrangement, problem: Springs, linear: Linear) -> dict[str, Array]:
+def _results(system: Arrangement, problem: Springs, linear: EquivalentCoefficients) -> dict[str, Array]:
     """What follows from the responses of the equivalent linear systems, by variable."""
     springs = problem.system
     yielding = problem.yielding
@@ -327,7 +327,7 @@ def _results(system: Arrangement, problem: Springs, linear: Linear) -> dict[str,
     return results
 
 
-def link_forces(problem: Springs, linear: Linear, motion: StationaryResponse) -> Array:
+def link_forces(problem: Springs, linear: EquivalentCoefficients, motion: StationaryResponse) -> Array:
     """Standard deviations of the forces in all links (c, l) [N].
 
     For a dashpot with an exponent, the variance of its linearized force is replaced by that of the
