@@ -33,7 +33,9 @@ from stochlin.solver.tables.checks import check_duration, check_work
 from stochlin.solver.tables.labels import ELEMENT, link_coordinates
 
 BLOCK = 256  # time steps that are computed at once
-OF_STEPS, OF_PEAKS = 6, 6  # numbers that are in memory at once for each step, and for each peak
+# numbers that are in memory at once for each step, and for each peak
+OF_STEPS = 6
+OF_PEAKS = 6
 
 
 def check_motion(
@@ -57,7 +59,8 @@ def check_finite(run: SimulationRun, duration: float, functions: int, times: int
 
     ``functions`` is the number of quantities with a peak, ``times`` the number of simulations.
     """
-    steps, paths = duration / run.plan.dt, run.plan.groups * LANES
+    steps = duration / run.plan.dt
+    paths = run.plan.groups * LANES
     check_work(
         f"duration = {duration:g} s, in steps of {run.plan.dt:.2g} s and on {paths} paths, would take",
         "shorten it, lower paths, or leave out the shortest period",
@@ -99,7 +102,9 @@ def simulate_finite(
 ) -> xr.Dataset:
     """Dataset of `simulate` for motions of finite duration, without labels."""
     levels = np.asarray(quantiles, float)
-    run, system, functions = moving.run, moving.system, moving.functions
+    run = moving.run
+    system = moving.system
+    functions = moving.functions
     extremes = extremes_of(run, [*functions.values()], (duration, envelope), progress, links_of(system))
     motions = _ended(moving, functions, extremes)
     check_response(system, ~np.isnan(motions.largest["floors"][0]))
@@ -144,11 +149,13 @@ def extremes_of(
 
     The ``motion`` is a duration with its envelope. Raises as `check_finite`.
     """
-    matrix, (duration, envelope) = np.concatenate(functions), motion
+    matrix = np.concatenate(functions)
+    duration, envelope = motion
     check_finite(run, duration, len(matrix))
     extensions, parameters = links or (np.zeros((0, 1)), np.zeros((0, 5)))
     middle = run.plan.dt * (np.arange(int(np.ceil(duration / run.plan.dt))) + 0.5)  # of the steps
-    crowd, watched = run.with_plan(every=1, samples=BLOCK).crowd, Links(run.rows(extensions), parameters)
+    crowd = run.with_plan(every=1, samples=BLOCK).crowd
+    watched = Links(run.rows(extensions), parameters)
     return finite_extremes(crowd, run.rows(matrix), envelope_at(envelope, middle), progress, watched)
 
 
@@ -156,7 +163,8 @@ def _ended(
     moving: StructuresInMotion, functions: Mapping[str, Array], extremes: Extremes
 ) -> EndedMotions:
     """All that is known of the motions; a structure that falls moves beyond any gap."""
-    system, matrix = moving.system, np.concatenate([*functions.values()])
+    system = moving.system
+    matrix = np.concatenate([*functions.values()])
     largest = np.stack([extremes.highest, -extremes.lowest])
     ends = np.cumsum([len(rows) for rows in functions.values()])[:-1]
     blocks = dict(zip(functions, np.split(largest, ends, axis=2), strict=True))
@@ -168,7 +176,8 @@ def _ended(
     peaks = {"force": extremes.force, "stroke": extremes.stroke, "energy": extremes.energy}
     falls = fallen.any(axis=1, keepdims=True)
     links = {name: np.where(falls, np.inf, each) for name, each in peaks.items() if system.ties}
-    ends_at, plastic = (moving.run.watched(each) for each in (extremes.last, extremes.plastic))
+    ends_at = moving.run.watched(extremes.last)
+    plastic = moving.run.watched(extremes.plastic)
     return EndedMotions(moving, blocks, fallen, links, ends_at, plastic)
 
 

@@ -93,7 +93,8 @@ def simulated_motions(
         "shorten them, lower paths, or give a longer step",
         numbers=2.0 * steps * paths,
     )
-    soil, time = ground.lone_filter(), step * np.arange(steps)
+    soil = ground.lone_filter()
+    time = step * np.arange(steps)
     groups = -(-paths // LANES)
     plan = Plan(step, 1, 0, 0, groups, seed, BLOCK, scatter=scatter)
     made, root = ground_steps(soil, step)

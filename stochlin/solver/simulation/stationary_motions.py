@@ -37,8 +37,10 @@ MOST_STEPS = 1e7
 BURN_IN = 5.0  # burn-in over memory
 # Measurement of the time constant: groups of motions, burn-in and duration in time constants by
 # linearization, and instants at which the plastic displacements are sampled.
-GROUPS, INSTANTS = 4, 256
-SETTLING, LENGTH = 1.0, 2.0
+GROUPS = 4
+INSTANTS = 256
+SETTLING = 1.0
+LENGTH = 2.0
 FALLEN = 0.6  # autocorrelation below which the time constant is evaluated
 ERRORS = 2.0  # standard errors that are added to the autocorrelation, on the safe side
 
@@ -64,7 +66,8 @@ def stationary_moments(
     run = with_length(moving.run._replace(drift_time=np.where(rare, 0.0, expected)), relaxation_times)
     memory = np.where(rare, expected, run.drift_time)
     moments = simulate_moments(run, np.concatenate([moving.floors, moving.drifts]), progress)
-    n, (over, of_drifts) = len(moving.floors), moving.dimensions
+    n = len(moving.floors)
+    over, of_drifts = moving.dimensions
     check_response(moving.system, np.isfinite(moments.displacement_std[None, :n]))
     for group in moving.groups:  # all floors of a structure move with the storey that yields rarely
         if isinstance(group.part, SteppedStructures):
@@ -95,7 +98,8 @@ def with_length(run: SimulationRun, relaxation_times: float) -> SimulationRun:
     ValueError is raised if the run, with the memory by linearization, would take too long.
     """
     expected = run.drift_time
-    slowest, period = float(expected.max()), float(run.period[np.argmax(expected)])
+    slowest = float(expected.max())
+    period = float(run.period[np.argmax(expected)])
     lasts = (BURN_IN + relaxation_times) * max(run.memory, slowest)
     check_work(
         "the run would take",
@@ -121,7 +125,8 @@ def expected_seconds(run: SimulationRun, relaxation_times: float) -> float:
 
     The memory that is expected is the one by linearization, which is too long.
     """
-    slowest, dt = float(run.drift_time.max()), run.plan.dt
+    slowest = float(run.drift_time.max())
+    dt = run.plan.dt
     measured = (SETTLING + LENGTH) * slowest / dt if slowest > run.memory else 0.0
     steps = (BURN_IN + relaxation_times) * max(run.memory, slowest) / dt
     pilot = seconds_of(run.with_plan(groups=GROUPS), measured)
@@ -179,7 +184,8 @@ def _estimates(sums: Sums, paths: int) -> MomentEstimates:
     variance = np.diag(mean)
     unit = np.sqrt(np.outer(variance, variance))
     rho = mean / unit
-    share_1, share_2 = sums.with_own / (unit * variance[:, None]), sums.with_own.T / (unit * variance)
+    share_1 = sums.with_own / (unit * variance[:, None])
+    share_2 = sums.with_own.T / (unit * variance)
     own = np.diag(sums.own) / variance**2
     spread = (
         sums.squares / unit**2
@@ -191,7 +197,8 @@ def _estimates(sums: Sums, paths: int) -> MomentEstimates:
     variance_error = np.sqrt((np.diag(sums.own) - paths * variance**2) / (paths * (paths - 1)))
     change = sums.change / paths
     change_error = np.sqrt((sums.change_squares / paths - change**2) / (paths - 1))
-    std, drift = np.sqrt(variance), change / change_error
+    std = np.sqrt(variance)
+    drift = change / change_error
     status = labels.status_where(np.abs(drift) <= NOT_STATIONARY, labels.NOT_CONVERGED)
     return MomentEstimates(std, variance_error / (2 * std), rho, rho_error, drift, status)
 

@@ -156,7 +156,8 @@ def keeping_apart(separation: xr.DataArray, gap: float | xr.DataArray) -> dict[s
 
 def share_columns(name: str, over: Sequence[Any], events: Array) -> Columns:
     """Share of the motions with an event (paths, ...), and its 95 % interval."""
-    n, count = len(events), events.sum(axis=0)
+    n = len(events)
+    count = events.sum(axis=0)
     lower = np.nan_to_num(betaincinv(count, n - count + 1, TAIL), nan=0.0)
     upper = np.nan_to_num(betaincinv(count + 1, n - count, 1 - TAIL), nan=1.0)
     shares = zip(labels.VALUE_AND_ENDS, (count / n, lower, upper), strict=True)

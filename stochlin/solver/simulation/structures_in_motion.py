@@ -91,14 +91,16 @@ def pairs_of(system: Arrangement) -> list[Pair]:
 
 def at_height(system: Arrangement, number: int, height: float) -> Array:
     """Displacement of structure ``number`` at a height [m], by shares (f,) of all floors."""
-    shares, first = np.zeros(int(system.first[-1])), system.first
+    shares = np.zeros(int(system.first[-1]))
+    first = system.first
     shares[first[number] : first[number + 1]] = shares_at(system.stacks[number].levels, height)
     return shares
 
 
 def apart(system: Arrangement, pair: Pair) -> Array:
     """Relative displacement ``u_1 - u_2`` of a pair, by shares (f,) of all floors."""
-    first, second = (at_height(system, number, pair.height) for number in (pair.first, pair.second))
+    first = at_height(system, pair.first, pair.height)
+    second = at_height(system, pair.second, pair.height)
     return first - second
 
 
@@ -144,7 +146,8 @@ class StructuresInMotion(NamedTuple):
     @property
     def functions(self) -> dict[str, Array]:
         """All that has a peak in a finite motion, as functions (m, w) of all that is `watched`."""
-        system, floors = self.system, self.floors
+        system = self.system
+        floors = self.floors
         at_heights = [at_height(system, *place) for place in self.places]
         relative = [apart(system, pair) for pair in pairs_of(system)]
         return {
@@ -211,7 +214,8 @@ def structures_in_motion(
     *medians, usual = map(median_of, models.values())
     links = check_links("link", link, len(medians))
     system = arrangement_of([strength_in_metres(each, usual) for each in medians], links)
-    drift_times, limits = np.zeros(len(system.watched)), system.limits
+    drift_times = np.zeros(len(system.watched))
+    limits = system.limits
     if stationary:
         check_stationary(system)
         for n, stack in enumerate(system.stacks, start=1):
@@ -241,7 +245,8 @@ def _drift_times(
     links: Sequence[Link | None],
 ) -> Array:
     """Relaxation times [s] of all that is `watched` by linearization; 0 if elastic."""
-    alone, times = unlinked_oscillators(system), np.zeros(len(system.watched))
+    alone = unlinked_oscillators(system)
+    times = np.zeros(len(system.watched))
     # Without a linearization, a run that is too short shows it by its change of variance.
     with suppress(ArithmeticError), np.errstate(divide="ignore", invalid="ignore"):
         if len(alone) < len(structures):
@@ -264,7 +269,8 @@ def _factors(models: Mapping[str, Any], motions: int, seed: int) -> dict[str, di
 
 def _samples(model: UncertainModel, factors: Mapping[str, Array], ground: Ground) -> list[Any]:
     """Samples of a model for all motions: grounds, or stacks of a structure on the median ground."""
-    median, motions = model.median(), len(next(iter(factors.values())))
+    median = model.median()
+    motions = len(next(iter(factors.values())))
     if isinstance(median, Structure) and "mass" not in factors:
         along = {name: xr.DataArray(column, dims=PATH) for name, column in factors.items()}
         return stacks_of(strength_in_metres(model.at(along), ground), PATH, motions)

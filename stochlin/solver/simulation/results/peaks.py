@@ -57,7 +57,8 @@ def peak_at_height(motions: EndedMotions) -> Array | None:
     if not motions.moving.places:
         return None
     structures, levels = zip(*motions.moving.places, strict=True)
-    heights, peaks = motions.moving.heights, motions.either("places")
+    heights = motions.moving.heights
+    peaks = motions.either("places")
     values = np.full((len(peaks), len(motions.moving.system.stacks), heights.size), np.nan)
     values[:, structures, np.searchsorted(heights, levels)] = peaks
     return values
