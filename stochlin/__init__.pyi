@@ -88,6 +88,7 @@ from .applications.sites.design_spectra import (
     asce_7 as asce_7,
 )
 from .applications.sites.spectra import read_spectrum as read_spectrum
+from .applications.sites.simulated_spectra import simulated_spectrum as simulated_spectrum
 from .applications.sites.intensity import scale_ground as scale_ground
 from .applications.sites.hazard_files import read_hazard as read_hazard
 from .models.hazards import (
@@ -110,6 +111,7 @@ from .applications.risk.risk import (
 
 # Impacts
 from .applications.pounding.pounding import pound as pound
+from .applications.cases.pounding import pound_case as pound_case
 from .applications.pounding.estimates import pounding_estimate as pounding_estimate
 from .models.contacts.elements import (
     LinearSpring as LinearSpring,

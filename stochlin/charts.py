@@ -1,27 +1,25 @@
-"""The charts, one door to them: functions that make their data, what draws it, and the looks of curves.
+"""The charts, in one place: functions that make their data, what draws them, and the looks of curves.
 
 ``sl.charts.draw(sl.charts.restitution_chart())`` is Fig. 8.
 """
 
-from stochlin.applications.cases.pounding import pound_case as pound_case
-from stochlin.applications.sites.simulated_spectra import simulated_spectrum as simulated_spectrum
+from stochlin.applications.figures.charts import CHARTS as CHARTS
+from stochlin.applications.figures.charts import ChartSettings as ChartSettings
+from stochlin.applications.figures.charts import chart_functions as chart_functions
+from stochlin.applications.figures.charts import register_chart as register_chart
+from stochlin.applications.figures.contacts import contact_history_chart as contact_history_chart
+from stochlin.applications.figures.contacts import contact_loop_chart as contact_loop_chart
+from stochlin.applications.figures.contacts import restitution_chart as restitution_chart
+from stochlin.applications.figures.fig3 import effective_rules_chart as effective_rules_chart
+from stochlin.applications.figures.fig3 import white_noise_chart as white_noise_chart
+from stochlin.applications.figures.fig4 import period_ratio_chart as period_ratio_chart
+from stochlin.applications.figures.fig5 import amplification_chart as amplification_chart
+from stochlin.applications.figures.fig5 import period_plane_chart as period_plane_chart
+from stochlin.applications.figures.fig9 import required_gap_chart as required_gap_chart
+from stochlin.applications.figures.motions import energy_chart as energy_chart
+from stochlin.applications.figures.motions import portrait_chart as portrait_chart
+from stochlin.applications.figures.motions import recorded_gap_chart as recorded_gap_chart
 from stochlin.messages import missing_in as _missing_in
-from stochlin.views.figures.charts import CHARTS as CHARTS
-from stochlin.views.figures.charts import ChartSettings as ChartSettings
-from stochlin.views.figures.charts import chart_functions as chart_functions
-from stochlin.views.figures.charts import register_chart as register_chart
-from stochlin.views.figures.contacts import contact_history_chart as contact_history_chart
-from stochlin.views.figures.contacts import contact_loop_chart as contact_loop_chart
-from stochlin.views.figures.contacts import restitution_chart as restitution_chart
-from stochlin.views.figures.fig3 import effective_rules_chart as effective_rules_chart
-from stochlin.views.figures.fig3 import white_noise_chart as white_noise_chart
-from stochlin.views.figures.fig4 import period_ratio_chart as period_ratio_chart
-from stochlin.views.figures.fig5 import amplification_chart as amplification_chart
-from stochlin.views.figures.fig5 import period_plane_chart as period_plane_chart
-from stochlin.views.figures.fig9 import required_gap_chart as required_gap_chart
-from stochlin.views.figures.motions import energy_chart as energy_chart
-from stochlin.views.figures.motions import portrait_chart as portrait_chart
-from stochlin.views.figures.motions import recorded_gap_chart as recorded_gap_chart
 from stochlin.views.figures.pictures import PICTURES as PICTURES
 from stochlin.views.figures.pictures import draw as draw
 from stochlin.views.pounding.pictures import draw_pound as draw_pound

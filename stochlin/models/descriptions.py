@@ -1,9 +1,10 @@
-"""Parameters in words, with their numbers in the units that are shown."""
+"""Parameters and models in words, with their numbers in the units that are shown."""
 
 from __future__ import annotations
 
 import math
 import re
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,8 @@ from stochlin.messages import brief
 
 LARGE = {"kg": ("t", 1e-3), "N/m": ("MN/m", 1e-6), "N s/m": ("MN s/m", 1e-6)}
 SHORT = 0.5  # m: lengths below, such as drifts, are shown in cm
+NAMES = {"first": "building 1", "second": "building 2", "envelope_model": "envelope"}
+ROLES = ("first", "second", "ground", "envelope", "envelope_model", "contact", "gap", "record")
 OF_BUILDING = re.compile(r"_([12])$")
 
 
@@ -51,3 +54,8 @@ def stated(name: str, value: Any, units: str | None) -> str:
         text = brief(value) if units is None or value is None else span(value, units)
     label = OF_BUILDING.sub(r" of building \1:", name).replace("_", " ")
     return f"{label} {text}"
+
+
+def roles_in_words(attrs: Mapping[Any, Any], *roles: str) -> list[str]:
+    """A line for each of these roles that the attributes of a dataset describe; all if none is named."""
+    return [f"{NAMES.get(r, r)}: {attrs[r].removeprefix(f'{r} ')}" for r in roles or ROLES if r in attrs]

@@ -72,7 +72,7 @@ def suite(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_motions_are_as_strong_as_the_file_asks(tmp_path, key):
     asked = {"pga": 'pga = "0.3 g"', "sa": 'sa = "0.3 g"\nsa_period = "0.6 s"'}[key]
     case = read(tmp_path, f'ground = "kanai_tajimi"\nperiod = "2 s"\ndamping = 0.1\n{asked}')
-    table = sl.charts.simulated_spectrum(case.site.ground, [0.6], **QUAKE, paths=512, seed=5)
+    table = sl.simulated_spectrum(case.site.ground, [0.6], **QUAKE, paths=512, seed=5)
     name = {"pga": "peak_ground_acceleration", "sa": "pseudo_acceleration"}[key]
     found, error = (float(table[f"{name}{end}"].item()) for end in ("", "_standard_error"))
     assert abs(found - 0.3 * G) < 4 * np.sqrt(1.5) * error

@@ -4,8 +4,8 @@ import pytest
 import xarray as xr
 
 import stochlin as sl
+from stochlin.models.descriptions import roles_in_words
 from stochlin.models.grounds import GROUNDS
-from stochlin.views.shared.words import roles_in_words
 
 pytestmark = pytest.mark.cli
 

@@ -10,7 +10,7 @@ import pytest
 import xarray as xr
 
 import stochlin as sl
-from stochlin.views.figures.charts import rounded
+from stochlin.applications.figures.charts import rounded
 
 pytestmark = pytest.mark.invariant
 

@@ -83,6 +83,21 @@ def test_rooms_import_what_is_written_down_and_in_no_circle_and_floors_only_thos
         assert list(TopologicalSorter(rooms).static_order())  # raises where there is a circle
 
 
+def test_views_compute_nothing() -> None:
+    """But for commands, which call analyses, and the warm-up, which calls what is to be compiled."""
+    computing = []
+    for path in MODULES:
+        floor, room = room_of(path.relative_to(ROOT).parts)
+        if floor != "views" or room == "warmup" or path.name == "command.py":
+            continue
+        for name in imports(path):
+            level, below = room_of(name.split(".")[1:])
+            allowed = {"kernels": {"basics"}, "solver": {"tables", "variables"}}.get(level)
+            if allowed is not None and name.startswith("stochlin.") and below not in {"", *allowed}:
+                computing.append((path, name))
+    assert computing == []
+
+
 def test_modules_import_one_another_in_no_circle() -> None:
     """Wherever they do: inside functions, too."""
     names = {path: ".".join(path.relative_to(ROOT.parent).with_suffix("").parts) for path in MODULES}

@@ -94,7 +94,7 @@ def test_simulated_motions_are_said_saved_and_drawn_together(tmp_path: Path) -> 
     assert {p.name for p in tmp_path.glob("p*")} == {"p.nc", "p.png"}
     shown = " ".join(done.output.split())
     with xr.open_dataset(tmp_path / "p.nc") as table:
-        again = sl.charts.pound_case(sl.read_case(path), 8)
+        again = sl.pound_case(sl.read_case(path), 8)
         np.testing.assert_array_equal(table.impacts, again.impacts)
         assert f"hit in {100 * float(table.pounding_probability[0]):.0f} % of them" in shown
         assert "SLABS HIT COLUMNS" in shown
@@ -110,7 +110,7 @@ def test_motions_that_failed_are_said_loudly(tmp_path: Path) -> None:
     weak = of_storeys().replace("base_shear_coefficient = 0.2", "base_shear_coefficient = 0.02", 1)
     weak = weak.replace('hardening = "5 %"', "hardening = 0.01\np_delta = true", 1)
     path = case_file(tmp_path, text=weak.replace("0.01 m^2/s^3", "0.0002 m^2/s^3", 1))
-    table = sl.charts.pound_case(sl.read_case(path), 16)
+    table = sl.pound_case(sl.read_case(path), 16)
     failed = int((table.status > 0).sum())
     assert 0 < failed < 16
     done = invoke("pound", path, "--motions", 16)

@@ -81,7 +81,7 @@ def test_hazards_of_different_measures_are_one_hazard():
     by_pga = sl.PowerLawHazard(0.01, 2.4)
     intensity = sl.scale_ground(GROUND, **motion, pga=1.0).intensity
     sa = float(
-        sl.charts.simulated_spectrum(
+        sl.simulated_spectrum(
             sl.scale_ground(GROUND, **motion, pga=1.0), [0.6], 15.0, SHAPE, paths=1024
         ).pseudo_acceleration[0]
     )

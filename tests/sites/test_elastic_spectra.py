@@ -133,7 +133,7 @@ def test_a_title_of_another_spectrum_is_not_taken_by_itself(title: str, tmp_path
 USES = {
     "fit_ground": lambda spectrum, **said: sl.fit_ground(spectrum, duration=8.0, filters=1, **said),
     "simulated_spectrum": lambda spectrum, **said: (
-        sl.charts.simulated_spectrum(GROUND, spectrum, 8.0, paths=32, **said).target
+        sl.simulated_spectrum(GROUND, spectrum, 8.0, paths=32, **said).target
     ),
     "scale_records": lambda spectrum, **said: sl.scale_records({"a": RECORD}, spectrum=spectrum, **said),
     "code_gaps": lambda spectrum, **said: (
@@ -250,7 +250,7 @@ def test_what_contradicts_itself_is_refused(said, message, tmp_path) -> None:
 def test_no_spectrum_takes_no_statement() -> None:
     for call in (
         lambda: sl.fit_ground(RECORD, elastic=True),
-        lambda: sl.charts.simulated_spectrum(GROUND, [0.5], 8.0, divided_by=4),
+        lambda: sl.simulated_spectrum(GROUND, [0.5], 8.0, divided_by=4),
         lambda: sl.scale_records({"a": RECORD}, pga=1.0, elastic=True),
         lambda: sl.code_gaps(0.1, 0.2, elastic=True),
     ):

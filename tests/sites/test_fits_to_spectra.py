@@ -26,7 +26,7 @@ CODES["ASCE 7"] = sl.asce_7(0.68 * G, 0.39 * G, 12.0)
 def test_motions_deliver_the_spectrum(name):
     duration, envelope = 12.0, sl.AminAng(1.5, 7.0, 0.6)
     ground = sl.fit_ground(CODES[name], duration=duration, envelope=envelope)
-    table = sl.charts.simulated_spectrum(ground, CODES[name], duration, envelope, paths=2048, seed=77)
+    table = sl.simulated_spectrum(ground, CODES[name], duration, envelope, paths=2048, seed=77)
     seen = table.sel(period=slice(0.1, 4.0))
     # The aim is 3 and 6 %; the scatter of 2048 motions is within 0.8 %.
     assert float(np.sqrt(((seen.ratio - 1) ** 2).mean())) < 0.03
@@ -70,7 +70,7 @@ def test_a_simulated_spectrum_is_that_of_its_motions():
     ground, step = sl.named_ground("firm", 0.01), 0.0025
     motions = sl.simulated_motions(ground, 10.0, ENVELOPE, paths=256, seed=1, step=step)
     periods = np.array([0.2, 0.5, 1.0])
-    found = sl.charts.simulated_spectrum(ground, periods, 10.0, ENVELOPE, paths=1024, seed=2)
+    found = sl.simulated_spectrum(ground, periods, 10.0, ENVELOPE, paths=1024, seed=2)
     each = sl.response_spectrum(list(motions), periods, 0.05).pseudo_acceleration.values
     mean, error = np.mean(each, axis=0), np.std(each, axis=0) / np.sqrt(256)
     off = np.abs(found.pseudo_acceleration - mean)

@@ -199,7 +199,7 @@ def test_every_peak_ground_acceleration_is_counted_in_the_same_step():
         motions = sl.simulated_motions(ground, **motion, paths=1024, step=0.01)
         assert np.abs(motions.values).max(axis=1).mean() == pytest.approx(3.0, rel=1e-12)
         for table in (
-            sl.charts.simulated_spectrum(ground, [1.0], **motion),
+            sl.simulated_spectrum(ground, [1.0], **motion),
             shaking(ground, np.array([1.0]), **motion),
         ):
             assert float(table.peak_ground_acceleration) == pytest.approx(3.0, rel=1e-12)

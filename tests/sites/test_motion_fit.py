@@ -47,7 +47,7 @@ def test_a_motion_that_was_made_is_found_again(record, motion):
     assert_energy_is_that(record, motion)
     periods = np.geomspace(0.05, 4.0, 72)
     course = motion.duration, motion.envelope
-    table = sl.charts.simulated_spectrum(motion.ground, periods, *course, paths=512)
+    table = sl.simulated_spectrum(motion.ground, periods, *course, paths=512)
     of_record = sl.response_spectrum(record, periods, 0.05).pseudo_acceleration.squeeze()
     off = np.log(table.pseudo_acceleration.values / of_record.values)
     # One motion scatters about its mean by a fifth or so from period to period.

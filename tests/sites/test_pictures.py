@@ -16,7 +16,7 @@ CODE = sl.eurocode_8(2.0, "B")
 
 @pytest.fixture(scope="module")
 def of_code() -> xr.Dataset:
-    return sl.charts.simulated_spectrum(GROUND, CODE, *MOTION, paths=64)
+    return sl.simulated_spectrum(GROUND, CODE, *MOTION, paths=64)
 
 
 def lines(axes) -> dict[str, np.ndarray]:
@@ -50,6 +50,6 @@ def test_the_fit_of_a_case_is_told_in_the_band_of_its_buildings():
 
 def of_two(period: np.ndarray, ratio: np.ndarray) -> xr.Dataset:
     """A spectrum with these ratios to its target."""
-    table = sl.charts.simulated_spectrum(GROUND, sl.eurocode_8(2.0, "B"), *MOTION, paths=2)
+    table = sl.simulated_spectrum(GROUND, sl.eurocode_8(2.0, "B"), *MOTION, paths=2)
     table = table.isel(period=slice(period.size)).assign_coords(period=period)
     return table.assign(ratio=("period", ratio))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 import xarray as xr
@@ -10,11 +10,12 @@ import xarray as xr
 from stochlin.applications.cases.reading.case import Case
 from stochlin.applications.cases.rows import check_masses, motion_of
 from stochlin.applications.cases.shaking import recorded_shaking, shaking_of
-from stochlin.applications.pounding.pounding import pound
+from stochlin.applications.pounding.pounding import FEWEST_STEPS, MOST_STEPS, pound
 from stochlin.applications.pounding.rows import SIDES
 from stochlin.applications.pounding.runs import STEPS_PER_CONTACT
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.models.arguments import checked
+from stochlin.messages import brief
+from stochlin.models.arguments import Whole, checked
 from stochlin.models.systems import arrangement_of
 from stochlin.solver.linearization.strength import strength_in_metres
 from stochlin.solver.simulation.ground_motions import simulated_motions
@@ -35,10 +36,10 @@ OF_MOTIONS = ("ground", "envelope", "scatter")  # attributes of simulated motion
 @checked
 def pound_case(
     case: Case,
-    motions: int | None = None,
+    motions: Annotated[int, Whole(1)] | None = None,
     progress: Progress | None = None,
     *,
-    steps_per_contact: int = STEPS_PER_CONTACT,
+    steps_per_contact: Annotated[int, Whole(FEWEST_STEPS, MOST_STEPS)] = STEPS_PER_CONTACT,
 ) -> xr.Dataset:
     """Response of the buildings of a case to its record, with all impacts, or to many motions.
 
@@ -67,14 +68,38 @@ def pound_case(
 
     Raises
     ------
-    ValueError
-        If the case lacks data, or for an error of `stochlin.pound`. The message names the file.
+    ValueError, TypeError
+        If ``case`` is no case, a number is out of range, the case lacks data, or for an error of
+        `stochlin.pound`. The message names the file.
 
     Notes
     -----
     A strength by reduction factor or by ductility refers to the response to the ground of the case, not
     to the record.
+
+    References
+    ----------
+    Valles-Mattox and Reinhorn (1996), eqs. (13) to (16); Newmark (1959), for the time steps.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile, stochlin as sl
+    >>> lines = '''
+    ...     site = {ground = "firm", pga = "0.4 g"}
+    ...     motion = {duration = "10 s"}
+    ...     building_1 = {period = "1 s", damping = 0.05, mass = "500 t", elastic = true}
+    ...     building_2 = {period = "0.6 s", damping = 0.05, mass = "300 t", elastic = true}
+    ...     separation = {existing = ["1 cm"], confidence = 0.9}
+    ...     contact = {model = "kelvin", stiffness = "5000 MN/m", restitution = 0.65}
+    ... '''
+    >>> path = pathlib.Path(tempfile.mkdtemp()) / "case.toml"
+    >>> _ = path.write_text(lines, encoding="utf-8")
+    >>> table = sl.pound_case(sl.read_case(path), motions=4)
+    >>> bool((table.impacts > 0).all())
+    True
     """
+    if not isinstance(case, Case):
+        raise TypeError(f"case = {brief(case)}; allowed: the result of read_case")
     _check(case, simulated=motions is not None)
     records = case.site.records
     about = dict[str, Any]()

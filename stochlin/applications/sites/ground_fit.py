@@ -191,7 +191,7 @@ def fit_ground(
     >>> spectrum = sl.eurocode_8(0.25 * 9.80665, "B")
     >>> shape = sl.AminAng(1.5, 6.0, 0.6)
     >>> ground = sl.fit_ground(spectrum, duration=10.0, envelope=shape)
-    >>> table = sl.charts.simulated_spectrum(ground, spectrum, 10.0, shape, paths=256)
+    >>> table = sl.simulated_spectrum(ground, spectrum, 10.0, shape, paths=256)
     >>> bool(abs(table.ratio.sel(period=slice(0.1, 4)) - 1).max() < 0.06)
     True
     """

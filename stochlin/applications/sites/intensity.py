@@ -85,7 +85,7 @@ def scale_ground(
     -----
     A filtered white noise has more and higher peaks in smaller steps: on usual soils the mean peak is
     3 % lower in steps of 0.02 s, 2 % higher in 0.005 s and 4 % higher in 0.0025 s. All peak ground
-    accelerations of simulated motions, also those of `stochlin.charts.simulated_spectrum`, hazards and
+    accelerations of simulated motions, also those of `stochlin.simulated_spectrum`, hazards and
     reports, are counted in steps of 0.01 s, whatever the duration. Spectral accelerations are simulated
     in 64 steps in a period, which make it 0.08 % longer.
 
@@ -98,7 +98,7 @@ def scale_ground(
     >>> import stochlin as sl
     >>> shape = sl.AminAng(2.0, 12.0, 0.4)
     >>> ground = sl.scale_ground(sl.named_ground("firm", 1.0), 20.0, shape, pga=0.3 * 9.80665)
-    >>> table = sl.charts.simulated_spectrum(ground, [0.5], 20.0, shape)
+    >>> table = sl.simulated_spectrum(ground, [0.5], 20.0, shape)
     >>> round(float(table.peak_ground_acceleration) / 9.80665, 9)
     0.3
     """

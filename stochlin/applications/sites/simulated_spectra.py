@@ -114,11 +114,15 @@ def simulated_spectrum(
         If a number is out of range, the target is not a spectrum, or the simulation would take
         too much time or memory.
 
+    References
+    ----------
+    Nigam and Jennings (1969), Bull. Seismol. Soc. Am. 59, for the exact transition of the oscillators.
+
     Examples
     --------
     >>> import stochlin as sl
     >>> ground = sl.named_ground("firm", intensity=0.01)
-    >>> table = sl.charts.simulated_spectrum(ground, [0.2, 0.5, 1.0], 20.0, paths=256)
+    >>> table = sl.simulated_spectrum(ground, [0.2, 0.5, 1.0], 20.0, paths=256)
     >>> table.pseudo_acceleration.dims, bool((table.pseudo_acceleration > 0).all())
     (('period',), True)
     """

@@ -58,8 +58,8 @@ def rho(out: Path | None, method: Any, **options: Any) -> None:
           --ground kanai-tajimi --ground-period 2s --ground-damping 0.05 --out table.nc
     """
     from stochlin.files.storage import FORMATS, save_table
+    from stochlin.models.descriptions import roles_in_words
     from stochlin.solver.correlation.correlation import correlate
-    from stochlin.views.shared.words import roles_in_words
 
     with bad_input():
         check_target("--out", out, FORMATS)

@@ -72,9 +72,9 @@ def charts(
       stochlin charts fig4b --print-width 84mm --format pdf --out out
       stochlin charts fig5a --damping 0.02 --hardening 0.1 --format pdf --out out
     """
+    from stochlin.applications.figures.charts import CHARTS, ChartSettings, chart_functions
     from stochlin.applications.records.records import read_record
     from stochlin.registry import as_key
-    from stochlin.views.figures.charts import CHARTS, ChartSettings, chart_functions
     from stochlin.views.figures.pictures import width_in_print
 
     with bad_input():

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
+from stochlin.applications.figures.charts import MEMORY, is_slow
 from stochlin.models.arguments import Number
 from stochlin.models.parameters import Range
 from stochlin.registry import Registry
@@ -57,7 +58,6 @@ APART = 0.06  # around panels
 HEAD = 0.5  # inches: of three lines above a panel
 ROOM = 0.065  # around a number on a line
 SYMBOLS = {"damping": r"$\xi$", "reduction_factor": "R"}
-MEMORY = "drift_memory"  # variable with the memory of plastic drifts [s]
 MARKERS = "os^Dvp", "xxxxxx"  # of the simulated points of each curve, and of those in finite motions
 THIN = 0.8  # line width of other results
 TWICE = 1.96  # half a 95 % interval, in standard errors
@@ -195,11 +195,6 @@ def shown(dataset: xr.Dataset) -> xr.DataArray:
     """Variable that a chart shows: the one that ``shows`` names, or the first one that is no status."""
     first = next(name for name in dataset.data_vars if name != "status")
     return dataset[dataset.attrs.get("shows", first)]
-
-
-def is_slow(chart: xr.Dataset) -> xr.DataArray:
-    """Where the plastic drift has a longer memory than any real motion: these points are open."""
-    return chart[MEMORY] > chart.attrs["longest_memory_s"]
 
 
 @PICTURES.register("curves")

@@ -18,10 +18,11 @@ from stochlin.applications.cases.pounding import (
 )
 from stochlin.applications.pounding.rows import COLUMN
 from stochlin.messages import plain
+from stochlin.models.descriptions import roles_in_words
 from stochlin.solver.tables.labels import CONVERGED
 from stochlin.views.pounding.words import roof
 from stochlin.views.shared.style import AS_GIVEN, CURVES, filled, styled
-from stochlin.views.shared.words import along, roles_in_words
+from stochlin.views.shared.words import along
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -52,7 +53,7 @@ def draw_pound(dataset: xr.Dataset) -> Figure:
     Parameters
     ----------
     dataset : xarray.Dataset
-        As `stochlin.charts.pound_case` makes it, from memory or from file.
+        As `stochlin.pound_case` makes it, from memory or from file.
 
     Returns
     -------

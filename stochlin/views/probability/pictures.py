@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
+from stochlin.models.descriptions import roles_in_words
 from stochlin.views.shared.style import CURVES, filled, styled
-from stochlin.views.shared.words import roles_in_words, with_interval
+from stochlin.views.shared.words import with_interval
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -16,8 +16,8 @@ import xarray as xr
 from stochlin.files.storage import whole_file
 from stochlin.messages import brief, check_names
 from stochlin.models.arguments import checked
+from stochlin.models.descriptions import roles_in_words
 from stochlin.views.shared.blocks import PICTURES, typeset
-from stochlin.views.shared.words import roles_in_words
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

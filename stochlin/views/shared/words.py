@@ -19,8 +19,7 @@ from stochlin.solver.tables.labels import VALUE_AND_ENDS
 from stochlin.views.shared.blocks import Text, ViewSection
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
-    from typing import Any
+    from collections.abc import Iterable, Sequence
 
     import xarray as xr
 
@@ -46,8 +45,6 @@ YIELDS = (
     "Mode 1 of {building} has {share} of the mass, bears all of its strength and yields at "
     "{displacement}; its other modes stay elastic."
 )
-NAMES = {"first": "building 1", "second": "building 2", "envelope_model": "envelope"}
-ROLES = ("first", "second", "ground", "envelope", "envelope_model", "contact", "gap", "record")
 
 
 def centimetres(metres: float) -> str:
@@ -235,11 +232,6 @@ def doubt(doubts: Sequence[str]) -> Text:
 def opening(case: Case, doubts: Sequence[str]) -> ViewSection:
     """Doubtful input, if there is any, and the title of the case."""
     return ViewSection("", [doubt(doubts), Text(case.title, "title")])
-
-
-def roles_in_words(attrs: Mapping[Any, Any], *roles: str) -> list[str]:
-    """A line for each of these roles that the attributes of a dataset describe; all if none is named."""
-    return [f"{NAMES.get(r, r)}: {attrs[r].removeprefix(f'{r} ')}" for r in roles or ROLES if r in attrs]
 
 
 def site_in_words(case: Case) -> str:

@@ -34,7 +34,7 @@ BAND_IN_WORDS = f"{BAND[0]:g} to {BAND[1]:g} times the periods of the buildings"
 
 @styled(AS_GIVEN | {"font.size": 10})
 def draw_spectrum(dataset: xr.Dataset, caption: bool = True, periods: Sequence[float] = ()) -> Figure:
-    """Draw the result of `stochlin.charts.simulated_spectrum`.
+    """Draw the result of `stochlin.simulated_spectrum`.
 
     Parameters
     ----------

@@ -15,6 +15,17 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from stochlin.applications.figures.charts import (
+    LONGEST_MEMORY,
+    MEMORY,
+    SIMULATED_INTENSITY,
+    USUAL,
+    ChartSettings,
+    design_motion,
+    is_slow,
+    register_chart,
+)
+from stochlin.applications.figures.fig3 import ratio_axis
 from stochlin.applications.records.gaps import recorded_gap
 from stochlin.models.arguments import checked
 from stochlin.models.grounds import Ground
@@ -24,16 +35,6 @@ from stochlin.solver.correlation.correlation import correlate
 from stochlin.solver.linearization.strength import strength_in_metres
 from stochlin.solver.simulation.ground_motions import simulated_motions
 from stochlin.solver.tables import labels
-from stochlin.views.figures.charts import (
-    LONGEST_MEMORY,
-    SIMULATED_INTENSITY,
-    USUAL,
-    ChartSettings,
-    design_motion,
-    register_chart,
-)
-from stochlin.views.figures.fig3 import ratio_axis
-from stochlin.views.figures.pictures import MEMORY, is_slow
 
 SIMULATED_POINTS = 21  # along a curve
 STEPS = 100  # in a period of the ground, of the finite motions

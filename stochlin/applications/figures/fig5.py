@@ -7,20 +7,15 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from stochlin.models.arguments import checked
-from stochlin.models.grounds import Ground
-from stochlin.models.structures import DRIFT
-from stochlin.solver.correlation.amplification import amplification
-from stochlin.solver.correlation.correlation import correlate
-from stochlin.solver.tables import labels
-from stochlin.views.figures.charts import (
+from stochlin.applications.figures.charts import (
     LONGEST_MEMORY,
+    MEMORY,
     USUAL,
     ChartSettings,
     design_motion,
     register_chart,
 )
-from stochlin.views.figures.fig4 import (
+from stochlin.applications.figures.fig4 import (
     SIMULATED,
     bilinear,
     ground_period,
@@ -31,7 +26,12 @@ from stochlin.views.figures.fig4 import (
     with_truth,
     words,
 )
-from stochlin.views.figures.pictures import MEMORY
+from stochlin.models.arguments import checked
+from stochlin.models.grounds import Ground
+from stochlin.models.structures import DRIFT
+from stochlin.solver.correlation.amplification import amplification
+from stochlin.solver.correlation.correlation import correlate
+from stochlin.solver.tables import labels
 
 RATIOS = (0.1, 4.0)  # first and last period of an axis, over that of the ground
 SIMULATED_POINTS = 41  # along an axis of Fig. 5a

@@ -44,6 +44,7 @@ DECAY = 0.7
 LONGEST_MEMORY = 2 * DURATION
 SIMULATED_INTENSITY = 0.004  # m^2/s^3
 SIMULATED_STEP = 0.02  # s
+MEMORY = "drift_memory"  # variable with the memory of plastic drifts [s]
 BANDS = {NARROW_BAND_DAMPING: "narrow band, ", BROAD_BAND_DAMPING: "broad band, "}
 
 
@@ -154,7 +155,9 @@ class ChartSettings(metaclass=Named):
 
 
 USUAL = ChartSettings()
-CHARTS: Registry[Callable[[ChartSettings], xr.Dataset]] = Registry("chart", "stochlin.views.figures")
+CHARTS: Registry[Callable[[ChartSettings], xr.Dataset]] = Registry(
+    "chart", "stochlin.applications.figures"
+)
 # A decorator, ``register_chart(name, place)``, of the function that computes a chart from the settings.
 register_chart = checked(CHARTS.register)
 
@@ -218,3 +221,8 @@ def rounded(values: np.ndarray) -> np.ndarray:
 def design_motion(period: float) -> tuple[float, AminAng]:
     """Duration [s] and envelope of the finite motions on a ground of this period."""
     return DURATION * period, AminAng(RISE_END * period, STRONG_END * period, DECAY / period)
+
+
+def is_slow(chart: xr.Dataset) -> xr.DataArray:
+    """Where the plastic drift has a longer memory than any real motion: these points are open."""
+    return chart[MEMORY] > chart.attrs["longest_memory_s"]

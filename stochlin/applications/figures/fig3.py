@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin._version import __version__
+from stochlin.applications.figures.charts import USUAL, ChartSettings, register_chart
 from stochlin.models.arguments import Points, checked
 from stochlin.models.rules.effective_properties import (
     EffectiveRule,
@@ -17,7 +18,6 @@ from stochlin.models.rules.effective_properties import (
 )
 from stochlin.solver.correlation.equation_4 import rho_effective, rho_white_noise
 from stochlin.solver.tables import labels
-from stochlin.views.figures.charts import USUAL, ChartSettings, register_chart
 
 OF_PAPER = "jeng_kasai_maison_1992_unverified"
 DAMPING = (0.01, 0.02, 0.05, 0.1, 0.2)  # of the curves of Fig. 3a
