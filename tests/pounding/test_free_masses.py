@@ -19,25 +19,12 @@ from hypothesis import given
 import stochlin as sl
 from stochlin.kernels.basics.systems import System
 from stochlin.kernels.pounding import run as kernel
-from stochlin.kernels.pounding.impacts import CONTACT, LANE, REST, STORED
+from stochlin.kernels.pounding.impacts import REST
 from stochlin.kernels.simulation import contacts as forces
 from stochlin.kernels.simulation.account import Parts
 from stochlin.kernels.simulation.laws import LINEAR, by_number
-from stochlin.kernels.simulation.moving import (
-    APPROACH,
-    BEGIN,
-    DEEPEST,
-    END,
-    ENTERING,
-    HANDED,
-    IMBALANCE,
-    LARGEST,
-    LOST,
-    Elements,
-    Q,
-    V,
-    rows_of,
-)
+from stochlin.kernels.simulation.row_products import rows_of
+from stochlin.kernels.simulation.state import Elements
 
 pytestmark = pytest.mark.oracle
 
@@ -83,21 +70,21 @@ class Flight:
         v = np.array(velocities, float).reshape(n, -1)
         lanes, intervals = v.shape[1], int(np.ceil(duration / (dt * substeps)))
         x = row.at_rest(lanes)
-        self.q, self.v = x.coordinates[:, Q], x.coordinates[:, V]
+        self.q, self.v = x.coordinates.q, x.coordinates.v
         self.v[:], self.q[:] = v, np.broadcast_to(np.array(places, float).T, v.T.shape).T
 
         def energies():
             return 0.5 * mass[:, None] * self.v**2 + 0.5 * row.elements.system.post[:, None] * self.q**2
 
         start = energies()
-        x.coordinates[:, ENTERING] = start  # as if the ground had done it
+        x.coordinates.input_energy[:] = start  # as if the ground had done it
         ground = np.zeros((intervals + 1, lanes))
         counts, rates = np.full(lanes, intervals), np.full(lanes, slow)
         motions = kernel.GroundMotions(ground, substeps * dt, counts, rates, np.ones(lanes))
-        none = np.empty((len(x.state), 0))
+        none = np.empty((len(x.block), 0))
         table = kernel.follow(row, x, motions, kernel.StepCounts(1, substeps), none)
-        self.impacts = table[np.argsort(table[:, LANE], kind="stable")]
-        self.imbalance = x.motions[IMBALANCE]
+        self.impacts = table[np.argsort(table["motion"], kind="stable")]
+        self.imbalance = x.motions.imbalance
         self.duration = intervals * substeps * dt
         self.gained = energies() - start
 
@@ -131,14 +118,14 @@ class Collisions:
         velocities = np.repeat([[0.3 * v0], [-0.7 * v0]], PHASES, axis=1)
         self.before = velocities
         self.run = run = Flight(free_row(masses, contact), velocities, self.dt, 40 * self.scale, places)
-        np.testing.assert_array_equal(run.impacts[:, LANE], np.arange(PHASES))  # one each
+        np.testing.assert_array_equal(run.impacts["motion"], np.arange(PHASES))  # one each
         self.e = (run.v[1] - run.v[0]) / v0
-        self.late = (run.impacts[:, BEGIN] - self.touch) / self.scale
-        self.time = (run.impacts[:, END] - run.impacts[:, BEGIN]) / self.scale
+        self.late = (run.impacts["begin"] - self.touch) / self.scale
+        self.time = (run.impacts["end"] - run.impacts["begin"]) / self.scale
 
     def check_conservation(self):
         """Momentum, and the energies of the table, all to rounding in whatever steps."""
-        run, lost, size = self.run, self.run.impacts[:, LOST], self.mass * self.v0**2
+        run, lost, size = self.run, self.run.impacts["dissipated"], self.mass * self.v0**2
         # A free mass keeps its velocity but for some rounding in each step, which may add up.
         drift = 1e-15 * run.duration / self.dt
         momentum, all_of_it = self.masses @ self.before, self.masses @ abs(self.before)
@@ -146,9 +133,9 @@ class Collisions:
         allowed = ROUNDING * size + 2 * drift * self.masses @ self.before[:, 0] ** 2
         np.testing.assert_allclose(lost, 0.5 * size * (1 - self.e**2), rtol=0, atol=allowed)
         np.testing.assert_allclose(lost, -run.gained.sum(axis=0), rtol=0, atol=allowed)
-        np.testing.assert_allclose(run.impacts[:, HANDED], run.gained[1], rtol=0, atol=allowed)
-        np.testing.assert_allclose(run.impacts[:, APPROACH], self.v0, rtol=1e-12)
-        np.testing.assert_array_equal(run.impacts[:, STORED], 0)  # nothing is left in it
+        np.testing.assert_allclose(run.impacts["work_on_right"], run.gained[1], rtol=0, atol=allowed)
+        np.testing.assert_allclose(run.impacts["approach_velocity"], self.v0, rtol=1e-12)
+        np.testing.assert_array_equal(run.impacts["stored"], 0)  # nothing is left in it
         assert (run.imbalance < ROUNDING).all()
 
 
@@ -196,8 +183,8 @@ def test_linear_elements_deliver_their_restitution_and_contact_time(kind, xi):
         pushes = d + 2 * xi * (np.maximum(v, 0) if kind is sl.ImpactKelvin else v)
         unit = SPEED * one.scale
         largest, deepest = (
-            one.run.impacts[:, LARGEST] / unit / STIFFNESS,
-            one.run.impacts[:, DEEPEST] / unit,
+            one.run.impacts["largest_force"] / unit / STIFFNESS,
+            one.run.impacts["largest_penetration"] / unit,
         )
         np.testing.assert_allclose(deepest, d.max(), rtol=0, atol=0.07 * square)
         np.testing.assert_allclose(largest, pushes.max(), rtol=0, atol=0.07 * square)
@@ -232,7 +219,7 @@ def test_a_slow_approach_is_elastic():
     for slow, e in ((0.79, 0.3), (0.81, 1.0)):
         run = Flight(row, (0.3 * SPEED, -0.7 * SPEED), 1e-3, 1.0, slow=slow)
         assert (run.v[1, 0] - run.v[0, 0]) / SPEED == pytest.approx(e, abs=1e-3)
-        assert run.impacts[0, APPROACH] == pytest.approx(SPEED, rel=1e-12)
+        assert run.impacts["approach_velocity"][0] == pytest.approx(SPEED, rel=1e-12)
 
 
 # --- Stereomechanical impacts -----------------------------------------------------------------------
@@ -253,17 +240,20 @@ def test_stereomechanical_impact_is_eq_13(masses, v0, e):
     np.testing.assert_allclose(run.q[:, 0], exact, rtol=0, atol=1e-12 * v0)
     line, *more = run.impacts
     # Masses that part at no more than rounding may meet again at that.
-    assert all(each[APPROACH] < 1e-12 * v0 for each in more)
-    assert line[[BEGIN, APPROACH]] == pytest.approx([0.1, v0], rel=1e-9)
-    assert np.isnan(line[LARGEST])
+    assert all(each["approach_velocity"] < 1e-12 * v0 for each in more)
+    assert line["begin"] == pytest.approx(0.1, rel=1e-9)
+    assert line["approach_velocity"] == pytest.approx(v0, rel=1e-9)
+    assert np.isnan(line["largest_force"])
     energies = mass * before**2
     lost = 0.5 * both * v0**2 * (1 - e * e)
     allowed = 1e-12 * energies.sum() + 1e-12 * both * v0**2
-    assert line[LOST] == pytest.approx(lost, abs=allowed)
+    assert line["dissipated"] == pytest.approx(lost, abs=allowed)
     assert -run.gained.sum() == pytest.approx(lost, abs=allowed)
-    assert line[HANDED] == pytest.approx(0.5 * mass[1] * (wanted[1] ** 2 - before[1] ** 2), abs=allowed)
+    assert line["work_on_right"] == pytest.approx(
+        0.5 * mass[1] * (wanted[1] ** 2 - before[1] ** 2), abs=allowed
+    )
     if e > 0:
-        assert line[END] == line[BEGIN]
+        assert line["end"] == line["begin"]
     assert run.imbalance[0] < 1e-12
 
 
@@ -283,11 +273,11 @@ def test_any_blows_conserve_momentum_and_account_for_the_energy(masses, velociti
     run = Flight(row, v0, 0.1, 2.0, np.append(0.0, np.cumsum(spaces)))
     size, energy = mass @ abs(v0), 0.5 * mass @ v0**2
     assert mass @ run.v[:, 0] == pytest.approx(mass @ v0, rel=0, abs=1e-11 * size)
-    lost = run.impacts[:, LOST].sum()
+    lost = run.impacts["dissipated"].sum()
     assert lost == pytest.approx(-run.gained.sum(), rel=0, abs=1e-11 * energy)
-    handed = np.bincount(run.impacts[:, CONTACT].astype(int), run.impacts[:, HANDED], minlength=3)
+    handed = np.bincount(run.impacts["contact"], run.impacts["work_on_right"], minlength=3)
     assert handed[2] == pytest.approx(run.gained[3, 0], rel=0, abs=1e-11 * energy)
-    assert (run.impacts[:, LOST] >= -1e-11 * energy).all()
+    assert (run.impacts["dissipated"] >= -1e-11 * energy).all()
 
 
 WALL, SPRING, LIGHT, PRESS = 1e22, 1e6, 1e5, 0.1
@@ -321,22 +311,22 @@ def test_a_mass_bounces_on_a_wall_and_rests_until_it_is_pulled_away(e):
         speeds.append(approach)
         if e == 0:
             break
-    np.testing.assert_allclose(run.impacts[:, BEGIN], touches, rtol=0, atol=1e-5)
-    np.testing.assert_allclose(run.impacts[:, APPROACH], speeds, rtol=0, atol=2e-5)
-    assert run.impacts[-1, END] == pytest.approx(PRESS / u, abs=2 * dt)
-    np.testing.assert_array_equal(run.impacts[:-1, END], run.impacts[:-1, BEGIN])
+    np.testing.assert_allclose(run.impacts["begin"], touches, rtol=0, atol=1e-5)
+    np.testing.assert_allclose(run.impacts["approach_velocity"], speeds, rtol=0, atol=2e-5)
+    assert run.impacts["end"][-1] == pytest.approx(PRESS / u, abs=2 * dt)
+    np.testing.assert_array_equal(run.impacts["end"][:-1], run.impacts["begin"][:-1])
     swing = run.q[0, 0] / u * w, run.v[0, 0] / u
     assert np.hypot(*swing) == pytest.approx(1, abs=1e-3)  # it was left with the velocity of the wall
     lost = (
         0.5
         * LIGHT
-        * run.impacts[:, APPROACH] ** 2
+        * run.impacts["approach_velocity"] ** 2
         * (1 - np.append(np.full(len(touches) - 1, e), 0) ** 2)
     )
     # The last one goes on pressing for the rest of its step, with the velocity of so much time.
     pressing = 0.5 * LIGHT * (dt * w**2 * PRESS) ** 2
-    np.testing.assert_allclose(run.impacts[:-1, LOST], lost[:-1], rtol=1e-9)
-    np.testing.assert_allclose(run.impacts[-1, LOST], lost[-1], rtol=1e-9, atol=pressing)
+    np.testing.assert_allclose(run.impacts["dissipated"][:-1], lost[:-1], rtol=1e-9)
+    np.testing.assert_allclose(run.impacts["dissipated"][-1], lost[-1], rtol=1e-9, atol=pressing)
 
 
 # --- More than two masses ---------------------------------------------------------------------------
@@ -367,9 +357,11 @@ def test_a_hit_on_a_free_column_moves_both_its_floors(masses, share, e, side):
     assert mass @ run.v[:, 0] == pytest.approx(mass @ start, rel=1e-12)
     right = run.gained[1:].sum() if side > 0 else run.gained[0, 0]
     size = mass[0] * v0**2
-    assert line[LOST] == pytest.approx(-run.gained.sum(), abs=ROUNDING * size)
-    assert line[LOST] == pytest.approx(0.5 * (1 - grown**2) * meeting * v0**2, abs=0.05 * h**2 * size)
-    assert line[HANDED] == pytest.approx(right, abs=ROUNDING * size)
+    assert line["dissipated"] == pytest.approx(-run.gained.sum(), abs=ROUNDING * size)
+    assert line["dissipated"] == pytest.approx(
+        0.5 * (1 - grown**2) * meeting * v0**2, abs=0.05 * h**2 * size
+    )
+    assert line["work_on_right"] == pytest.approx(right, abs=ROUNDING * size)
 
 
 def test_an_element_without_tension_pushes_again_while_it_is_still_compressed():
@@ -398,8 +390,8 @@ def test_an_element_without_tension_pushes_again_while_it_is_still_compressed():
     contact = sl.NoTensionKelvin(STIFFNESS, damping_ratio=1.0)
     for steps in (500, 1000, 2000):
         run = Flight(free_row([mass] * 3, contact), velocities, duration / steps, duration, places)
-        of_first = run.impacts[run.impacts[:, CONTACT] == 0]
+        of_first = run.impacts[run.impacts["contact"] == 0]
         assert len(of_first) == 1  # both pushes are one impact
-        assert of_first[0, END] == pytest.approx(exact.t[changes[3]], abs=2e-4 + duration / steps / 10)
+        assert of_first["end"][0] == pytest.approx(exact.t[changes[3]], abs=2e-4 + duration / steps / 10)
         square = (duration / steps) ** 2 * STIFFNESS / (mass / 2)
         assert abs(run.v[:, 0] - exact.y[3:, -1]).max() < 0.15 * square  # measured: 0.06 at most

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import stochlin as sl
-from stochlin.kernels.simulation.moving import CHANGE, LEAST, MORE, SLIP, STILL
+from stochlin.kernels.simulation.state import ElementStates, Iteration
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.kernels.simulation.time_step import _dashpot
 from stochlin.models.systems import arrangement_of
@@ -94,9 +94,11 @@ def test_a_dashpot_has_a_root_however_small_its_motion_is(exponent):
     random, lanes, relief = np.random.default_rng(2), 20_000, 0.26637989156433006
     before = 10.0 ** random.uniform(-320, -2, lanes)
     alone = before * 10.0 ** random.uniform(-40, 1, lanes) * random.choice([-1, 0, 1], lanes)
-    elements, motions = np.zeros((1, LEAST + 1, lanes)), np.zeros((STILL + 1, lanes))
-    motions[CHANGE], elements[0, SLIP] = relief * before + alone, before
-    own = np.broadcast_to(np.array([[6e3], [exponent]]), (1, 2, lanes))
+    elements = ElementStates.zeros(1, lanes)
+    iteration = Iteration.zeros(lanes)
+    iteration.change[:] = relief * before + alone
+    elements.slip[0] = before
+    parameters = np.broadcast_to(np.array([[6e3], [exponent]]), (1, 2, lanes))
     with np.errstate(under="ignore", over="ignore", invalid="ignore"):
-        _dashpot(2e5, relief, 0.005, 0, elements, own, motions, lanes)
-    assert np.isfinite(motions[MORE]).all()
+        _dashpot(2e5, relief, 0.005, 0, elements, parameters, iteration, lanes)
+    assert np.isfinite(iteration.more_slip).all()

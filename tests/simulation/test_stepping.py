@@ -11,7 +11,8 @@ from scipy.integrate import solve_ivp
 from stochlin.kernels.basics.systems import System
 from stochlin.kernels.simulation.ensemble import SteppedStructures
 from stochlin.kernels.simulation.laws import BILINEAR, BOUC_WEN, OTHER, by_number
-from stochlin.kernels.simulation.moving import Elements, rows_of
+from stochlin.kernels.simulation.row_products import rows_of
+from stochlin.kernels.simulation.state import Elements
 from stochlin.kernels.simulation.stepping import (
     LANES,
     bilinear_block,
@@ -64,10 +65,10 @@ def one_storey(kind):
         part = SteppedStructures(
             Elements(system, np.array([kind]), np.array([1]), np.array([own])), by_number((BOUC_WEN,))
         )
-        moving = part.at_rest()
-        [(q, rate, *_)], [(elastic, *_)] = moving.coordinates, moving.elements
+        state = part.at_rest()
+        q, rate, elastic = state.coordinates.q, state.coordinates.v, state.elements.z
         q[:], rate[:], elastic[:] = u, v, z
-        part.block(dt)(scale * f, moving, *rest)
+        part.block(dt)(scale * f, state, *rest)
         u[:], v[:], z[:] = q, rate, elastic
 
     return block

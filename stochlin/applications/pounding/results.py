@@ -11,35 +11,8 @@ import xarray as xr
 
 from stochlin.applications.pounding.rows import COLUMN, SIDES, SLABS, Meeting, Standing
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.pounding import impacts
 from stochlin.kernels.pounding.run import RowResponse
 from stochlin.kernels.records.runs import SampledMotion
-from stochlin.kernels.simulation.moving import (
-    ACCELERATION,
-    APPROACH,
-    BEGIN,
-    DEEPEST,
-    DISSIPATED,
-    DRAINED,
-    END,
-    ENTERING,
-    FORCE,
-    HANDED,
-    HELD,
-    IMBALANCE,
-    LARGEST,
-    LAST,
-    LOST,
-    MISSING,
-    MOST,
-    PULL,
-    SHEAR,
-    SPENT,
-    VISCOUS_LOSS,
-    Q,
-    V,
-    Z,
-)
 from stochlin.models.links import Link
 from stochlin.solver.tables.labels import FLOOR, LINK, link_coordinates
 
@@ -89,20 +62,27 @@ def floor_coords(standing: Standing) -> dict[str, Any]:
 
 def _course(standing: Standing, response: RowResponse, ground: SampledMotion) -> Quantities:
     """Displacements, velocities, accelerations, forces and energies in the history of a response."""
-    moving = response.history
-    row, arrangement, floors = standing.row, standing.arrangement, standing.first[:-1]
-    system, first, n = row.elements.system, arrangement.first_coordinate[:-1], row.parts.mass.size
-    q, v, z = moving.coordinates[:, Q].T, moving.coordinates[:, V].T, moving.elements[:, Z].T
-    extension, rate = _products(q, system.extensions), _products(v, system.extensions)
+    row = standing.row
+    arrangement = standing.arrangement
+    system = row.elements.system
+    n = row.parts.mass.size
+    history = response.history
+    motion = history.motions
+    q = history.coordinates.q.T
+    v = history.coordinates.v.T
+    z = history.elements.z.T
+    extension = _products(q, system.extensions)
+    rate = _products(v, system.extensions)
     force = system.post * extension + system.couple * z
     stored = 0.5 * (system.post * extension**2 + system.couple * z**2)
     drag = _drags(standing, rate)
     pushed, squeezed = _contact_forces(standing, response, q)
     load = _products(v, system.damping) + _products(force + drag, system.extensions.T)
     shear = _products(force[:, :n], arrangement.shear_shares)
-    most, missing = moving.motions[MOST], np.abs(moving.motions[MISSING])
-    imbalance = np.divide(missing, most, out=np.zeros_like(most), where=most > 0)
-    of_structures = partial(np.add.reduceat, indices=first, axis=1)
+    largest_input = motion.largest_input
+    imbalance = np.zeros_like(largest_input)
+    np.divide(np.abs(motion.missing_energy), largest_input, out=imbalance, where=largest_input > 0)
+    of_structures = partial(np.add.reduceat, indices=arrangement.first_coordinate[:-1], axis=1)
     # A floor moves with the ground as far as the modes of a building leave out mass.
     carried = np.multiply.outer(ground.acceleration, 1 - system.shapes.sum(axis=1))
     sped = -(load + _products(pushed, row.contacts.weights.T)) / system.mass
@@ -111,15 +91,15 @@ def _course(standing: Standing, response: RowResponse, ground: SampledMotion) ->
         "velocity": (FLOOR, _products(v, system.shapes)),
         "acceleration": (FLOOR, _products(sped, system.shapes) + carried),
         "storey_shear": (FLOOR, shear),
-        "base_shear": (STRUCTURE, shear[:, floors]),
-        "input_energy": (STRUCTURE, of_structures(moving.coordinates[:, ENTERING].T)),
+        "base_shear": (STRUCTURE, shear[:, standing.first[:-1]]),
+        "input_energy": (STRUCTURE, of_structures(history.coordinates.input_energy.T)),
         "kinetic_energy": (STRUCTURE, of_structures(0.5 * system.mass * v**2)),
         "elastic_energy": (STRUCTURE, of_structures(stored[:, :n])),
-        "viscous_energy": (STRUCTURE, of_structures(moving.coordinates[:, VISCOUS_LOSS].T)),
-        "hysteretic_energy": (STRUCTURE, of_structures(moving.elements[:n, SPENT].T)),
+        "viscous_energy": (STRUCTURE, of_structures(history.coordinates.viscous_energy.T)),
+        "hysteretic_energy": (STRUCTURE, of_structures(history.elements.dissipated[:n].T)),
         "contact_force": (CONTACT, pushed),
         "contact_stored_energy": (OF_ROW, squeezed),
-        "contact_lost_energy": (OF_ROW, moving.contacts[:, DISSIPATED].sum(axis=0)),
+        "contact_lost_energy": (OF_ROW, history.contacts.dissipated.sum(axis=0)),
         "energy_balance_error": (OF_ROW, imbalance),
     }
     if row.parts.spring.size:
@@ -127,7 +107,7 @@ def _course(standing: Standing, response: RowResponse, ground: SampledMotion) ->
         power = np.where(row.parts.dashpot >= 0, drag[:, row.parts.dashpot], 0.0)
         values["link_force"] = LINK, linear + power
         values["link_stored_energy"] = OF_ROW, stored[:, n:].sum(axis=1)
-        values["link_lost_energy"] = OF_ROW, moving.links[:, DRAINED].sum(axis=0)
+        values["link_lost_energy"] = OF_ROW, history.links.dissipated.sum(axis=0)
     return values
 
 
@@ -144,17 +124,19 @@ def _drags(standing: Standing, rate: Array) -> Array:
     """Forces of the dashpots with an exponent among the elements [N] (times, e), zero of the others."""
     elements, drag = standing.row.elements, np.zeros_like(rate)
     for i in standing.row.parts.dashpot[standing.row.parts.dashpot >= 0]:
-        c, a = elements.own[i, :2]
+        c, a = elements.parameters[i, :2]
         drag[:, i] = c * np.abs(rate[:, i]) ** a * np.sign(rate[:, i])
     return drag
 
 
 def _contact_forces(standing: Standing, response: RowResponse, u: Array) -> tuple[Array, Array]:
     """Forces of the contacts [N] (times, c), and the energy stored in all of them [J] (times,)."""
-    contacts, known = standing.row.contacts, response.history.contacts
+    contacts = standing.row.contacts
     if contacts.jumps:
-        return (known[:, FORCE] * known[:, HELD]).T, np.zeros(len(u))
-    pushed = np.where(np.isnan(known[:, BEGIN]), 0.0, known[:, LAST]).T
+        states = response.history.contacts
+        return (states.mean_force * states.sticks).T, np.zeros(len(u))
+    impacts = response.history.impacts
+    pushed = np.where(np.isnan(impacts.begin), 0.0, impacts.force).T
     squeezed = np.maximum(_products(u, contacts.weights) - contacts.gap, 0.0)
     power = contacts.law["exponent"] + 1.0
     return pushed, (contacts.law["stiffness"] * squeezed**power / power).sum(axis=1)
@@ -165,16 +147,17 @@ def histories(
 ) -> xr.Dataset:
     """Dataset of the histories of a response, at these times [s], and of its impacts."""
     time = times.to_numpy().astype(float)
-    line, course = response.impacts.T, _course(standing, response, ground)
+    impacts = response.impacts
+    course = _course(standing, response, ground)
     return xr.Dataset(
         {
             **labelled(course, standing, "time"),
-            "impact_time": ("impact", time[0] + line[BEGIN]),
-            "impact_contact": ("impact", line[impacts.CONTACT].astype(np.int64) + 1),
-            "approach_velocity": ("impact", line[APPROACH]),
-            "largest_force": ("impact", line[LARGEST]),
-            "impact_duration": ("impact", line[END] - line[BEGIN]),
-            "energy_lost": ("impact", line[LOST]),
+            "impact_time": ("impact", time[0] + impacts["begin"]),
+            "impact_contact": ("impact", impacts["contact"] + 1),
+            "approach_velocity": ("impact", impacts["approach_velocity"]),
+            "largest_force": ("impact", impacts["largest_force"]),
+            "impact_duration": ("impact", impacts["end"] - impacts["begin"]),
+            "energy_lost": ("impact", impacts["dissipated"]),
             "energy_transferred": (("impact", "side"), energy_transferred(response)),
         },
         coords={
@@ -187,9 +170,10 @@ def histories(
 
 def energy_transferred(response: RowResponse) -> Array:
     """Work of each impact on the structures on its left and right [J], (impacts, 2)."""
-    columns = HANDED, LOST, impacts.STORED
-    right, lost, stored = (response.impacts[:, column] for column in columns)
-    return np.stack([-right - lost - stored, right], axis=-1)
+    impacts = response.impacts
+    right = impacts["work_on_right"]
+    left = -right - impacts["dissipated"] - impacts["stored"]
+    return np.stack([left, right], axis=-1)
 
 
 def contacts(places: Sequence[Meeting], links: Sequence[Link | None]) -> xr.Dataset:
@@ -253,12 +237,14 @@ def _peaks(standing: Standing, response: RowResponse, alone: RowResponse) -> Qua
     """Largest absolute values in the row and of each building alone."""
     values: Quantities = {}
     first = standing.first
-    for ending, own in (("", response), ("_alone", alone)):
-        known = np.isfinite(standing.arrangement.shear_shares).all(axis=1)
-        shear = np.where(known, own.moving.watched[: own.floors, SHEAR], np.nan)
+    floors = response.floors
+    has_shear = np.isfinite(standing.arrangement.shear_shares).all(axis=1)
+    for ending, motion in (("", response), ("_alone", alone)):
+        peaks = motion.end.peaks
+        shear = np.where(has_shear, peaks.shear[:floors], np.nan)
         values |= {
-            f"peak{ending}": (FLOOR, own.peaks),
-            f"peak_acceleration{ending}": (FLOOR, own.moving.watched[: own.floors, ACCELERATION]),
+            f"peak{ending}": (FLOOR, motion.peaks),
+            f"peak_acceleration{ending}": (FLOOR, peaks.acceleration[:floors]),
             f"peak_storey_shear{ending}": (FLOOR, shear),
             f"peak_base_shear{ending}": (STRUCTURE, shear[first[:-1]]),
         }
@@ -266,29 +252,31 @@ def _peaks(standing: Standing, response: RowResponse, alone: RowResponse) -> Qua
     values["amplification"] = FLOOR, response.peaks / moves
     springs = standing.row.parts.spring
     if springs.size:
-        values["peak_link_force"] = LINK, response.moving.links[:, PULL]
-        values["peak_link_stroke"] = LINK, response.moving.largest[len(response.peaks) + springs]
-        values["link_energy"] = LINK, response.moving.links[:, DRAINED]
-    return values | {"energy_balance_error": (OF_ROW, response.moving.motions[IMBALANCE])}
+        values["peak_link_force"] = LINK, response.end.links.largest_force
+        values["peak_link_stroke"] = LINK, response.end.largest[floors + springs]
+        values["link_energy"] = LINK, response.end.links.dissipated
+    values["energy_balance_error"] = OF_ROW, response.end.motions.imbalance
+    return values
 
 
 def _tallies(standing: Standing, response: RowResponse) -> Quantities:
     """Number, extremes and lost energy of the impacts of each contact, and energy received."""
-    line, contacts = response.impacts.T, standing.row.contacts
-    where = line[impacts.CONTACT].astype(np.int64)
+    impacts = response.impacts
+    contacts = standing.row.contacts
+    where = impacts["contact"]
     hit = where == np.arange(contacts.gap.size)[:, None]
     at_most = {
-        "hardest_force": line[LARGEST],
-        "fastest_approach": line[APPROACH],
-        "longest_impact": line[END] - line[BEGIN],
-        "deepest_compression": line[DEEPEST],
+        "hardest_force": impacts["largest_force"],
+        "fastest_approach": impacts["approach_velocity"],
+        "longest_impact": impacts["end"] - impacts["begin"],
+        "deepest_compression": impacts["largest_penetration"],
     }
     unknown = ("hardest_force", "deepest_compression") if contacts.jumps else ()
     values: Quantities = {"impacts": (CONTACT, hit.sum(axis=1))}
-    for name, each in at_most.items():
-        none = np.nan if name in unknown else 0.0
-        values[name] = CONTACT, np.array([each[own].max(initial=none) for own in hit])
-    values["contact_energy"] = CONTACT, hit @ line[LOST]
+    for name, of_impacts in at_most.items():
+        without = np.nan if name in unknown else 0.0
+        values[name] = CONTACT, np.array([of_impacts[at].max(initial=without) for at in hit])
+    values["contact_energy"] = CONTACT, hit @ impacts["dissipated"]
     received = np.zeros(standing.first.size - 1)
     left = np.array([m.building for m in standing.places], np.int64)
     for side, energy in enumerate(energy_transferred(response).T):

@@ -12,7 +12,6 @@ from stochlin.kernels.basics.parallel import Progress, cores, in_order
 from stochlin.kernels.pounding import run as kernel
 from stochlin.kernels.pounding.run import RowResponse
 from stochlin.kernels.records.runs import SampledMotion
-from stochlin.kernels.simulation.moving import FAILED, Q
 from stochlin.models.contacts.elements import Contact, Element
 from stochlin.solver.simulation.connected_structures import shortest_mode
 from stochlin.solver.simulation.finite_motions import names_of_laws
@@ -151,11 +150,11 @@ def _motions(runs: Sequence[RowRun], shortest: float) -> kernel.GroundMotions:
 
 def failure(standing: Standing, response: RowResponse) -> str:
     """Why a motion was ended before its end: a building falls, or numbers do; empty if it was not."""
-    failed = float(response.moving.motions[FAILED])
+    failed = float(response.end.motions.failed)
     if failed == np.inf:
         return ""
     system = standing.arrangement
-    drifts = system.drifts @ system.displacements @ response.moving.coordinates[:, Q]
+    drifts = system.drifts @ system.displacements @ response.end.coordinates.q
     fallen = np.flatnonzero(system.fallen(drifts, system.limits))
     if fallen.size:
         return (

@@ -15,7 +15,6 @@ from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.pounding.run import GroundMotions, StepCounts, run
 from stochlin.kernels.records.runs import SampledMotion
 from stochlin.kernels.simulation.contacts import Contacts
-from stochlin.kernels.simulation.moving import ENTERING, SPENT, VISCOUS_LOSS, Q, V, Z
 from stochlin.messages import DoubtfulInput
 from stochlin.models.structures import AnyStructure
 from stochlin.models.systems import Arrangement, arrangement_of
@@ -127,7 +126,7 @@ def stepped_history(structure: AnyStructure, ground: SampledMotion, refine: int)
     connected = connected_groups(system)
     cuts = _first_cuts(connected, finer)
     steps = float(cuts) * between.size
-    numbers = 2 * len(row.at_rest(0).state) * between.size
+    numbers = 2 * len(row.at_rest(0).block) * between.size
     seconds = SECONDS * 2.0**3 * steps * system.storeys.mass.size  # where they are halved twice
     check_work(_size(connected, finer), TOO_LARGE, numbers=numbers, seconds=seconds)
     falls = np.isfinite(system.limits).any()
@@ -135,18 +134,19 @@ def stepped_history(structure: AnyStructure, ground: SampledMotion, refine: int)
     def followed(cuts: int) -> SteppedResponse:
         """The history in such steps, which is NaN after a fall."""
         [response] = run(row, motion, StepCounts(cuts, 1), keep=True)
-        moving = response.history
-        moved = _within(system.limits, moving.coordinates[:, Q].T @ system.storeys.shapes.T)
-        z = moving.elements[:, Z].T / system.storeys.strength
+        history = response.history
+        moved = _within(system.limits, history.coordinates.q.T @ system.storeys.shapes.T)
+        z = history.elements.z.T / system.storeys.strength
         if not falls and not np.isfinite(z).all():
             moved = np.full_like(moved, np.nan)  # so that the response is not taken as finite
-        return SteppedResponse(moving, peaks_of(moved), z, cuts)
+        return SteppedResponse(history, peaks_of(moved), z, cuts)
 
     converged = halved(system, followed, cuts, HALVINGS_OF_HISTORY)
-    moving = converged.values
-    q = moving.coordinates[:, Q].T
-    rate = moving.coordinates[:, V].T
-    z = moving.elements[:, Z].T
+    coordinates = converged.values.coordinates
+    elements = converged.values.elements
+    q = coordinates.q.T
+    rate = coordinates.v.T
+    z = elements.z.T
     u = q @ system.storeys.shapes.T
     v = rate @ system.storeys.shapes.T
     drift = q @ (system.drifts @ system.displacements).T
@@ -154,9 +154,9 @@ def stepped_history(structure: AnyStructure, ground: SampledMotion, refine: int)
     mass = system.storeys.mass
     storeys = system.storeys
     energies = {
-        "input": moving.coordinates[:, ENTERING].sum(axis=0),
-        "viscous": moving.coordinates[:, VISCOUS_LOSS].sum(axis=0),
-        "hysteretic": moving.elements[:, SPENT].sum(axis=0),
+        "input": coordinates.input_energy.sum(axis=0),
+        "viscous": coordinates.viscous_energy.sum(axis=0),
+        "hysteretic": elements.dissipated.sum(axis=0),
         "kinetic": 0.5 * rate**2 @ mass,
         "elastic": 0.5 * (extension**2 @ storeys.post + z**2 @ storeys.couple),
     }

@@ -154,7 +154,7 @@ class Entry:
         self.dispatcher: Any = nb.njit(**OPTIONS)(function)
         self._ready = False
 
-    def __call__(self, *args: Any) -> Any:
+    def __call__(self, *args: Any, **named: Any) -> Any:
         """The function, compiled."""
         if not self._ready:
             with _kept_on_disk(self.py_func) as can_be_kept:
@@ -162,10 +162,10 @@ class Entry:
                     self.dispatcher.enable_caching()
                 self._ready = True
         try:
-            return self.dispatcher(*args)
+            return self.dispatcher(*args, **named)
         except OSError:  # of numba, which could not write the code that it has just compiled
             warn_once(NOT_KEPT)
-            return self.dispatcher(*args)
+            return self.dispatcher(*args, **named)
 
 
 def entry(function: Any) -> Any:

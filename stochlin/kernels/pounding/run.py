@@ -12,40 +12,22 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from stochlin.kernels.basics.arrays import Array, on_arrays
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.borrowed import borrowed
 from stochlin.kernels.basics.compiled import by_pointer, called_once, compiled, entry
 from stochlin.kernels.pounding.impacts import (
-    COLUMNS,
-    CONTACT,
-    LANE,
+    IMPACT,
     LINES,
+    PRESENT,
+    ImpactTable,
     strike_all,
     watch_contacts,
 )
 from stochlin.kernels.simulation.account import Parts, balance, watch, watch_linked
 from stochlin.kernels.simulation.contacts import Contacts, stored_in
-from stochlin.kernels.simulation.moving import (
-    BEGIN,
-    DEEPEST,
-    DQ,
-    FAILED,
-    FIRST,
-    GOES,
-    MEETS,
-    OF_DQ,
-    OF_Q,
-    OF_V,
-    SLOW,
-    Elements,
-    F,
-    Moving,
-    Q,
-    V,
-    copy,
-    fill,
-    products,
-)
-from stochlin.kernels.simulation.time_step import step_of, steps_of
+from stochlin.kernels.simulation.row_products import fill, products
+from stochlin.kernels.simulation.state import Elements, State, copy
+from stochlin.kernels.simulation.time_step import Steps, step_of, steps_of
 
 
 class BuildingRow(NamedTuple):
@@ -56,10 +38,10 @@ class BuildingRow(NamedTuple):
     contacts: Contacts
     parts: Parts
 
-    def at_rest(self, lanes: int) -> Moving:
+    def at_rest(self, lanes: int) -> State:
         """Motions before their beginning."""
         sizes = self.contacts.gap.size, len(self.parts.watched), self.parts.spring.size
-        return Moving.at_rest([self.elements], lanes, *sizes)
+        return State.at_rest([self.elements], lanes, *sizes)
 
 
 class StepCounts(NamedTuple):
@@ -69,6 +51,7 @@ class StepCounts(NamedTuple):
     substeps: int  # steps in each of them near contact
 
 
+@borrowed
 class GroundMotions(NamedTuple):
     """Ground motions with one time step, linear between their samples."""
 
@@ -82,51 +65,85 @@ class GroundMotions(NamedTuple):
 class RowResponse(NamedTuple):
     """Response of a row of buildings to one motion."""
 
-    moving: Moving  # at its end
-    impacts: Array  # (impacts, COLUMNS): the table of `impacts`, as they begin
-    history: Moving  # over its samples, in place of motions, if they were asked for
+    end: State  # at the end of the motion
+    impacts: Array  # a table of the type IMPACT, as they begin
+    history: State  # over its samples, in place of motions, if they were asked for
     floors: int
 
     @property
     def peaks(self) -> Array:
         """Largest absolute displacement of each floor [m]."""
-        return self.moving.largest[: self.floors]
+        return self.end.largest[: self.floors]
+
+
+class StepFunctions(NamedTuple):
+    """The compiled functions of a step, by their pointers."""
+
+    law: Any  # the result of `laws.by_number`
+    slip: Any  # that of `step_of`
+    step: Any  # `take_step`
+    watch: Any  # or `watch_linked`
+    meet: Any  # `watch_contacts` or `strike_all`
+    balance: Any
+
+
+@borrowed
+class RowSteps(NamedTuple):
+    """The time steps of a row of buildings."""
+
+    parts: Parts
+    free: Steps  # without contacts
+    near: Steps  # near contact, shorter ones
+    cuts: int  # steps in an interval of the motion
+    substeps: int  # steps near contact in each of them
+
+
+@borrowed
+class RowStates(NamedTuple):
+    """The states of a row of buildings in all motions."""
+
+    all: State
+    before: Array  # (rows, lanes): before the step
+    near: State  # of the motions near contact
+    history: Array  # (rows, samples): of the first motion at its samples, if they were asked for
 
 
 @called_once
-def _near(contacts, dt, moving, lanes, near):
+def _near(contacts, dt, state, lanes, near):
     """Write the lanes that are in contact in the step taken without it, or may be; returns their number.
 
     Within a step the penetration is a parabola, which rises above the ends by an eighth of the change of
     the rate times ``dt`` at most.
     """
-    count, gap, rows = 0, contacts.gap, contacts.rows
-    motions, of_rows = moving.motions, moving.products
-    products(rows, moving.coordinates, Q, of_rows, OF_Q, lanes)
-    products(rows, moving.coordinates, DQ, of_rows, OF_DQ, lanes)
-    products(rows, moving.coordinates, V, of_rows, OF_V, lanes)
-    fill(motions, FIRST, -1.0, lanes)
-    for j in range(gap.size):
+    motions = state.motions
+    of_rows = state.products
+    reach = state.totals.reach
+    products(contacts.rows, state.coordinates.q, of_rows.q, lanes)
+    products(contacts.rows, state.coordinates.dq, of_rows.dq, lanes)
+    products(contacts.rows, state.coordinates.v, of_rows.v, lanes)
+    fill(reach, -1.0, lanes)
+    for j in range(contacts.gap.size):
         for lane in range(lanes):
-            change = of_rows[j, OF_DQ, lane]
-            bulge = 0.25 * abs(dt * of_rows[j, OF_V, lane] - change)
-            highest = of_rows[j, OF_Q, lane] + max(-change, 0.0) + bulge - gap[j]
-            reach = highest if np.isnan(moving.contacts[j, BEGIN, lane]) else 1.0
-            motions[FIRST, lane] = max(motions[FIRST, lane], reach)
+            change = of_rows.dq[j, lane]
+            bulge = 0.25 * abs(dt * of_rows.v[j, lane] - change)
+            highest = of_rows.q[j, lane] + max(-change, 0.0) + bulge - contacts.gap[j]
+            goes_on = not np.isnan(state.impacts.begin[j, lane])
+            reach[lane] = max(reach[lane], 1.0 if goes_on else highest)
+    count = 0
     for lane in range(lanes):
-        if motions[FIRST, lane] > 0.0 and motions[GOES, lane] * motions[MEETS, lane] > 0.0:
+        if reach[lane] > 0.0 and motions.active[lane] * motions.meets[lane] > 0.0:
             near[count] = lane
             count += 1
     return count
 
 
 @compiled
-def _set_forcing(ground, sample, share, of, motions, lanes):
+def _set_forcing(acceleration, sample, share, of, forcing, lanes):
     """Write the forcing at a share of an interval of the motion, in the lanes ``of``."""
     for k in range(lanes):
         lane = of[k]
-        rise = ground[sample + 1, lane] - ground[sample, lane]
-        motions[F, k] = -(ground[sample, lane] + share * rise)
+        rise = acceleration[sample + 1, lane] - acceleration[sample, lane]
+        forcing[k] = -(acceleration[sample, lane] + share * rise)
 
 
 @called_once
@@ -134,8 +151,8 @@ def _end(intervals, sample, motions, lanes, ended):
     """Find the motions that have ended by a sample; returns their number."""
     count = 0
     for lane in range(lanes):
-        goes = sample < intervals[lane] and motions[FAILED, lane] == np.inf
-        motions[GOES, lane] = 1.0 if goes else 0.0
+        goes = sample < intervals[lane] and motions.failed[lane] == np.inf
+        motions.active[lane] = 1.0 if goes else 0.0
         if not goes:
             ended[count] = lane
             count += 1
@@ -143,101 +160,113 @@ def _end(intervals, sample, motions, lanes, ended):
 
 
 @entry
-def _run(
-    step,
-    look,
-    meet,
-    settle,
-    other,
-    law,
-    steps,
-    short,
-    parts,
-    x,
-    y,
-    old,
-    ground,
-    intervals,
-    cuts,
-    substeps,
-    table,
-    used,
-    history,
-):
-    """All motions ``x`` from their beginning, see `follow`; ``steps`` are without contacts.
-
-    The first arguments are the functions of a step, ``short`` are steps with contacts, and ``old`` and
-    ``y`` are for the states before a step and for what moves near contact. The first motion is written
-    at the samples to ``history``, if it has any.
-    """
-    lanes = ground.shape[1]
-    every, near, ended = np.arange(lanes), np.empty(lanes, np.int64), np.empty(lanes, np.int64)
-    copy(x.state, every, history, every, min(1, history.shape[1]))
-    for s in range(cuts * (len(ground) - 1)):
-        sample, cut, time = s // cuts, s % cuts, s * steps.dt
-        over = _end(intervals, sample, x.motions, lanes, ended)
+def _run(functions, steps, ground, states, table):
+    """All motions from their beginning, see `follow`."""
+    state = states.all
+    close = states.near
+    history = states.history
+    cuts = steps.cuts
+    dt = steps.free.dt
+    lanes = ground.acceleration.shape[1]
+    every = np.arange(lanes)
+    near = np.empty(lanes, np.int64)
+    ended = np.empty(lanes, np.int64)
+    copy(state.block, every, history, every, min(1, history.shape[1]))
+    for s in range(cuts * (len(ground.acceleration) - 1)):
+        sample = s // cuts
+        cut = s % cuts
+        time = s * dt
+        over = _end(ground.intervals, sample, state.motions, lanes, ended)
         if over == lanes:
             break
-        copy(x.state, every, old, every, lanes)
-        _set_forcing(ground, sample, (cut + 0.5) / cuts, every, x.motions, lanes)
-        step(other, law, steps, x, lanes)
-        count = _near(short.contacts, steps.dt, x, lanes, near)
-        look(steps, parts, x, lanes)
+        copy(state.block, every, states.before, every, lanes)
+        share = (cut + 0.5) / cuts
+        _set_forcing(ground.acceleration, sample, share, every, state.motions.forcing, lanes)
+        functions.step(functions.slip, functions.law, steps.free, state, lanes)
+        count = _near(steps.near.contacts, dt, state, lanes, near)
+        functions.watch(steps.free, steps.parts, state, lanes)
         if count > 0:
-            copy(old, near, y.state, every, count)
-            for part in range(substeps):
-                within = (cut + (part + 0.5) / substeps) / cuts
-                _set_forcing(ground, sample, within, near, y.motions, count)
-                step(other, law, short, y, count)
-                look(short, parts, y, count)
-                meet(short, parts, time + part * short.dt, near, count, y, table, used)
-            copy(y.state, every, x.state, near, count)
-        copy(old, ended, x.state, ended, over)
+            copy(states.before, near, close.block, every, count)
+            for part in range(steps.substeps):
+                share = (cut + (part + 0.5) / steps.substeps) / cuts
+                _set_forcing(ground.acceleration, sample, share, near, close.motions.forcing, count)
+                functions.step(functions.slip, functions.law, steps.near, close, count)
+                functions.watch(steps.near, steps.parts, close, count)
+                begin = time + part * steps.near.dt
+                functions.meet(steps.near, steps.parts, begin, near, count, close, table)
+            copy(close.block, every, state.block, near, count)
+        copy(states.before, ended, state.block, ended, over)
         if cut == cuts - 1:
-            settle(short, parts, time + steps.dt, x, lanes)
+            functions.balance(steps.near, steps.parts, time + dt, state, lanes)
             if history.shape[1] > 0:
                 for row in range(len(history)):
-                    history[row, sample + 1] = x.state[row, 0]
+                    history[row, sample + 1] = state.block[row, 0]
 
 
-def _last_impacts(contacts: Contacts, x: Moving) -> Array:
+def _functions(row: BuildingRow, steps: RowSteps, states: RowStates, table: ImpactTable) -> Any:
+    """The functions of the steps of a row of buildings."""
+    near = steps.near
+    state = states.near
+    lanes = state.block.shape[1]
+    numbers = np.zeros(lanes, np.int64)
+    step, slip = step_of(row.law, near, state, lanes)
+    watcher = watch_linked if row.parts.spring.size else watch
+    meet = strike_all if row.contacts.jumps else watch_contacts
+    return StepFunctions(
+        law=row.law,
+        slip=slip,
+        step=step,
+        watch=by_pointer(watcher, near, row.parts, state, lanes),
+        meet=by_pointer(meet, near, row.parts, 0.0, numbers, lanes, state, table),
+        balance=by_pointer(balance, near, row.parts, 0.0, state, lanes),
+    )
+
+
+def _last_impacts(contacts: Contacts, state: State) -> Array:
     """The lines of the impacts that go on at the end of the motions."""
-    j, lane = np.nonzero(~np.isnan(x.contacts[:, BEGIN]))
-    depth = (contacts.weights[j] * x.coordinates[:, Q, lane].T).sum(axis=1) - contacts.gap[j]
+    j, lane = np.nonzero(~np.isnan(state.impacts.begin))
+    depth = (contacts.weights[j] * state.coordinates.q[:, lane].T).sum(axis=1) - contacts.gap[j]
     laws = zip(contacts.law[j], depth, strict=True)
-    stored = [0.0 if contacts.jumps else stored_in(law, d) for law, d in laws]
-    return np.column_stack([x.contacts[j, : DEEPEST + 1, lane], lane, j, stored])
+    lines = np.empty(j.size, IMPACT)
+    for name in PRESENT:
+        lines[name] = getattr(state.impacts, name)[j, lane]
+    lines["motion"] = lane
+    lines["contact"] = j
+    lines["stored"] = [0.0 if contacts.jumps else stored_in(law, d) for law, d in laws]
+    return lines
 
 
-def follow(row: BuildingRow, x: Moving, ground: GroundMotions, pace: StepCounts, history: Array) -> Any:
-    """Motions ``x`` (n lanes) from their state on, which is changed.
+def follow(
+    row: BuildingRow, state: State, ground: GroundMotions, pace: StepCounts, history: Array
+) -> Array:
+    """Motions ``state`` (n lanes) from their state on, which is changed.
 
     The states of the first motion are written to ``history`` (rows, samples), if it has columns, NaN
     after the end of one that fails. Returns the table of `impacts`, as they begin.
     """
     lanes = ground.acceleration.shape[1]
-    x.motions[SLOW], x.motions[MEETS], begin = ground.slow, ground.meets, x.state.copy()
-    y, old, dt = row.at_rest(lanes), np.empty_like(begin), ground.dt / pace.cuts
-    steps = steps_of(row.elements, dt)
-    short = steps_of(row.elements, dt / pace.substeps, row.contacts)
-    table, used = np.empty((LINES * lanes, COLUMNS)), np.zeros(1, np.int64)
-    known = short, row.parts, 0.1, used, lanes, y, table, used
-    step, other = step_of(row.law, short, y, lanes)
-    functions = (
-        step,
-        by_pointer(watch_linked if row.parts.spring.size else watch, short, row.parts, y, lanes),
-        by_pointer(strike_all if row.contacts.jumps else watch_contacts, *known),
-        by_pointer(balance, short, row.parts, 0.1, y, lanes),
+    state.motions.least_approach[:] = ground.slow
+    state.motions.meets[:] = ground.meets
+    begin = state.block.copy()
+    dt = ground.dt / pace.cuts
+    states = RowStates(state, np.empty_like(begin), row.at_rest(lanes), history)
+    steps = RowSteps(
+        row.parts,
+        free=steps_of(row.elements, dt),
+        near=steps_of(row.elements, dt / pace.substeps, row.contacts),
+        cuts=pace.cuts,
+        substeps=pace.substeps,
     )
+    table = ImpactTable(np.empty(LINES * lanes, IMPACT), np.zeros(1, np.int64))
+    functions = _functions(row, steps, states, table)
     history[:] = np.nan
-    numbers = ground.acceleration, ground.intervals, pace.cuts, pace.substeps
-    moves = *functions, other, row.law, steps, short, row.parts, x, y, old, *numbers
-    _run(*moves, table, used, history)
-    if used[0] > len(table):  # the motions again, with lines for all impacts
-        table, x.state[:], used[:] = np.empty((used[0], COLUMNS)), begin, 0
-        _run(*moves, table, used, history)
-    table = np.concatenate([table[: used[0]], _last_impacts(row.contacts, x)])
-    return table[np.lexsort((table[:, CONTACT], table[:, BEGIN]))]
+    _run(functions=functions, steps=steps, ground=ground, states=states, table=table)
+    if table.number[0] > table.lines.size:  # the motions again, with lines for all impacts
+        table = ImpactTable(np.empty(table.number[0], IMPACT), np.zeros(1, np.int64))
+        state.block[:] = begin
+        _run(functions=functions, steps=steps, ground=ground, states=states, table=table)
+    lines = np.concatenate([table.lines[: table.number[0]], _last_impacts(row.contacts, state)])
+    return lines[np.lexsort((lines["contact"], lines["begin"]))]
 
 
 def run(
@@ -245,12 +274,11 @@ def run(
 ) -> list[RowResponse]:
     """Responses of a row of buildings to motions from rest; with the states of the first motion."""
     samples, lanes = ground.acceleration.shape
-    x, history = row.at_rest(lanes), row.at_rest(samples if keep else 0)
-    table, floors = follow(row, x, ground, pace, history.state), len(row.parts.shear_of_q)
-
-    def of(lane: int) -> RowResponse:
-        """The response to the motion of a lane."""
-        end = on_arrays(lambda values: values[..., lane], x)
-        return RowResponse(end, table[table[:, LANE] == lane], history, floors)
-
-    return [of(lane) for lane in range(lanes)]
+    state = row.at_rest(lanes)
+    history = row.at_rest(samples if keep else 0)
+    impacts = follow(row, state, ground, pace, history.block)
+    floors = len(row.parts.shear_of_q)
+    return [
+        RowResponse(state.of_lane(lane), impacts[impacts["motion"] == lane], history, floors)
+        for lane in range(lanes)
+    ]

@@ -2,7 +2,7 @@
 
 In a step the velocities are constant, ``dq/dt``, and forces have their means. The works of the ground,
 of dashpots and of slips therefore have no error of quadrature: with the energies at both ends, they
-balance to the tolerance of the passes. What a step does not account for is kept as ``MISSING``.
+balance to the tolerance of the passes. What a step does not account for is the missing energy.
 """
 
 from __future__ import annotations
@@ -12,48 +12,16 @@ from typing import NamedTuple
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.borrowed import borrowed
 from stochlin.kernels.basics.compiled import called_once, compiled
 from stochlin.kernels.simulation.contacts import stored_in
 from stochlin.kernels.simulation.laws import VISCOUS
-from stochlin.kernels.simulation.moving import (
-    ACCELERATION,
-    DISSIPATED,
-    DQ,
-    DRAINED,
-    ENTERING,
-    EXTENSION,
-    FAILED,
-    FIRST,
-    HIGHEST,
-    IMBALANCE,
-    LOWEST,
-    MEETS,
-    MISSING,
-    MOST,
-    OF_DQ,
-    OF_Q,
-    OF_V,
-    OF_Z,
-    PULL,
-    SECOND,
-    SHEAR,
-    SLIP,
-    SPENT,
-    THIRD,
-    VISCOUS_LOSS,
-    F,
-    Q,
-    V,
-    Z,
-    fill,
-    multiply,
-    products,
-    times_row,
-)
+from stochlin.kernels.simulation.row_products import add_product, fill, products, times_row
 from stochlin.kernels.simulation.stepping import turned
 from stochlin.kernels.simulation.time_step import COUPLE, POST
 
 
+@borrowed
 class Parts(NamedTuple):
     """To which structure or link masses, elements and dashpots belong."""
 
@@ -70,151 +38,176 @@ class Parts(NamedTuple):
 
 
 @called_once
-def watch_displacements(steps, parts, moving, lanes):
+def watch_displacements(steps, parts, state, lanes):
     """Largest and smallest displacements and extensions, also where they turn within the step."""
-    rows, dt, coordinates, of_rows = parts.watched, steps.dt, moving.coordinates, moving.products
-    products(rows, coordinates, Q, of_rows, OF_Q, lanes)
-    products(rows, coordinates, DQ, of_rows, OF_DQ, lanes)
-    products(rows, moving.known, 0, of_rows, OF_V, lanes)  # velocity at the beginning
+    dt = steps.dt
+    rows = parts.watched
+    of_rows = state.products
+    products(rows, state.coordinates.q, of_rows.q, lanes)
+    products(rows, state.coordinates.dq, of_rows.dq, lanes)
+    products(rows, state.beginning, of_rows.v, lanes)
     for i in range(rows.shape[0]):
-        extremes, row = moving.watched[i], of_rows[i]
+        highest = state.peaks.highest[i]
+        lowest = state.peaks.lowest[i]
         for lane in range(lanes):
-            end = row[OF_Q, lane]
-            turn, _ = turned(end - row[OF_DQ, lane], end, dt * row[OF_V, lane])
-            extremes[HIGHEST, lane] = max(extremes[HIGHEST, lane], end, turn)
-            extremes[LOWEST, lane] = min(extremes[LOWEST, lane], end, turn)
+            end = of_rows.q[i, lane]
+            turn, _ = turned(end - of_rows.dq[i, lane], end, dt * of_rows.v[i, lane])
+            highest[lane] = max(highest[lane], end, turn)
+            lowest[lane] = min(lowest[lane], end, turn)
 
 
 @called_once
-def _watch_floors(steps, parts, moving, lanes):
+def _watch_floors(steps, parts, state, lanes):
     """Largest absolute accelerations, from the change of the velocities in the step, and shears."""
-    rows, of_q, of_z, dt = steps.shapes, parts.shear_of_q, parts.shear_of_z, steps.dt
-    coordinates, motions, of_rows = moving.coordinates, moving.motions, moving.products
-    products(rows, coordinates, DQ, of_rows, OF_DQ, lanes)
-    products(rows, coordinates, V, of_rows, OF_V, lanes)
-    products(of_q, coordinates, Q, of_rows, OF_Q, lanes)
-    products(of_z, moving.elements, Z, of_rows, OF_Z, lanes)
-    for i in range(rows.shape[0]):
-        floor = moving.watched[i]
+    dt = steps.dt
+    of_rows = state.products
+    forcing = state.motions.forcing
+    products(steps.shapes, state.coordinates.dq, of_rows.dq, lanes)
+    products(steps.shapes, state.coordinates.v, of_rows.v, lanes)
+    products(parts.shear_of_q, state.coordinates.q, of_rows.q, lanes)
+    products(parts.shear_of_z, state.elements.z, of_rows.z, lanes)
+    for i in range(steps.shapes.shape[0]):
+        acceleration = state.peaks.acceleration[i]
+        shear = state.peaks.shear[i]
         for lane in range(lanes):
-            change = of_rows[i, OF_V, lane] - of_rows[i, OF_DQ, lane] / dt
-            mean = abs(2.0 * change / dt - motions[F, lane])
-            floor[ACCELERATION, lane] = max(floor[ACCELERATION, lane], mean)
-            largest = abs(of_rows[i, OF_Q, lane] + of_rows[i, OF_Z, lane])
-            floor[SHEAR, lane] = max(floor[SHEAR, lane], largest)
+            change = of_rows.v[i, lane] - of_rows.dq[i, lane] / dt
+            mean = abs(2.0 * change / dt - forcing[lane])
+            acceleration[lane] = max(acceleration[lane], mean)
+            shear[lane] = max(shear[lane], abs(of_rows.q[i, lane] + of_rows.z[i, lane]))
 
 
 @called_once
-def _watch_masses(dt, parts, coordinates, drags, motions, lanes):
+def _watch_masses(steps, parts, state, lanes):
     """Energies put in by the ground, and dissipated by the dashpots of the structures."""
+    dt = steps.dt
+    dq = state.coordinates.dq
+    drag = state.products.v
+    forcing = state.motions.forcing
     for i in range(parts.mass.size):
-        fill(drags[i], 0, 0.0, lanes)
-    multiply(parts.damping, coordinates, DQ, drags, 0, lanes)
+        fill(drag[i], 0.0, lanes)
+    add_product(parts.damping, dq, drag, lanes)
     for i in range(parts.mass.size):
         mass = parts.mass[i]
+        input_energy = state.coordinates.input_energy[i]
+        viscous_energy = state.coordinates.viscous_energy[i]
         for lane in range(lanes):
-            moved = coordinates[i, DQ, lane]
-            coordinates[i, ENTERING, lane] += mass * motions[F, lane] * moved
-            coordinates[i, VISCOUS_LOSS, lane] += drags[i, 0, lane] * moved / dt
+            moved = dq[i, lane]
+            input_energy[lane] += mass * forcing[lane] * moved
+            viscous_energy[lane] += drag[i, lane] * moved / dt
 
 
 @called_once
-def _watch_links(steps, parts, moving, lanes):
+def _watch_links(steps, parts, state, lanes):
     """Largest forces of links, as means of steps, and energies dissipated."""
-    spring, dt, elements, motions = steps.spring, steps.dt, moving.elements, moving.motions
-    for tie in range(parts.spring.size):
-        i, other, c, link = parts.spring[tie], parts.dashpot[tie], parts.constant[tie], moving.links[tie]
-        post, couple, element = spring[i, POST], spring[i, COUPLE], elements[i]
-        times_row(steps.extensions, i, moving.coordinates, DQ, motions, FIRST, lanes)
+    dt = steps.dt
+    elements = state.elements
+    links = state.links
+    change = state.totals.change
+    force = state.totals.force
+    energy = state.totals.energy
+    for link in range(parts.spring.size):
+        i = parts.spring[link]
+        c = parts.constant[link]
+        post = steps.spring[i, POST]
+        couple = steps.spring[i, COUPLE]
+        times_row(steps.extensions, i, state.coordinates.dq, change, lanes)
         for lane in range(lanes):
-            change, slip = motions[FIRST, lane], element[SLIP, lane]
-            held = couple * (element[Z, lane] - 0.5 * (change - slip))
-            drag = c * change / dt
-            motions[SECOND, lane] = post * (element[EXTENSION, lane] + 0.5 * change) + held + drag
-            motions[THIRD, lane] = drag * change + held * slip
-        if other >= 0:
-            own, element = spring[other, COUPLE], elements[other]
+            slip = elements.slip[i, lane]
+            elastic = couple * (elements.z[i, lane] - 0.5 * (change[lane] - slip))
+            drag = c * change[lane] / dt
+            middle = elements.extension[i, lane] + 0.5 * change[lane]
+            force[lane] = post * middle + elastic + drag
+            energy[lane] = drag * change[lane] + elastic * slip
+        dashpot = parts.dashpot[link]
+        if dashpot >= 0:
+            couple = steps.spring[dashpot, COUPLE]
             for lane in range(lanes):
-                change = motions[FIRST, lane]
-                drag = 0.5 * own * (change - element[SLIP, lane])
-                motions[SECOND, lane] += drag
-                motions[THIRD, lane] += drag * change
+                drag = 0.5 * couple * (change[lane] - elements.slip[dashpot, lane])
+                force[lane] += drag
+                energy[lane] += drag * change[lane]
         for lane in range(lanes):
-            link[PULL, lane] = max(link[PULL, lane], abs(motions[SECOND, lane]))
-            link[DRAINED, lane] += motions[THIRD, lane]
+            links.largest_force[link, lane] = max(links.largest_force[link, lane], abs(force[lane]))
+            links.dissipated[link, lane] += energy[lane]
 
 
-def watch(steps, parts, moving, lanes):
+def watch(steps, parts, state, lanes):
     """`watch_linked` of structures without links, which is compiled in less time."""
-    _watch_floors(steps, parts, moving, lanes)
-    _watch_masses(steps.dt, parts, moving.coordinates, moving.products, moving.motions, lanes)
+    _watch_floors(steps, parts, state, lanes)
+    _watch_masses(steps, parts, state, lanes)
     if not steps.contacts.jumps:
-        watch_displacements(steps, parts, moving, lanes)
+        watch_displacements(steps, parts, state, lanes)
 
 
 _watch = called_once(watch)
 
 
-def watch_linked(steps, parts, moving, lanes):
+def watch_linked(steps, parts, state, lanes):
     """Update all but impacts by a time step; displacements only where there are no blows."""
-    _watch(steps, parts, moving, lanes)
-    _watch_links(steps, parts, moving, lanes)
+    _watch(steps, parts, state, lanes)
+    _watch_links(steps, parts, state, lanes)
 
 
 @called_once
-def _take_stored(steps, moving, lanes):
-    """Subtract the energies stored in springs and contacts from the row ``FIRST``."""
-    contacts, coordinates, elements = steps.contacts, moving.coordinates, moving.elements
-    motions, of_rows = moving.motions, moving.products
-    products(steps.extensions, coordinates, Q, of_rows, OF_Q, lanes)
+def _subtract_stored(steps, state, energy, lanes):
+    """Subtract the energies stored in springs and contacts from an ``energy``."""
+    contacts = steps.contacts
+    z = state.elements.z
+    meets = state.motions.meets
+    extension = state.products.q
+    penetration = state.products.dq
+    products(steps.extensions, state.coordinates.q, extension, lanes)
     for i in range(steps.kind.size):
         if steps.kind[i] != VISCOUS:
-            post, couple = steps.spring[i, POST], steps.spring[i, COUPLE]
+            post = steps.spring[i, POST]
+            couple = steps.spring[i, COUPLE]
             for lane in range(lanes):
-                extension, z = of_rows[i, OF_Q, lane], elements[i, Z, lane]
-                motions[FIRST, lane] -= 0.5 * (post * extension * extension + couple * z * z)
+                elastic = post * extension[i, lane] * extension[i, lane]
+                energy[lane] -= 0.5 * (elastic + couple * z[i, lane] * z[i, lane])
     if not contacts.jumps:
-        products(contacts.rows, coordinates, Q, of_rows, OF_DQ, lanes)
+        products(contacts.rows, state.coordinates.q, penetration, lanes)
         for j in range(contacts.gap.size):
             for lane in range(lanes):
-                energy = stored_in(contacts.law[j], of_rows[j, OF_DQ, lane] - contacts.gap[j])
-                motions[FIRST, lane] -= motions[MEETS, lane] * energy
+                stored = stored_in(contacts.law[j], penetration[j, lane] - contacts.gap[j])
+                energy[lane] -= meets[lane] * stored
 
 
-def balance(steps, parts, time, moving, lanes):
+def balance(steps, parts, time, state, lanes):
     """Update the energy that is missing in the balance of all structures, and its largest share.
 
     End the motions in which an extension is beyond its limit, or not a number, at this ``time`` [s].
     """
-    motions, coordinates = moving.motions, moving.coordinates
-    fill(motions, FIRST, 0.0, lanes)
-    _add(coordinates, ENTERING, 1.0, motions, lanes)
+    motions = state.motions
+    coordinates = state.coordinates
+    energy = state.totals.energy
+    fill(energy, 0.0, lanes)
+    _add(coordinates.input_energy, 1.0, energy, lanes)
     for lane in range(lanes):
-        motions[MOST, lane] = max(motions[MOST, lane], abs(motions[FIRST, lane]))
-    _add(coordinates, VISCOUS_LOSS, -1.0, motions, lanes)
-    _add(moving.links, DRAINED, -1.0, motions, lanes)
-    _add(moving.contacts, DISSIPATED, -1.0, motions, lanes)
-    _add(moving.elements[: parts.elements], SPENT, -1.0, motions, lanes)
+        motions.largest_input[lane] = max(motions.largest_input[lane], abs(energy[lane]))
+    _add(coordinates.viscous_energy, -1.0, energy, lanes)
+    _add(state.links.dissipated, -1.0, energy, lanes)
+    _add(state.contacts.dissipated, -1.0, energy, lanes)
+    _add(state.elements.dissipated[: parts.elements], -1.0, energy, lanes)
     for i in range(parts.mass.size):
         for lane in range(lanes):
-            v = coordinates[i, V, lane]
-            motions[FIRST, lane] -= 0.5 * parts.mass[i] * v * v
-    _take_stored(steps, moving, lanes)
+            v = coordinates.v[i, lane]
+            energy[lane] -= 0.5 * parts.mass[i] * v * v
+    _subtract_stored(steps, state, energy, lanes)
     for lane in range(lanes):
-        most, missing = motions[MOST, lane], motions[FIRST, lane]
-        motions[MISSING, lane] = missing
-        ratio = abs(missing) / most if most > 0.0 else 0.0
-        motions[IMBALANCE, lane] = max(motions[IMBALANCE, lane], ratio)
+        largest = motions.largest_input[lane]
+        missing = energy[lane]
+        motions.missing_energy[lane] = missing
+        ratio = abs(missing) / largest if largest > 0.0 else 0.0
+        motions.imbalance[lane] = max(motions.imbalance[lane], ratio)
     for i in range(parts.limit.size):
         for lane in range(lanes):
-            reached = abs(moving.products[i, OF_Q, lane])  # by `_take_stored`
-            if not reached <= parts.limit[i] and motions[FAILED, lane] == np.inf:
-                motions[FAILED, lane] = time
+            reached = abs(state.products.q[i, lane])  # by `_subtract_stored`
+            if not reached <= parts.limit[i] and motions.failed[lane] == np.inf:
+                motions.failed[lane] = time
 
 
 @compiled
-def _add(energies, column, sign, motions, lanes):
-    """Add a column of energies with this sign to the row ``FIRST``."""
+def _add(energies, sign, total, lanes):
+    """Add energies (n, lanes) with this sign to their total."""
     for number in range(energies.shape[0]):
         for lane in range(lanes):
-            motions[FIRST, lane] += sign * energies[number, column, lane]
+            total[lane] += sign * energies[number, lane]

@@ -17,10 +17,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.borrowed import borrowed
 from stochlin.kernels.basics.compiled import called_often, called_once, compiled
-from stochlin.kernels.simulation.moving import rows_of
+from stochlin.kernels.simulation.row_products import rows_of
 
-STILL = 1e-6  # change of a penetration, over its size, below which the mean is the value in the middle
+NEARLY_CONSTANT = (
+    1e-6  # change of a penetration, over its size, below which the mean is the value in the middle
+)
 CLOSE_FORCE = 1e-11  # residual of a mean force, over its bound, at which its search ends
 MOST_TRIALS = 100  # of a search for a mean force
 
@@ -51,6 +54,7 @@ def law_table(laws: Iterable[ForceLaw]) -> Array:
     return np.array([tuple(law) for law in laws], LAW)
 
 
+@borrowed
 class Contacts(NamedTuple):
     """Contacts between floors, with the penetrations ``weights q - gap``."""
 
@@ -141,7 +145,7 @@ def _mean_power(p, before, change):
         if p == 0.0:
             return 1.0
         middle = 0.5 * (before + after)
-        if p == 1.0 or abs(change) < STILL * middle:
+        if p == 1.0 or abs(change) < NEARLY_CONSTANT * middle:
             return middle**p
     elif before <= 0.0 and after <= 0.0:
         return 0.0

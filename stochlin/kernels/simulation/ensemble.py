@@ -20,8 +20,8 @@ import numpy as np
 from stochlin.kernels.basics.arrays import Array, zeros_on_a_line
 from stochlin.kernels.basics.parallel import Progress, in_order
 from stochlin.kernels.simulation.links import LinkPeaks, watch_links
-from stochlin.kernels.simulation.moving import Elements, Moving, Q, Z
 from stochlin.kernels.simulation.normal_numbers import fill_normal, generator_state
+from stochlin.kernels.simulation.state import Elements, State
 from stochlin.kernels.simulation.stepping import (
     LANES,
     FilterSteps,
@@ -97,7 +97,7 @@ class SteppedStructures:
 
     def at_rest(self, lanes: int = LANES, group: int = 0) -> Any:
         """The state before a motion of this group."""
-        return Moving.at_rest(self._of(group) or [self.elements], lanes)
+        return State.at_rest(self._of(group) or [self.elements], lanes)
 
     def _of(self, group: int) -> Sequence[Elements]:
         """The samples of a group."""
@@ -113,15 +113,16 @@ class SteppedStructures:
             steps, block_of = self._steps[dt], system_block
         functions = step_of(self.law, steps, self.at_rest(LANES, group), LANES)
 
-        def block(f: Array, moving: Any, every: int, out: Array, at: int = 0) -> None:
-            block_of(f, *functions, self.law, steps, moving, every, out, at)
+        def block(f: Array, state: Any, every: int, out: Array, at: int = 0) -> None:
+            block_of(f, *functions, self.law, steps, state, every, out, at)
 
         return block
 
-    def plastic(self, moving: Any) -> Array:
+    def plastic(self, state: State) -> Array:
         """The plastic parts of the extensions that the displacements show (w, lanes)."""
-        n, extensions = self.elements.system.mass.size, self.elements.system.extensions
-        plastic: Array = extensions[:n] @ moving.coordinates[:, Q] - moving.elements[:n, Z]
+        n = self.elements.system.mass.size
+        extensions = self.elements.system.extensions[:n] @ state.coordinates.q
+        plastic: Array = extensions - state.elements.z[:n]
         return plastic if self.element is None else self.element @ plastic
 
 

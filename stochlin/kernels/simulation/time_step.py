@@ -29,6 +29,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.borrowed import borrowed
 from stochlin.kernels.basics.compiled import (
     by_pointer,
     called_often,
@@ -40,37 +41,15 @@ from stochlin.kernels.basics.compiled import (
 )
 from stochlin.kernels.simulation.contacts import Contacts, solve_force
 from stochlin.kernels.simulation.laws import BILINEAR, LINEAR, VISCOUS, advance
-from stochlin.kernels.simulation.moving import (
-    CHANGE,
-    CLOSE,
-    DEPTH,
-    DQ,
-    EXTENSION,
-    FORCE,
-    HELD,
-    LEAST,
-    MORE,
-    MOVING,
-    OF_DQ,
-    RATE,
-    SLIP,
-    SLOW,
-    SPEED,
-    SPENT,
-    STILL,
-    WIDEST,
-    Elements,
-    F,
-    Q,
-    V,
-    Z,
+from stochlin.kernels.simulation.row_products import (
+    add_product,
     any_of,
     fill,
-    multiply,
     products,
     rows_of,
     times_row,
 )
+from stochlin.kernels.simulation.state import CLOSE, Elements, State
 
 MOST_PASSES = 60  # largest number of passes of a step
 MOST_VISCOUS = 600  # the same with dashpots with an exponent, whose forces can tie many floors together
@@ -81,6 +60,7 @@ HARDLY = 1e-6  # increment of a dashpot's extension, over the largest of the ste
 POST, COUPLE, STRENGTH, RELIEF = range(4)  # columns of `Steps.spring`
 
 
+@borrowed
 class Steps(NamedTuple):
     """The elements for time steps of one length, and the matrices of the module's docstring.
 
@@ -148,76 +128,94 @@ def sampled_steps(elements: Sequence[Elements], dt: float) -> Steps:
 
 
 @called_often
-def _add_slip(ease, i, slip, row, coordinates, lanes):
-    """Add the effect of a slip of element ``i``, or of a change of it, to the increments."""
-    for k in range(ease.shape[0]):
-        of_slip = ease[k, i]
+def _add_slip(effect, i, slip, dq, lanes):
+    """Add the effect of a slip (lanes,) of element ``i``, or of a change of it, to the increments."""
+    for k in range(effect.shape[0]):
+        of_slip = effect[k, i]
         for lane in range(lanes):
-            coordinates[k, DQ, lane] += of_lane(of_slip, lane) * slip[row, lane]
+            dq[k, lane] += of_lane(of_slip, lane) * slip[lane]
 
 
 @called_once
-def _bilinear(strength, relief, i, elements, motions, lanes):
-    """Write the change ``MORE`` of a slip of the bilinear law."""
+def _bilinear(strength, relief, i, elements, iteration, lanes):
+    """Write the change of a slip of the bilinear law."""
+    z = elements.z[i]
+    slip = elements.slip[i]
     for lane in range(lanes):
-        g, uy = of_lane(relief, lane), of_lane(strength, lane)
-        y = elements[i, Z, lane] + (motions[CHANGE, lane] - g * elements[i, SLIP, lane])
-        slip = (y - min(max(y, -uy), uy)) * (1.0 / (1.0 - g))
-        motions[MORE, lane] = slip - elements[i, SLIP, lane]
+        g = of_lane(relief, lane)
+        uy = of_lane(strength, lane)
+        y = z[lane] + (iteration.change[lane] - g * slip[lane])
+        new = (y - min(max(y, -uy), uy)) * (1.0 / (1.0 - g))
+        iteration.more_slip[lane] = new - slip[lane]
 
 
 @called_once
-def _by_law(law, kind, count, spring, dt, i, elements, memory, after, own, states, motions, lanes):
-    """Write the change of a slip of an element whose law has rates and a ``count`` of states.
+def _by_law(law, steps, state, i, lanes):
+    """Write the change of a slip of an element whose law has rates.
 
     The slip that belongs to the increment of the extension changes that increment, by ``g``. With the
     share of the increment that slips for a derivative, the next slip is that of Newton's method.
     """
-    pace, old, new = states[0, 0], states[1][:count], states[2][:count]
-    strength, relief = spring[STRENGTH], spring[RELIEF]
+    dt = steps.dt
+    count = steps.states[i]
+    strength = steps.spring[i, STRENGTH]
+    relief = steps.spring[i, RELIEF]
+    iteration = state.iteration
+    z = state.elements.z[i]
+    slip = state.elements.slip[i]
+    rate = state.law.rate[0]
+    before = state.law.before[:count]
+    after = state.law.after[:count]
     for lane in range(lanes):
-        pace[lane] = motions[CHANGE, lane] / (dt * of_lane(strength, lane))
+        rate[lane] = iteration.change[lane] / (dt * of_lane(strength, lane))
     for lane in range(lanes):
-        old[0, lane] = elements[i, Z, lane] / of_lane(strength, lane)
+        before[0, lane] = z[lane] / of_lane(strength, lane)
     for k in range(1, count):
         for lane in range(lanes):
-            old[k, lane] = memory[i, k - 1, lane]
-    advance(law, kind, lanes, pace, old, own[i], dt, new)
+            before[k, lane] = state.memory[i, k - 1, lane]
+    advance(law, steps.kind[i], lanes, rate, before, state.parameters[i], dt, after)
     for lane in range(lanes):
-        moved, g = motions[CHANGE, lane], of_lane(relief, lane)
-        slip = moved - of_lane(strength, lane) * (new[0, lane] - old[0, lane])
-        share = min(max(slip / moved if moved != 0.0 else 0.0, 0.0), 1.0)
-        motions[MORE, lane] = (slip - elements[i, SLIP, lane]) * (1.0 / (1.0 - g * share))
+        change = iteration.change[lane]
+        g = of_lane(relief, lane)
+        new = change - of_lane(strength, lane) * (after[0, lane] - before[0, lane])
+        share = min(max(new / change if change != 0.0 else 0.0, 0.0), 1.0)
+        iteration.more_slip[lane] = (new - slip[lane]) * (1.0 / (1.0 - g * share))
     for k in range(1, count):
+        remembered = state.memory_after[i, k - 1]
         for lane in range(lanes):
-            going = motions[MOVING, lane] != 0.0
-            after[i, k - 1, lane] = new[k, lane] if going else after[i, k - 1, lane]
+            active = iteration.active[lane] != 0.0
+            remembered[lane] = after[k, lane] if active else remembered[lane]
 
 
 @called_once
-def _dashpot(couple, relief, dt, i, elements, own, motions, lanes):
+def _dashpot(couple, relief, dt, i, elements, parameters, iteration, lanes):
     """Write the change of a slip of a dashpot with an exponent.
 
-    ``own`` are its constant and the exponent. Its rate ``r`` solves
+    Its ``parameters`` are its constant and the exponent. Its rate ``r`` solves
     ``(1 - g) dt r + g y r^a = alone``, with ``y = 2 c/couple``, the relief ``g`` by its own slip, and
     the increment ``alone`` of the extension without slip. It slips by ``dt r - y r^a``. The unknown is
     the one of ``r`` and ``r^a`` of which the other is a power of at least 1; Newton's method then
     approaches the root of a convex function from above.
     """
     for lane in range(lanes):
-        g, c, a = of_lane(relief, lane), own[i, 0, lane], own[i, 1, lane]
-        of_rate, of_force = dt, 2.0 * c / of_lane(couple, lane)
+        g = of_lane(relief, lane)
+        c = parameters[i, 0, lane]
+        a = parameters[i, 1, lane]
+        of_rate = dt
+        of_force = 2.0 * c / of_lane(couple, lane)
         slow = a <= 1.0
         power = 1.0 / a if slow else a
-        first, second = g * of_force, (1.0 - g) * of_rate
+        first = g * of_force
+        second = (1.0 - g) * of_rate
         if not slow:
             first, second = second, first
-        moved, before = motions[CHANGE, lane], elements[i, SLIP, lane]
-        alone = moved - g * before
+        change = iteration.change[lane]
+        before = elements.slip[i, lane]
+        alone = change - g * before
         size = abs(alone)
         root = 0.0
         if before != 0.0:  # start from the root of the pass before, or of the step before
-            root = abs(moved - before) / of_force if slow else abs(moved) / of_rate
+            root = abs(change - before) / of_force if slow else abs(change) / of_rate
         steep = root ** (power - 1.0)
         less = (first * root + second * root * steep - size) / (first + power * second * steep)
         if power * abs(less) < NEARLY * root:
@@ -233,200 +231,237 @@ def _dashpot(couple, relief, dt, i, elements, own, motions, lanes):
                 if not power * abs(less) > NEARLY * root:
                     break
             steep = root ** (power - 1.0)
-        rate, force = (root * steep, root) if slow else (root, root * steep)
+        rate = root * steep if slow else root
+        force = root if slow else root * steep
         total = of_rate * rate - of_force * force
-        motions[MORE, lane] = (total if alone > 0.0 else -total) - before
-        elements[i, LEAST, lane] = CLOSE * max(HARDLY * motions[WIDEST, lane], size)
+        iteration.more_slip[lane] = (total if alone > 0.0 else -total) - before
+        elements.tolerance[i, lane] = CLOSE * max(HARDLY * iteration.largest_change[lane], size)
 
 
-def _no_slip(law, kind, count, spring, dt, i, elements, memory, after, own, states, motions, lanes):
+def _no_slip(law, steps, state, i, lanes):
     """`_other_slip` where all elements are linear or bilinear, which takes no time to compile."""
 
 
-def _other_slip(law, kind, count, spring, dt, i, elements, memory, after, own, states, motions, lanes):
+def _other_slip(law, steps, state, i, lanes):
     """Write the change of a slip of an element that is neither linear nor bilinear."""
-    if kind == VISCOUS:
-        _dashpot(spring[COUPLE], spring[RELIEF], dt, i, elements, own, motions, lanes)
+    if steps.kind[i] == VISCOUS:
+        couple = steps.spring[i, COUPLE]
+        relief = steps.spring[i, RELIEF]
+        _dashpot(couple, relief, steps.dt, i, state.elements, state.parameters, state.iteration, lanes)
     else:
-        _by_law(law, kind, count, spring, dt, i, elements, memory, after, own, states, motions, lanes)
+        _by_law(law, steps, state, i, lanes)
 
 
 @called_once
-def _pass_springs(other, law, steps, moving, lanes):
+def _pass_springs(other, law, steps, state, lanes):
     """One pass over all elements that can slip."""
-    rows, ease, dt, own = steps.extensions, steps.ease, steps.dt, moving.own
-    coordinates, elements, motions = moving.coordinates, moving.elements, moving.motions
-    memory, after, states = moving.memory, moving.remembered, moving.states
+    spring = steps.spring
+    elements = state.elements
+    iteration = state.iteration
+    dq = state.coordinates.dq
+    more_slip = iteration.more_slip
+    active_next = iteration.active_next
     for i in range(steps.kind.size):
-        kind, count, spring = steps.kind[i], steps.states[i], steps.spring[i]
-        if kind == LINEAR:
+        if steps.kind[i] == LINEAR:
             continue
-        times_row(rows, i, coordinates, DQ, motions, CHANGE, lanes)
-        if kind == BILINEAR:
-            _bilinear(spring[STRENGTH], spring[RELIEF], i, elements, motions, lanes)
+        times_row(steps.extensions, i, dq, iteration.change, lanes)
+        if steps.kind[i] == BILINEAR:
+            _bilinear(spring[i, STRENGTH], spring[i, RELIEF], i, elements, iteration, lanes)
         else:
-            other(law, kind, count, spring, dt, i, elements, memory, after, own, states, motions, lanes)
+            other(law, steps, state, i, lanes)
         for lane in range(lanes):
-            motions[MORE, lane] *= motions[MOVING, lane]
-        if not any_of(motions, MORE, lanes):
+            more_slip[lane] *= iteration.active[lane]
+        if not any_of(more_slip, lanes):
             continue
+        tolerance = elements.tolerance[i]
         for lane in range(lanes):
-            beyond = 1.0 if abs(motions[MORE, lane]) > elements[i, LEAST, lane] else 0.0
-            motions[STILL, lane] = max(motions[STILL, lane], beyond)
+            beyond = 1.0 if abs(more_slip[lane]) > tolerance[lane] else 0.0
+            active_next[lane] = max(active_next[lane], beyond)
+        slip = elements.slip[i]
         for lane in range(lanes):
-            elements[i, SLIP, lane] += motions[MORE, lane]
-        _add_slip(ease, i, motions, MORE, coordinates, lanes)
+            slip[lane] += more_slip[lane]
+        _add_slip(steps.ease, i, more_slip, dq, lanes)
 
 
 @called_once
-def _pass_contacts(steps, moving, lanes):
+def _pass_contacts(steps, state, lanes):
     """One pass over all contacts, lane by lane: most have no force."""
-    rows, jumps, apart, dt = steps.contacts.rows, steps.contacts.jumps, steps.apart, steps.dt
-    coordinates, motions = moving.coordinates, moving.motions
+    dt = steps.dt
+    effect = steps.apart
+    iteration = state.iteration
+    contacts = state.contacts
+    dq = state.coordinates.dq
     for j in range(steps.parting.size):
-        contact, law, g = moving.contacts[j], steps.contacts.law[j], steps.parting[j]
-        times_row(rows, j, coordinates, DQ, motions, CHANGE, lanes)
+        law = steps.contacts.law[j]
+        g = steps.parting[j]
+        times_row(steps.contacts.rows, j, dq, iteration.change, lanes)
         for lane in range(lanes):
-            if motions[MOVING, lane] == 0.0:
+            if iteration.active[lane] == 0.0:
                 continue
-            force, depth, rate = contact[FORCE, lane], contact[DEPTH, lane], contact[RATE, lane]
-            alone = motions[CHANGE, lane] + g * force
+            force = contacts.mean_force[j, lane]
+            depth = contacts.penetration[j, lane]
+            rate = contacts.rate[j, lane]
+            alone = iteration.change[lane] + g * force
             new = 0.0
-            if jumps:
-                if contact[HELD, lane] != 0.0:  # the rate at the end is 0
+            if steps.contacts.jumps:
+                if contacts.sticks[j, lane] != 0.0:  # the rate at the end is 0
                     new = max((alone - 0.5 * dt * rate) / g, 0.0)
             elif depth > 0.0 or depth + alone > 0.0:
                 if depth <= 0.0:  # the contact begins; in a step the rate changes linearly
                     touch = rate - depth / alone * 2.0 * (alone / dt - rate)
-                    contact[SPEED, lane] = max(touch, 0.0)
-                v0 = contact[SPEED, lane]
-                v0 = v0 if v0 > motions[SLOW, lane] else 0.0
+                    contacts.speed[j, lane] = max(touch, 0.0)
+                v0 = contacts.speed[j, lane]
+                v0 = v0 if v0 > state.motions.least_approach[lane] else 0.0
                 new = solve_force(law, v0, depth, alone, g, dt)
             if new != force:
                 more = new - force
                 if g * abs(more) > CLOSE * (abs(depth) + abs(alone)):
-                    motions[STILL, lane] = 1.0
-                contact[FORCE, lane] = new
-                for k in range(apart.shape[0]):
-                    coordinates[k, DQ, lane] += apart[k, j] * more
+                    iteration.active_next[lane] = 1.0
+                contacts.mean_force[j, lane] = new
+                for k in range(effect.shape[0]):
+                    dq[k, lane] += effect[k, j] * more
 
 
 @called_once
-def _begin_contacts(gap, rows, apart, coordinates, contacts, lanes):
+def _begin_contacts(steps, state, lanes):
     """Penetrations and their rates at the beginning.
 
     Forces start from those of the last step.
     """
-    products(rows, coordinates, Q, contacts, DEPTH, lanes)
-    products(rows, coordinates, V, contacts, RATE, lanes)
+    gap = steps.contacts.gap
+    effect = steps.apart
+    contacts = state.contacts
+    dq = state.coordinates.dq
+    products(steps.contacts.rows, state.coordinates.q, contacts.penetration, lanes)
+    products(steps.contacts.rows, state.coordinates.v, contacts.rate, lanes)
     for j in range(gap.size):
         for lane in range(lanes):
-            contacts[j, DEPTH, lane] -= gap[j]
-            force = contacts[j, FORCE, lane]
+            contacts.penetration[j, lane] -= gap[j]
+            force = contacts.mean_force[j, lane]
             if force != 0.0:
-                for k in range(apart.shape[0]):
-                    coordinates[k, DQ, lane] += apart[k, j] * force
+                for k in range(effect.shape[0]):
+                    dq[k, lane] += effect[k, j] * force
 
 
 @called_once
-def _begin(steps, moving, lanes):
+def _begin(steps, state, lanes):
     """Find the increments without slips and contact forces, but for slips that start from the last step.
 
     These are the slips of dashpots and of laws with rates.
     """
-    spring, n = steps.spring, steps.push.shape[0]
-    coordinates, elements, known = moving.coordinates, moving.elements, moving.known
+    n = steps.push.shape[0]
+    v = state.coordinates.v
+    dq = state.coordinates.dq
+    elements = state.elements
+    beginning = state.beginning
+    forcing = state.motions.forcing
     for i in range(n):
         of_forcing = steps.push[i]
         for lane in range(lanes):
-            known[i, 0, lane] = coordinates[i, V, lane]
+            beginning[i, lane] = v[i, lane]
         for lane in range(lanes):
-            coordinates[i, DQ, lane] = of_lane(of_forcing, lane) * moving.motions[F, lane]
-    products(steps.extensions, coordinates, Q, elements, EXTENSION, lanes)
+            dq[i, lane] = of_lane(of_forcing, lane) * forcing[lane]
+    products(steps.extensions, state.coordinates.q, elements.extension, lanes)
     for i in range(steps.kind.size):
-        post, couple = spring[i, POST], spring[i, COUPLE]
+        post = steps.spring[i, POST]
+        couple = steps.spring[i, COUPLE]
+        extension = elements.extension[i]
+        z = elements.z[i]
         for lane in range(lanes):
-            elastic = of_lane(post, lane) * elements[i, EXTENSION, lane]
-            known[n + i, 0, lane] = elastic + of_lane(couple, lane) * elements[i, Z, lane]
-    multiply(steps.move, known, 0, coordinates, DQ, lanes)
+            elastic = of_lane(post, lane) * extension[lane]
+            beginning[n + i, lane] = elastic + of_lane(couple, lane) * z[lane]
+    add_product(steps.move, beginning, dq, lanes)
     for i in range(steps.kind.size):
         if steps.kind[i] < VISCOUS:
-            fill(elements[i], SLIP, 0.0, lanes)
+            fill(elements.slip[i], 0.0, lanes)
         else:
-            _add_slip(steps.ease, i, elements[i], SLIP, coordinates, lanes)
+            _add_slip(steps.ease, i, elements.slip[i], dq, lanes)
 
 
 @called_once
-def _end(steps, moving, lanes):
+def _end(steps, state, lanes):
     """Change the state by the increments and slips, and add the energies that the slips dissipate."""
-    twice, coordinates, elements = 2.0 / steps.dt, moving.coordinates, moving.elements
-    products(steps.extensions, coordinates, DQ, moving.products, OF_DQ, lanes)
-    for i in range(coordinates.shape[0]):
+    twice = 2.0 / steps.dt
+    q = state.coordinates.q
+    v = state.coordinates.v
+    dq = state.coordinates.dq
+    products(steps.extensions, dq, state.products.dq, lanes)
+    for i in range(q.shape[0]):
         for lane in range(lanes):
-            coordinates[i, Q, lane] += coordinates[i, DQ, lane]
+            q[i, lane] += dq[i, lane]
         for lane in range(lanes):
-            coordinates[i, V, lane] = twice * coordinates[i, DQ, lane] - coordinates[i, V, lane]
-    for i in range(elements.shape[0]):
-        kind, couple, element = steps.kind[i], steps.spring[i, COUPLE], elements[i]
-        if kind == VISCOUS:  # the spring of a dashpot exists for one step only
+            v[i, lane] = twice * dq[i, lane] - v[i, lane]
+    for i in range(steps.kind.size):
+        if steps.kind[i] == VISCOUS:  # the spring of a dashpot exists for one step only
             continue
+        couple = steps.spring[i, COUPLE]
+        z = state.elements.z[i]
+        slip = state.elements.slip[i]
+        dissipated = state.elements.dissipated[i]
+        change = state.products.dq[i]
         for lane in range(lanes):
-            slip, change = element[SLIP, lane], moving.products[i, OF_DQ, lane]
-            middle = element[Z, lane] + 0.5 * (change - slip)
-            element[SPENT, lane] += of_lane(couple, lane) * middle * slip
-            element[Z, lane] += change - slip
+            middle = z[lane] + 0.5 * (change[lane] - slip[lane])
+            dissipated[lane] += of_lane(couple, lane) * middle * slip[lane]
+            z[lane] += change[lane] - slip[lane]
         for k in range(1, steps.states[i]):
             for lane in range(lanes):
-                moving.memory[i, k - 1, lane] = moving.remembered[i, k - 1, lane]
+                state.memory[i, k - 1, lane] = state.memory_after[i, k - 1, lane]
+
+
+@called_once
+def _find_largest_change(steps, state, lanes):
+    """Write the largest change of an extension without slips."""
+    largest = state.iteration.largest_change
+    products(steps.extensions, state.coordinates.dq, state.products.dq, lanes)
+    fill(largest, 0.0, lanes)
+    for i in range(steps.kind.size):
+        for lane in range(lanes):
+            largest[lane] = max(largest[lane], abs(state.products.dq[i, lane]))
 
 
 @compiled
-def take_step(other, law, steps, moving, lanes):
-    """One time step of all lanes, under the mean forcing in the row ``F``; changes the state.
+def take_step(other, law, steps, state, lanes):
+    """One time step of all lanes, under the mean forcing of the motions; changes the state.
 
     ``other`` is that of `step_of`, and ``law`` the result of `by_number`. The increments, slips and mean
     forces of contacts, and the extensions and penetrations at the beginning of the step, can be read
     afterwards.
     """
-    coordinates, contacts, motions = moving.coordinates, moving.contacts, moving.motions
-    _begin(steps, moving, lanes)
+    active = state.iteration.active
+    active_next = state.iteration.active_next
+    _begin(steps, state, lanes)
     if steps.parting.size > 0:
-        rows, apart = steps.contacts.rows, steps.apart
-        _begin_contacts(steps.contacts.gap, rows, apart, coordinates, contacts, lanes)
+        _begin_contacts(steps, state, lanes)
     if steps.passes == MOST_VISCOUS:
-        products(steps.extensions, coordinates, DQ, moving.products, OF_DQ, lanes)
-        fill(motions, WIDEST, 0.0, lanes)
-        for i in range(steps.kind.size):
-            for lane in range(lanes):
-                change = abs(moving.products[i, OF_DQ, lane])
-                motions[WIDEST, lane] = max(motions[WIDEST, lane], change)
-    fill(motions, MOVING, 1.0, lanes)
+        _find_largest_change(steps, state, lanes)
+    fill(active, 1.0, lanes)
     for _ in range(steps.passes):
-        fill(motions, STILL, 0.0, lanes)
-        _pass_springs(other, law, steps, moving, lanes)
+        fill(active_next, 0.0, lanes)
+        _pass_springs(other, law, steps, state, lanes)
         if steps.parting.size > 0:
-            _pass_contacts(steps, moving, lanes)
-        if not any_of(motions, STILL, lanes):
+            _pass_contacts(steps, state, lanes)
+        if not any_of(active_next, lanes):
             break
         for lane in range(lanes):
-            motions[MOVING, lane] = motions[STILL, lane]
-    _end(steps, moving, lanes)
+            active[lane] = active_next[lane]
+    _end(steps, state, lanes)
 
 
 sampled_step, sampled_slip = variant(take_step, "sampled_step"), variant(_other_slip, "sampled_slip")
 
 
-def step_of(law: Any, steps: Steps, moving: Any, lanes: int) -> tuple[Any, Any]:
+def step_of(law: Any, steps: Steps, state: State, lanes: int) -> tuple[Any, Any]:
     """`take_step` and its ``other`` for such arguments, by their pointers."""
-    other, step = _other_slip if (steps.kind >= VISCOUS).any() else _no_slip, take_step
+    other = _other_slip if (steps.kind >= VISCOUS).any() else _no_slip
+    step = take_step
     if steps.spring.ndim > 2:
-        other, step = sampled_slip, sampled_step
-    arrays = moving.elements, moving.memory, moving.remembered, moving.own, moving.states, moving.motions
-    pointer = by_pointer(other, law, 1, 1, steps.spring[0], 0.1, 1, *arrays, lanes)
-    return by_pointer(step, pointer, law, steps, moving, lanes), pointer
+        other = sampled_slip
+        step = sampled_step
+    pointer = by_pointer(other, law, steps, state, 1, lanes)
+    return by_pointer(step, pointer, law, steps, state, lanes), pointer
 
 
-def _system_block(f, step, other, law, steps, moving, every, out, first):
+def _system_block(f, step, other, law, steps, state, every, out, first):
     """Steps of a system under the forcing ``f`` (steps, lanes), which change its state.
 
     ``step`` and ``other`` are those of `step_of`.
@@ -434,17 +469,17 @@ def _system_block(f, step, other, law, steps, moving, every, out, first):
     The displacements of the floors after every ``every``-th step [m] are written to the rows of ``out``
     (samples, rows, lanes) from ``first`` on.
     """
-    lanes, rows = f.shape[1], steps.shapes
+    lanes = f.shape[1]
     for i in range(steps.kind.size):
-        fill(moving.elements[i], SLIP, 0.0, lanes)
+        fill(state.elements.slip[i], 0.0, lanes)
     sample = 0
     for s in range(f.shape[0]):
         for lane in range(lanes):
-            moving.motions[F, lane] = f[s, lane]
-        step(other, law, steps, moving, lanes)
+            state.motions.forcing[lane] = f[s, lane]
+        step(other, law, steps, state, lanes)
         if (s + 1) % every == 0:
-            for i in range(rows.shape[0]):
-                times_row(rows, i, moving.coordinates, Q, out[sample], first + i, lanes)
+            for i in range(steps.shapes.shape[0]):
+                times_row(steps.shapes, i, state.coordinates.q, out[sample, first + i], lanes)
             sample += 1
 
 

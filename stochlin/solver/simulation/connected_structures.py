@@ -23,7 +23,8 @@ from stochlin.kernels.simulation.laws import (
     RateLaw,
     by_number,
 )
-from stochlin.kernels.simulation.moving import Elements, rows_of
+from stochlin.kernels.simulation.row_products import rows_of
+from stochlin.kernels.simulation.state import Elements
 from stochlin.models.systems import Arrangement, Stack
 
 # Least share of the mass in a mode that determines the time step. Higher modes are integrated stably.

@@ -22,7 +22,7 @@ from stochlin.kernels.simulation.ensemble import (
     UncertainGround,
 )
 from stochlin.kernels.simulation.laws import BILINEAR, OTHER, VISCOUS
-from stochlin.kernels.simulation.moving import rows_of
+from stochlin.kernels.simulation.row_products import rows_of
 from stochlin.kernels.simulation.stepping import LANES, FilterSteps, filter_steps
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import GAUSSIAN, Structure
