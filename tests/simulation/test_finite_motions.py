@@ -35,7 +35,7 @@ def test_variance_under_an_envelope_follows_the_lyapunov_equation():
     plan = run.plan._replace(every=1, samples=steps)
     envelope = QUAKE.at(plan.dt * (np.arange(steps) + 0.5))
     last = [
-        MotionGroup(run.crowd._replace(plan=plan), group).block(envelope)[-1, 0].copy()
+        MotionGroup(run.ensemble._replace(plan=plan), group).block(envelope)[-1, 0].copy()
         for group in range(plan.groups)
     ]
     sampled = np.concatenate(last) ** 2

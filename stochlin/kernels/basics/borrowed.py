@@ -46,9 +46,14 @@ class Columns:
         self.block = block
 
     @classmethod
-    def zeros(cls, *shape: int) -> Self:
+    def shape(cls, *column: int) -> tuple[int, ...]:
+        """The shape of a block with columns of this shape."""
+        return len(cls._fields), *column
+
+    @classmethod
+    def zeros(cls, *column: int) -> Self:
         """Columns of this shape."""
-        return cls(zeros_on_a_line(len(cls._fields), *shape))
+        return cls(zeros_on_a_line(*cls.shape(*column)))
 
     def of_lane(self, lane: int) -> Self:
         """The columns of one lane."""

@@ -80,13 +80,19 @@ class Contacts(NamedTuple):
 
         ``left`` and ``right`` (c, n) are the parts of the weights that belong to either side.
         """
-        none = np.zeros((len(laws), coordinates))
-        on_left, on_right = (none if part is None else part for part in (left, right))
-        space = np.zeros(len(laws)) if gap is None else gap
-        jumps = restitution is not None
-        e = 1.0 if restitution is None else float(restitution)
-        both = on_left + on_right
-        return cls(both, rows_of(both), rows_of(on_right), space, law_table(laws), jumps, e)
+        no_weights = np.zeros((len(laws), coordinates))
+        on_left = no_weights if left is None else left
+        on_right = no_weights if right is None else right
+        weights = on_left + on_right
+        return cls(
+            weights=weights,
+            rows=rows_of(weights),
+            right=rows_of(on_right),
+            gap=np.zeros(len(laws)) if gap is None else gap,
+            law=law_table(laws),
+            jumps=restitution is not None,
+            restitution=1.0 if restitution is None else float(restitution),
+        )
 
 
 @called_often
@@ -155,7 +161,11 @@ def _mean_power(p, before, change):
 @compiled
 def mean_force(law, v0, before, change, dt):
     """Mean force of a contact element over a step ``dt`` [s], and its elastic part [N]."""
-    k, n, c, p, v = law.stiffness, law.exponent, law.damping, law.damping_exponent, change / dt
+    k = law.stiffness
+    n = law.exponent
+    c = law.damping
+    p = law.damping_exponent
+    v = change / dt
     elastic = k * _mean_power(n, before, change)
     if c == 0.0 or (law.approach_only and v <= 0.0):
         return elastic, elastic
@@ -179,9 +189,12 @@ def solve_force(law, v0, before, alone, g, dt):
     is found by regula falsi, with halved weights for an end that stays (the Illinois method).
     """
     bound = mean_force(law, v0, before, alone, dt)[0]
-    low, high = 0.0, bound
-    at_low, at_high = -bound, bound - mean_force(law, v0, before, alone - g * bound, dt)[0]
-    force, side = high, 0
+    low = 0.0
+    high = bound
+    at_low = -bound
+    at_high = bound - mean_force(law, v0, before, alone - g * bound, dt)[0]
+    force = high
+    side = 0
     for _ in range(MOST_TRIALS):
         if abs(at_high) <= CLOSE_FORCE * abs(bound) or at_high == at_low:
             return high
@@ -190,11 +203,13 @@ def solve_force(law, v0, before, alone, g, dt):
         if abs(off) <= CLOSE_FORCE * abs(bound):
             return force
         if (off > 0.0) == (at_high > 0.0):
-            high, at_high = force, off
+            high = force
+            at_high = off
             at_low *= 0.5 if side == 1 else 1.0
             side = 1
         else:
-            low, at_low = force, off
+            low = force
+            at_low = off
             at_high *= 0.5 if side == -1 else 1.0
             side = -1
     return force

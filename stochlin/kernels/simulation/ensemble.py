@@ -106,15 +106,17 @@ class SteppedStructures:
     def block(self, dt: float, group: int = 0) -> Block:
         """The function for blocks of time steps of this group of motions, as in `Oscillators`."""
         if self.samples:
-            steps, block_of = sampled_steps(self._of(group), dt), sampled_block
+            steps = sampled_steps(self._of(group), dt)
+            block_of = sampled_block
         else:
             if dt not in self._steps:
                 self._steps[dt] = steps_of(self.elements, dt)
-            steps, block_of = self._steps[dt], system_block
-        functions = step_of(self.law, steps, self.at_rest(LANES, group), LANES)
+            steps = self._steps[dt]
+            block_of = system_block
+        step, slip = step_of(self.law, steps, self.at_rest(LANES, group), LANES)
 
         def block(f: Array, state: Any, every: int, out: Array, at: int = 0) -> None:
-            block_of(f, *functions, self.law, steps, state, every, out, at)
+            block_of(f, step, slip, self.law, steps, state, every, out, at)
 
         return block
 
@@ -134,10 +136,13 @@ class UncertainGround(NamedTuple):
 
     def of(self, group: int) -> tuple[FilterSteps, Array]:
         """The steps of the grounds of a group, and the roots of their covariances (m, m, LANES)."""
-        own = slice(group * LANES, (group + 1) * LANES)
-        columns = zip(*self.steps[own], strict=True)
-        lanes: list[Any] = [np.stack(column, axis=-1) for column in columns]
-        return FilterSteps(*lanes), np.stack(self.roots[own], axis=-1)
+        members = slice(group * LANES, (group + 1) * LANES)
+        samples = self.steps[members]
+        steps: Any = {
+            name: np.stack([getattr(sample, name) for sample in samples], axis=-1)
+            for name in FilterSteps._fields
+        }
+        return FilterSteps(**steps), np.stack(self.roots[members], axis=-1)
 
 
 AnyGround = FilterSteps | UncertainGround
@@ -162,7 +167,7 @@ class Plan(NamedTuple):
         return self.dt * self.every * self.samples
 
 
-class Crowd(NamedTuple):
+class Ensemble(NamedTuple):
     """Structures that are subjected to the same simulated motions, in parts of one kind each."""
 
     parts: Sequence[Oscillators | SteppedStructures]
@@ -179,14 +184,14 @@ class Crowd(NamedTuple):
         self, task: Callable[[MotionGroup], Any], progress: Progress | None = None
     ) -> Iterator[Any]:
         """Results of a ``task`` with the motions of each group, in the order of the groups."""
-        first, groups = self.plan.first_group, self.plan.groups
-        return in_order(lambda group: task(MotionGroup(self, first + group)), groups, progress)
+        first = self.plan.first_group
+        return in_order(lambda group: task(MotionGroup(self, first + group)), self.plan.groups, progress)
 
 
 class Links(NamedTuple):
-    """Links between floors of a `Crowd`, which are watched."""
+    """Links between floors of an `Ensemble`, which are watched."""
 
-    extensions: Array  # rows (l, n) [m] of the displacements of the crowd
+    extensions: Array  # rows (l, n) [m] of the displacements of the ensemble
     parameters: Array  # (l, 5): see `watch_links`
 
 
@@ -215,8 +220,8 @@ class Sums(NamedTuple):
 
     moments: Array  # (n, n): sum of G
     squares: Array  # (n, n): sum of G_ij^2
-    with_own: Array  # (n, n): sum of G_ij G_ii
-    own: Array  # (n, n): sum of G_ii G_jj
+    with_diagonal: Array  # (n, n): sum of G_ij G_ii
+    diagonal: Array  # (n, n): sum of G_ii G_jj
     change: Array  # (n,): sum of the increase of G_ii from the first to the second half of the motion
     change_squares: Array  # (n,): sum of its square
 
@@ -224,9 +229,13 @@ class Sums(NamedTuple):
 class MotionGroup:
     """A group of `LANES` motions: the state of the ground and of all structures."""
 
-    def __init__(self, crowd: Crowd, group: int) -> None:
-        self.crowd, self.plan, self.group = crowd, crowd.plan, group
-        _, ground, root, plan = crowd
+    def __init__(self, ensemble: Ensemble, group: int) -> None:
+        plan = ensemble.plan
+        ground = ensemble.ground
+        root = ensemble.root
+        self.ensemble = ensemble
+        self.plan = plan
+        self.group = group
         if isinstance(ground, UncertainGround):
             ground, root = ground.of(group)
         self.ground_block = ground_block(ground)
@@ -236,27 +245,28 @@ class MotionGroup:
         fill_normal(self.random, start)
         self.q = zeros_on_a_line(len(root), LANES)
         self.q[:] = root @ start if root.ndim == 2 else (root * start).sum(axis=1)
-        self.states = [part.at_rest(LANES, group) for part in crowd.parts]
+        self.states = [part.at_rest(LANES, group) for part in ensemble.parts]
         self.xi, self.f = zeros_on_a_line(2, plan.every * plan.samples, LANES)
-        self.out = zeros_on_a_line(plan.samples, crowd.size, LANES)
-        self.blocks = [part.block(plan.dt, group) for part in crowd.parts]
+        self.out = zeros_on_a_line(plan.samples, ensemble.size, LANES)
+        self.blocks = [part.block(plan.dt, group) for part in ensemble.parts]
 
     def block(self, envelope: Array | None = None) -> Array:
         """Simulate the next block; returns displacements (samples, n, LANES).
 
         ``envelope`` has a factor on the ground acceleration for each step; a shorter one ends the block.
         """
-        every, f, out = self.plan.every, self.f, self.out
+        f = self.f
+        out = self.out
         fill_normal(self.random, self.xi)
         self.ground_block(self.xi, self.q, f)
         if envelope is not None:
-            f, out = f[: envelope.size], out[: envelope.size // every]
+            f, out = f[: envelope.size], out[: envelope.size // self.plan.every]
             f *= envelope[:, None]
         if self.strength is not None:
             f *= self.strength
         begin = 0
-        for part, block, state in zip(self.crowd.parts, self.blocks, self.states, strict=True):
-            block(f, state, every, out, begin)
+        for part, block, state in zip(self.ensemble.parts, self.blocks, self.states, strict=True):
+            block(f, state, self.plan.every, out, begin)
             begin += part.size
         return out
 
@@ -272,7 +282,7 @@ class MotionGroup:
 
     def plastic(self) -> Array:
         """The plastic displacements and drifts of all structures (n, LANES)."""
-        pairs = zip(self.crowd.parts, self.states, strict=True)
+        pairs = zip(self.ensemble.parts, self.states, strict=True)
         return np.concatenate([part.plastic(state) for part, state in pairs])
 
 
@@ -291,52 +301,55 @@ def functions_of(out: Array, rows: Array) -> Array:
     return values
 
 
-def stationary_sums(crowd: Crowd, rows: Array, progress: Progress | None) -> Sums:
+def stationary_sums(ensemble: Ensemble, rows: Array, progress: Progress | None) -> Sums:
     """Sums of the second moments of linear functions (m, n) of the stationary displacements."""
-    plan = crowd.plan
+    plan = ensemble.plan
 
     @np.errstate(all="ignore")  # overflow gets a status of its own later
     def of_group(motion: MotionGroup) -> Sums:
         """The sums over one group of motions."""
         motion.burn_in()
         half = plan.recorded // 2
-        halves = [_gram(motion, rows, half), _gram(motion, rows, plan.recorded - half)]
-        first, second = (np.einsum("lii->li", half) for half in halves)
+        first_half = _gram(motion, rows, half)
+        second_half = _gram(motion, rows, plan.recorded - half)
+        first = np.einsum("lii->li", first_half)
+        second = np.einsum("lii->li", second_half)
         weight = half / (plan.recorded - half)
         change = weight * second - first
-        moments = (halves[0] + halves[1]) / (plan.recorded * plan.samples)
-        own = np.einsum("lii->li", moments)
+        moments = (first_half + second_half) / (plan.recorded * plan.samples)
+        diagonal = np.einsum("lii->li", moments)
         return Sums(
-            moments.sum(axis=0),
-            np.einsum("lij,lij->ij", moments, moments),
-            np.einsum("lij,li->ij", moments, own),
-            np.einsum("li,lj->ij", own, own),  # unlike with BLAS, the rounding does not depend on n
-            change.sum(axis=0),
-            (change**2).sum(axis=0),
+            moments=moments.sum(axis=0),
+            squares=np.einsum("lij,lij->ij", moments, moments),
+            with_diagonal=np.einsum("lij,li->ij", moments, diagonal),
+            # unlike with BLAS, the rounding does not depend on n
+            diagonal=np.einsum("li,lj->ij", diagonal, diagonal),
+            change=change.sum(axis=0),
+            change_squares=(change**2).sum(axis=0),
         )
 
-    groups = crowd.over_groups(of_group, progress)
+    groups = ensemble.over_groups(of_group, progress)
     return reduce(lambda total, sums: Sums(*map(add, total, sums)), groups)
 
 
-def plastic_displacements(crowd: Crowd, stride: int) -> Array:
+def plastic_displacements(ensemble: Ensemble, stride: int) -> Array:
     """`MotionGroup.plastic` after every ``stride``-th recorded block, (times, n, motions)."""
 
     def of_group(motion: MotionGroup) -> Array:
         """The plastic displacements in one group of motions."""
         motion.burn_in()
-        histories = np.empty((crowd.plan.recorded // stride, crowd.size, LANES))
+        histories = np.empty((ensemble.plan.recorded // stride, ensemble.size, LANES))
         for history in histories:
             for _ in range(stride):
                 motion.block()
             history[:] = motion.plastic()
         return histories
 
-    return np.concatenate(list(crowd.over_groups(of_group)), axis=2)
+    return np.concatenate(list(ensemble.over_groups(of_group)), axis=2)
 
 
 def finite_extremes(
-    crowd: Crowd, rows: Array, envelope: Array, progress: Progress | None, links: Links
+    ensemble: Ensemble, rows: Array, envelope: Array, progress: Progress | None, links: Links
 ) -> Extremes:
     """Extremes of linear functions (m, n) of the displacements, and of links, in motions from rest.
 
@@ -353,29 +366,37 @@ def finite_extremes(
             keep_extremes(out, rows, begin, way, highest, lowest)
             if links.parameters.size:
                 extensions = functions_of(out, links.extensions)
-                watch_links(extensions, links.parameters, crowd.plan.dt, peaks)
+                watch_links(extensions, links.parameters, ensemble.plan.dt, peaks)
         lost = ~np.isfinite(functions_of(out[-1:], rows)[0])
         highest[lost] = lowest[lost] = np.nan
-        ends = out[-1].copy(), motion.plastic()
-        return Extremes(highest, lowest, peaks.force, peaks.stroke, peaks.energy, *ends)
+        return Extremes(
+            highest=highest,
+            lowest=lowest,
+            force=peaks.force,
+            stroke=peaks.stroke,
+            energy=peaks.dissipated,
+            last=out[-1].copy(),
+            plastic=motion.plastic(),
+        )
 
-    groups = list(crowd.over_groups(of_group, progress))
-    return Extremes(*(np.concatenate(each, axis=1).T for each in zip(*groups, strict=True)))
+    groups = list(ensemble.over_groups(of_group, progress))
+    columns = zip(*groups, strict=True)
+    return Extremes._make(np.concatenate(column, axis=1).T for column in columns)
 
 
-def ground_motions(crowd: Crowd, steps: int, progress: Progress | None) -> Array:
-    """Forcing of each step (motions, steps) by the ground of a crowd, which has no structures."""
+def ground_motions(ensemble: Ensemble, steps: int, progress: Progress | None) -> Array:
+    """Forcing of each step (motions, steps) by the ground of a ensemble, which has no structures."""
 
     def of_group(motion: MotionGroup) -> Array:
         """The forcing in one group of motions."""
         history = np.empty((steps, LANES))
-        for begin in range(0, steps, crowd.plan.samples):
+        for begin in range(0, steps, ensemble.plan.samples):
             motion.block()
-            part = history[begin : begin + crowd.plan.samples]
+            part = history[begin : begin + ensemble.plan.samples]
             part[:] = motion.f[: len(part)]
         return history.T
 
-    return np.concatenate(list(crowd.over_groups(of_group, progress)))
+    return np.concatenate(list(ensemble.over_groups(of_group, progress)))
 
 
 def _gram(motion: MotionGroup, rows: Array, blocks: int) -> Array:

@@ -191,13 +191,13 @@ class State(NamedTuple):
         e = like.kind.size
         states = int(like.states.max(initial=1))
         shapes = [
-            (len(Coordinates._fields), n, lanes),
-            (len(ElementStates._fields), e, lanes),
-            (len(ContactStates._fields), contacts, lanes),
-            (len(PresentImpacts._fields), contacts, lanes),
-            (len(Peaks._fields), watched, lanes),
-            (len(LinkStates._fields), links, lanes),
-            (len(Motions._fields), lanes),
+            Coordinates.shape(n, lanes),
+            ElementStates.shape(e, lanes),
+            ContactStates.shape(contacts, lanes),
+            PresentImpacts.shape(contacts, lanes),
+            Peaks.shape(watched, lanes),
+            LinkStates.shape(links, lanes),
+            Motions.shape(lanes),
             (e, states - 1, lanes),
         ]
         ends = list(accumulate(math.prod(shape[:-1]) for shape in shapes))

@@ -64,14 +64,14 @@ POST, COUPLE, STRENGTH, RELIEF = range(4)  # columns of `Steps.spring`
 class Steps(NamedTuple):
     """The elements for time steps of one length, and the matrices of the module's docstring.
 
-    If every lane has other elements, ``move``, ``push``, ``ease`` and ``spring`` have a last axis of
-    lanes.
+    If every lane has other elements, ``spring`` and the effects of what is known at the beginning, of
+    the forcing and of the slips have a last axis of lanes.
     """
 
     dt: float  # [s]
-    move: Array  # (n, n + e): the effect of velocities and element forces on the increments dq
-    push: Array  # (n,): the effect of the forcing
-    ease: Array  # (n, e): the effect of the slips
+    of_beginning: Array  # (n, n + e): the effect of velocities and element forces on the increments dq
+    of_forcing: Array  # (n,): the effect of the forcing
+    of_slips: Array  # (n, e): the effect of the slips
     # (e, 4): post, couple (of a dashpot with an exponent that of its spring), strength, and the effect
     # of the slip on the extension of its own element
     spring: Array
@@ -81,50 +81,55 @@ class Steps(NamedTuple):
     shapes: Array  # the same
     passes: int  # largest number of passes
     contacts: Contacts
-    apart: Array  # (n, c): the effect of the mean forces of contacts
-    parting: Array  # (c,): by how much each lessens the penetration of its own contact
+    of_contacts: Array  # (n, c): the effect of the mean forces of contacts
+    contact_relief: Array  # (c,): by how much each lessens the penetration of its own contact
 
 
 def steps_of(elements: Elements, dt: float, contacts: Contacts | None = None) -> Steps:
     """The elements for time steps ``dt`` [s]."""
-    system, kind, states, _ = elements
+    system = elements.system
     contacts = Contacts.of([], system.mass.size) if contacts is None else contacts
-    mass, b, w = np.diag(system.mass), system.extensions, contacts.weights
+    mass = np.diag(system.mass)
+    b = system.extensions
+    w = contacts.weights
     resisting = 2 / dt * mass + system.damping + 0.5 * dt * system.stiffness
-    couple, viscous = system.couple, kind == VISCOUS
+    couple = system.couple
+    viscous = elements.kind == VISCOUS
     if viscous.any():
         soft = np.einsum("en,nm,em->e", b, np.linalg.inv(resisting), b)
         couple = np.where(viscous, SOFT * 2 / (dt * soft), couple)
         resisting += 0.5 * dt * (b.T * np.where(viscous, couple, 0.0)) @ b
     flexible = np.linalg.inv(resisting)
-    of_forces, apart = dt * flexible @ b.T, -dt * flexible @ w.T
-    ease = 0.5 * of_forces * couple
-    relief = np.einsum("en,ne->e", b, ease)
+    of_forces = dt * flexible @ b.T
+    of_slips = 0.5 * of_forces * couple
+    of_contacts = -dt * flexible @ w.T
+    relief = np.einsum("en,ne->e", b, of_slips)
     return Steps(
-        dt,
-        np.hstack([2 * flexible @ mass, -of_forces]),
-        dt * flexible @ system.mass,
-        ease,
-        np.stack([system.post, couple, system.strength, relief], axis=1),
-        kind,
-        states,
-        rows_of(b),
-        rows_of(system.shapes),
-        MOST_VISCOUS if viscous.any() else MOST_PASSES,
-        contacts,
-        apart,
-        -np.einsum("cn,nc->c", w, apart),
+        dt=dt,
+        of_beginning=np.hstack([2 * flexible @ mass, -of_forces]),
+        of_forcing=dt * flexible @ system.mass,
+        of_slips=of_slips,
+        spring=np.stack([system.post, couple, system.strength, relief], axis=1),
+        kind=elements.kind,
+        states=elements.states,
+        extensions=rows_of(b),
+        shapes=rows_of(system.shapes),
+        passes=MOST_VISCOUS if viscous.any() else MOST_PASSES,
+        contacts=contacts,
+        of_contacts=of_contacts,
+        contact_relief=-np.einsum("cn,nc->c", w, of_contacts),
     )
 
 
 def sampled_steps(elements: Sequence[Elements], dt: float) -> Steps:
     """Steps of sets of elements that differ only in their properties, one for each lane."""
-    each = [steps_of(sample, dt) for sample in elements]
-    columns: dict[str, Any] = {
-        name: np.stack([getattr(steps, name) for steps in each], axis=-1)
-        for name in ("move", "push", "ease", "spring")
-    }
-    return each[0]._replace(**columns)
+    samples = [steps_of(sample, dt) for sample in elements]
+    return samples[0]._replace(
+        of_beginning=np.stack([steps.of_beginning for steps in samples], axis=-1),
+        of_forcing=np.stack([steps.of_forcing for steps in samples], axis=-1),
+        of_slips=np.stack([steps.of_slips for steps in samples], axis=-1),
+        spring=np.stack([steps.spring for steps in samples], axis=-1),
+    )
 
 
 @called_often
@@ -280,20 +285,20 @@ def _pass_springs(other, law, steps, state, lanes):
         slip = elements.slip[i]
         for lane in range(lanes):
             slip[lane] += more_slip[lane]
-        _add_slip(steps.ease, i, more_slip, dq, lanes)
+        _add_slip(steps.of_slips, i, more_slip, dq, lanes)
 
 
 @called_once
 def _pass_contacts(steps, state, lanes):
     """One pass over all contacts, lane by lane: most have no force."""
     dt = steps.dt
-    effect = steps.apart
+    effect = steps.of_contacts
     iteration = state.iteration
     contacts = state.contacts
     dq = state.coordinates.dq
-    for j in range(steps.parting.size):
+    for j in range(steps.contact_relief.size):
         law = steps.contacts.law[j]
-        g = steps.parting[j]
+        g = steps.contact_relief[j]
         times_row(steps.contacts.rows, j, dq, iteration.change, lanes)
         for lane in range(lanes):
             if iteration.active[lane] == 0.0:
@@ -329,7 +334,7 @@ def _begin_contacts(steps, state, lanes):
     Forces start from those of the last step.
     """
     gap = steps.contacts.gap
-    effect = steps.apart
+    effect = steps.of_contacts
     contacts = state.contacts
     dq = state.coordinates.dq
     products(steps.contacts.rows, state.coordinates.q, contacts.penetration, lanes)
@@ -349,14 +354,14 @@ def _begin(steps, state, lanes):
 
     These are the slips of dashpots and of laws with rates.
     """
-    n = steps.push.shape[0]
+    n = steps.of_forcing.shape[0]
     v = state.coordinates.v
     dq = state.coordinates.dq
     elements = state.elements
     beginning = state.beginning
     forcing = state.motions.forcing
     for i in range(n):
-        of_forcing = steps.push[i]
+        of_forcing = steps.of_forcing[i]
         for lane in range(lanes):
             beginning[i, lane] = v[i, lane]
         for lane in range(lanes):
@@ -370,12 +375,12 @@ def _begin(steps, state, lanes):
         for lane in range(lanes):
             elastic = of_lane(post, lane) * extension[lane]
             beginning[n + i, lane] = elastic + of_lane(couple, lane) * z[lane]
-    add_product(steps.move, beginning, dq, lanes)
+    add_product(steps.of_beginning, beginning, dq, lanes)
     for i in range(steps.kind.size):
         if steps.kind[i] < VISCOUS:
             fill(elements.slip[i], 0.0, lanes)
         else:
-            _add_slip(steps.ease, i, elements.slip[i], dq, lanes)
+            _add_slip(steps.of_slips, i, elements.slip[i], dq, lanes)
 
 
 @called_once
@@ -430,7 +435,7 @@ def take_step(other, law, steps, state, lanes):
     active = state.iteration.active
     active_next = state.iteration.active_next
     _begin(steps, state, lanes)
-    if steps.parting.size > 0:
+    if steps.contact_relief.size > 0:
         _begin_contacts(steps, state, lanes)
     if steps.passes == MOST_VISCOUS:
         _find_largest_change(steps, state, lanes)
@@ -438,7 +443,7 @@ def take_step(other, law, steps, state, lanes):
     for _ in range(steps.passes):
         fill(active_next, 0.0, lanes)
         _pass_springs(other, law, steps, state, lanes)
-        if steps.parting.size > 0:
+        if steps.contact_relief.size > 0:
             _pass_contacts(steps, state, lanes)
         if not any_of(active_next, lanes):
             break
@@ -447,7 +452,8 @@ def take_step(other, law, steps, state, lanes):
     _end(steps, state, lanes)
 
 
-sampled_step, sampled_slip = variant(take_step, "sampled_step"), variant(_other_slip, "sampled_slip")
+sampled_step = variant(take_step, "sampled_step")
+sampled_slip = variant(_other_slip, "sampled_slip")
 
 
 def step_of(law: Any, steps: Steps, state: State, lanes: int) -> tuple[Any, Any]:
@@ -483,4 +489,5 @@ def _system_block(f, step, other, law, steps, state, every, out, first):
             sample += 1
 
 
-system_block, sampled_block = entry(_system_block), entry(variant(_system_block, "sampled_block"))
+system_block = entry(_system_block)
+sampled_block = entry(variant(_system_block, "sampled_block"))

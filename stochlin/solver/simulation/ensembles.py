@@ -15,7 +15,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import cores
 from stochlin.kernels.linearization.filters import Filter
 from stochlin.kernels.simulation.ensemble import (
-    Crowd,
+    Ensemble,
     Oscillators,
     Plan,
     SteppedStructures,
@@ -42,8 +42,8 @@ class SimulationRun(NamedTuple):
     yields.
     """
 
-    crowd: Crowd  # all structures, grouped by the kind of their time steps, with ground and plan
-    order: Array  # (w,) the row of each displacement in the crowd
+    ensemble: Ensemble  # all structures, grouped by the kind of their time steps, with ground and plan
+    order: Array  # (w,) the row of each displacement in the ensemble
     scale: Array  # (w,) [m], the unit in which it is computed
     period: Array  # (w,) [s], the longest period of its structure
     drift_time: Array  # (w,) [s], in which its plastic drift decays
@@ -52,21 +52,21 @@ class SimulationRun(NamedTuple):
     @property
     def plan(self) -> Plan:
         """Time step, duration, number and seed of the motions."""
-        return self.crowd.plan
+        return self.ensemble.plan
 
     def with_plan(self, **changes: Any) -> SimulationRun:
         """The run with other entries of the plan."""
-        return self._replace(crowd=self.crowd._replace(plan=self.plan._replace(**changes)))
+        return self._replace(ensemble=self.ensemble._replace(plan=self.plan._replace(**changes)))
 
     def rows(self, functions: Array) -> Array:
-        """Linear functions (m, k) of the first displacements [m], as functions of those of the crowd."""
+        """Linear functions (m, k) of the first displacements [m], of those of the ensemble."""
         count = functions.shape[1]
         matrix = np.zeros((len(functions), self.order.size))
         matrix[:, self.order[:count]] = functions * self.scale[:count]
         return rows_of(matrix)
 
     def watched(self, values: Array) -> Array:
-        """Values (motions, w) [m] of all that is watched, from those of the crowd."""
+        """Values (motions, w) [m] of all that is watched, from those of the ensemble."""
         in_metres: Array = values[:, self.order] * self.scale
         return in_metres
 
@@ -133,9 +133,9 @@ def prepare(
     steps, roots = zip(*(ground_steps(each, dt) for each in soils), strict=True)
     plan = Plan(dt, every, 0, 0, groups=int(np.ceil(paths / LANES)), seed=seed, scatter=scatter)
     soil_steps = UncertainGround(steps, roots) if grounds else steps[0]
-    crowd = Crowd([group.part for group in groups], soil_steps, roots[0], plan)
+    ensemble = Ensemble([group.part for group in groups], soil_steps, roots[0], plan)
     times = np.broadcast_to(drift_times, watched.size)
-    return SimulationRun(crowd, order, scale, period, times, memory)
+    return SimulationRun(ensemble, order, scale, period, times, memory)
 
 
 def ground_steps(soil: Filter, dt: float) -> tuple[FilterSteps, Array]:
@@ -163,7 +163,7 @@ def seconds_of(run: SimulationRun, steps: float, distances: float = 0.0) -> floa
 
     At each step, ``distances`` relative displacements are recorded.
     """
-    parts = run.crowd.parts
+    parts = run.ensemble.parts
     kinds = [part.elements.kind for part in parts if isinstance(part, SteppedStructures)]
     together = sum(part.size for part in parts if isinstance(part, Oscillators))
     all_kinds = np.concatenate([np.full(together, BILINEAR), *kinds])

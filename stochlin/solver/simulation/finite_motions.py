@@ -154,9 +154,9 @@ def extremes_of(
     check_finite(run, duration, len(matrix))
     extensions, parameters = links or (np.zeros((0, 1)), np.zeros((0, 5)))
     middle = run.plan.dt * (np.arange(int(np.ceil(duration / run.plan.dt))) + 0.5)  # of the steps
-    crowd = run.with_plan(every=1, samples=BLOCK).crowd
+    ensemble = run.with_plan(every=1, samples=BLOCK).ensemble
     watched = Links(run.rows(extensions), parameters)
-    return finite_extremes(crowd, run.rows(matrix), envelope_at(envelope, middle), progress, watched)
+    return finite_extremes(ensemble, run.rows(matrix), envelope_at(envelope, middle), progress, watched)
 
 
 def _ended(

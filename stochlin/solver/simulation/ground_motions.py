@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.kernels.simulation.ensemble import Crowd, Plan, ground_motions
+from stochlin.kernels.simulation.ensemble import Ensemble, Plan, ground_motions
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.messages import brief
 from stochlin.models.arguments import Duration, Number, Paths, Scatter, Seed, checked
@@ -100,7 +100,7 @@ def simulated_motions(
     made, root = ground_steps(soil, step)
     if soil.states:  # the value at the beginning of each step, in place of its mean
         made = made._replace(row=soil.arrays.output, direct=0.0)
-    values = ground_motions(Crowd((), made, root, plan), steps, progress)[:paths]
+    values = ground_motions(Ensemble((), made, root, plan), steps, progress)[:paths]
     # The forcing f of a structure is minus the ground acceleration.
     values *= -envelope_at(envelope, time)
     motions = xr.DataArray(

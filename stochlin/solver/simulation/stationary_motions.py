@@ -130,14 +130,14 @@ def expected_seconds(run: SimulationRun, relaxation_times: float) -> float:
     measured = (SETTLING + LENGTH) * slowest / dt if slowest > run.memory else 0.0
     steps = (BURN_IN + relaxation_times) * max(run.memory, slowest) / dt
     pilot = seconds_of(run.with_plan(groups=GROUPS), measured)
-    return pilot + seconds_of(run, steps, run.crowd.size**2 / (2 * run.plan.every))
+    return pilot + seconds_of(run, steps, run.ensemble.size**2 / (2 * run.plan.every))
 
 
 def _measure(run: SimulationRun, expected: float) -> Array:
     """Time constants [s] of the plastic drifts, on the safe side by two standard errors.
 
-    They are in the order of the crowd, and infinite if a structure does not yield or its drift does not
-    decay within the measurement. The motions are independent of those of the run.
+    They are in the order of the ensemble, and infinite if a structure does not yield or its drift does
+    not decay within the measurement. The motions are independent of those of the run.
     """
     block = run.plan.block
     stride = max(1, int(LENGTH * expected / block / INSTANTS))
@@ -147,8 +147,8 @@ def _measure(run: SimulationRun, expected: float) -> Array:
         first_group=run.plan.groups,
         groups=GROUPS,
     )
-    plastic = plastic_displacements(pilot.crowd, stride)
-    steps = [_time_constant(plastic[:, n]) for n in range(run.crowd.size)]
+    plastic = plastic_displacements(pilot.ensemble, stride)
+    steps = [_time_constant(plastic[:, n]) for n in range(run.ensemble.size)]
     return stride * block * np.array(steps)
 
 
@@ -169,7 +169,8 @@ def _time_constant(history: Array) -> float:
 
 def simulate_moments(run: SimulationRun, functions: Array, progress: Progress | None) -> MomentEstimates:
     """Second moments with standard errors of linear functions (m, w) of all that is watched."""
-    return _estimates(stationary_sums(run.crowd, run.rows(functions), progress), run.plan.groups * LANES)
+    sums = stationary_sums(run.ensemble, run.rows(functions), progress)
+    return _estimates(sums, run.plan.groups * LANES)
 
 
 @np.errstate(all="ignore")  # cells that overflow get a status
@@ -184,17 +185,17 @@ def _estimates(sums: Sums, paths: int) -> MomentEstimates:
     variance = np.diag(mean)
     unit = np.sqrt(np.outer(variance, variance))
     rho = mean / unit
-    share_1 = sums.with_own / (unit * variance[:, None])
-    share_2 = sums.with_own.T / (unit * variance)
-    own = np.diag(sums.own) / variance**2
+    share_1 = sums.with_diagonal / (unit * variance[:, None])
+    share_2 = sums.with_diagonal.T / (unit * variance)
+    diagonal = np.diag(sums.diagonal) / variance**2
     spread = (
         sums.squares / unit**2
         - rho * (share_1 + share_2)
-        + 0.25 * rho**2 * (own[:, None] + own + 2 * sums.own / unit**2)
+        + 0.25 * rho**2 * (diagonal[:, None] + diagonal + 2 * sums.diagonal / unit**2)
     )
     spread = np.where(spread > ROUNDING * sums.squares / unit**2, spread, 0.0)
     rho_error = np.sqrt(spread / (paths * (paths - 1)))
-    variance_error = np.sqrt((np.diag(sums.own) - paths * variance**2) / (paths * (paths - 1)))
+    variance_error = np.sqrt((np.diag(sums.diagonal) - paths * variance**2) / (paths * (paths - 1)))
     change = sums.change / paths
     change_error = np.sqrt((sums.change_squares / paths - change**2) / (paths - 1))
     std = np.sqrt(variance)
