@@ -163,39 +163,39 @@ def _end(intervals, sample, motions, lanes, ended):
 def _run(functions, steps, ground, states, table):
     """All motions from their beginning, see `follow`."""
     state = states.all
-    close = states.near
+    near_state = states.near
     history = states.history
     cuts = steps.cuts
     dt = steps.free.dt
     lanes = ground.acceleration.shape[1]
-    every = np.arange(lanes)
+    all_lanes = np.arange(lanes)
     near = np.empty(lanes, np.int64)
     ended = np.empty(lanes, np.int64)
-    copy(state.block, every, history, every, min(1, history.shape[1]))
+    copy(state.block, all_lanes, history, all_lanes, min(1, history.shape[1]))
     for s in range(cuts * (len(ground.acceleration) - 1)):
         sample = s // cuts
         cut = s % cuts
         time = s * dt
-        over = _end(ground.intervals, sample, state.motions, lanes, ended)
-        if over == lanes:
+        ends = _end(ground.intervals, sample, state.motions, lanes, ended)
+        if ends == lanes:
             break
-        copy(state.block, every, states.before, every, lanes)
+        copy(state.block, all_lanes, states.before, all_lanes, lanes)
         share = (cut + 0.5) / cuts
-        _set_forcing(ground.acceleration, sample, share, every, state.motions.forcing, lanes)
+        _set_forcing(ground.acceleration, sample, share, all_lanes, state.motions.forcing, lanes)
         functions.step(functions.slip, functions.law, steps.free, state, lanes)
         count = _near(steps.near.contacts, dt, state, lanes, near)
         functions.watch(steps.free, steps.parts, state, lanes)
         if count > 0:
-            copy(states.before, near, close.block, every, count)
+            copy(states.before, near, near_state.block, all_lanes, count)
             for part in range(steps.substeps):
                 share = (cut + (part + 0.5) / steps.substeps) / cuts
-                _set_forcing(ground.acceleration, sample, share, near, close.motions.forcing, count)
-                functions.step(functions.slip, functions.law, steps.near, close, count)
-                functions.watch(steps.near, steps.parts, close, count)
+                _set_forcing(ground.acceleration, sample, share, near, near_state.motions.forcing, count)
+                functions.step(functions.slip, functions.law, steps.near, near_state, count)
+                functions.watch(steps.near, steps.parts, near_state, count)
                 begin = time + part * steps.near.dt
-                functions.meet(steps.near, steps.parts, begin, near, count, close, table)
-            copy(close.block, every, state.block, near, count)
-        copy(states.before, ended, state.block, ended, over)
+                functions.meet(steps.near, steps.parts, begin, near, count, near_state, table)
+            copy(near_state.block, all_lanes, state.block, near, count)
+        copy(states.before, ended, state.block, ended, ends)
         if cut == cuts - 1:
             functions.balance(steps.near, steps.parts, time + dt, state, lanes)
             if history.shape[1] > 0:
