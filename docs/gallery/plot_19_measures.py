@@ -25,7 +25,7 @@ measures = {
     "15 % more damping in the annex": sl.Measure(added_damping_2=0.15),
     "dashpot between both, 5 MN s/m": sl.Measure(link=sl.Link(0.0, 5e6)),
 }
-table = sl.mitigate(office, annex, ground, 20.0, 0.08, measures, envelope=motion, paths=512)
+table = sl.mitigate(office, annex, ground, 0.08, measures, duration=20.0, envelope=motion, paths=512)
 
 figure, axes = plt.subplots(figsize=(7.2, 3.4), layout="constrained")
 rows, needed = np.arange(table.measure.size), 100 * table.required_gap

@@ -159,7 +159,7 @@ def test_answer_is_that_of_the_library(tmp_path: Path) -> None:
     scattered = sl.separation(*pair, ground, 20.0, **motion, scatter=0.3).sel(rule="simulation")
     assert float(answer.separation.gap_with_scatter) == pytest.approx(float(scattered.gap), rel=1e-13)
     assert answer.existing is not None
-    existing = sl.existing_gap(*pair, ground, 20.0, 0.05, **motion)
+    existing = sl.existing_gap(*pair, ground, 0.05, duration=20.0, **motion)
     xr.testing.assert_allclose(answer.existing, existing, rtol=1e-13, atol=1e-15)
     assert "path" not in answer.table(samples=False).dims
     assert "existing_least_added_damping" in answer.table()

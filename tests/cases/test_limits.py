@@ -165,7 +165,7 @@ def mitigated(share: float) -> object:
     """A dashpot between two buildings by its constant over ``2 m w``, which their gap needs not."""
     mean = (2 * np.pi / 0.6 + 2 * np.pi / 1.0) / 2
     link = sl.Link(damping_constant=share * 2 * 5e5 * mean)
-    return sl.mitigate(*PAIR, FIRM, 2.0, 0.8, {"dashpot": sl.Measure(link=link)}, paths=32)
+    return sl.mitigate(*PAIR, FIRM, 0.8, {"dashpot": sl.Measure(link=link)}, duration=2.0, paths=32)
 
 
 # A call with a value in SI, and a folder for files.

@@ -33,7 +33,8 @@ def test_it_says_what_the_library_says(tmp_path):
     case = sl.read_case(path)
     table = sl.mitigate(
         *(building.structure for building in pair_of(case)),
-        *(case.site.ground, case.site.course.duration, gap_of(case), case.measures),
+        *(case.site.ground, gap_of(case), case.measures),
+        duration=case.site.course.duration,
         envelope=case.site.course.envelope,
         paths=case.simulated.motions,
     )

@@ -101,7 +101,7 @@ def test_devices_of_measures_are_those_of_simulate():
     braces = [sl.Link(0.0, 1e6, structures=(1, 1), floors=(n, n - 1)) for n in (1, 3)]
     links = [sl.Link(1e7), *braces]
     measures = {"all": sl.Measure(link=links)}
-    row = sl.mitigate(tower, low, FIRM, 6.0, 0.5, measures, paths=32, seed=5).sel(measure="all")
+    row = sl.mitigate(tower, low, FIRM, 0.5, measures, duration=6.0, paths=32, seed=5).sel(measure="all")
     assert row.link_kind.values.tolist() == ["link", "damper", "damper"]
     assert row.link_place.values.tolist() == ["1.2 to 2.2", "1.1 to ground", "1.3 to 1.2"]
     motions = sl.simulate([tower, low], FIRM, paths=32, seed=5, duration=6.0, link=links)

@@ -11,8 +11,8 @@ from stochlin.applications.separation.existing_gap import CLOSE
 pytestmark = pytest.mark.oracle
 
 GROUND = sl.named_ground("firm", intensity=0.01)
-MOTION = {"envelope": sl.AminAng(4.0, 12.0, 0.35), "paths": 128, "seed": 3}
-DURATION, GAP = 15.0, 0.05
+MOTION = {"duration": 15.0, "envelope": sl.AminAng(4.0, 12.0, 0.35), "paths": 128, "seed": 3}
+GAP = 0.05
 LINK = sl.Link(2e7, 2e6)
 MEASURES = {
     "dampers": sl.Measure(0.1, 0.05),
@@ -28,7 +28,7 @@ def pair(**changes):
 
 @pytest.fixture(scope="module")
 def table():
-    return sl.mitigate(*pair(), GROUND, DURATION, GAP, MEASURES, **MOTION)
+    return sl.mitigate(*pair(), GROUND, GAP, MEASURES, **MOTION)
 
 
 def by_strength():
@@ -42,7 +42,7 @@ def by_strength():
 
 @pytest.mark.slow
 def test_as_built_and_least_damping_are_those_of_existing_gap(table):
-    known = sl.existing_gap(*pair(), GROUND, DURATION, GAP, **MOTION)
+    known = sl.existing_gap(*pair(), GROUND, GAP, **MOTION)
     built = table.sel(measure="as built")
     assert float(built.no_pounding_probability) == float(known.no_pounding_probability)
     np.testing.assert_allclose(built.required_gap, known.required_gap, rtol=1e-9)
@@ -56,7 +56,7 @@ def test_as_built_and_least_damping_are_those_of_existing_gap(table):
 @pytest.mark.slow
 def test_a_link_is_simulated_and_linearized_as_linked(table):
     row = table.sel(measure="link")
-    motions = sl.simulate(by_strength(), GROUND, duration=DURATION, quantiles=[0.9], link=LINK, **MOTION)
+    motions = sl.simulate(by_strength(), GROUND, quantiles=[0.9], link=LINK, **MOTION)
     np.testing.assert_allclose(row.required_gap, motions.separation_quantile[0, 0, 1], rtol=1e-9)
     solved = sl.linearize_system(by_strength(), GROUND, [LINK])
     for name in ("rho", "relative_displacement_std"):
@@ -70,7 +70,7 @@ def test_added_damping_is_that_of_other_structures(table):
         replace(structure, damping=0.05 + more)
         for structure, more in zip(by_strength(), (0.1, 0.05), strict=True)
     ]
-    motions = sl.simulate(damped, GROUND, duration=DURATION, quantiles=[0.9], **MOTION)
+    motions = sl.simulate(damped, GROUND, quantiles=[0.9], **MOTION)
     np.testing.assert_allclose(row.required_gap, motions.separation_quantile[0, 0, 1], rtol=1e-9)
     np.testing.assert_allclose(row.rho, sl.correlate(*damped, GROUND).rho, rtol=1e-6)
 
@@ -100,7 +100,7 @@ def test_least_measures_are_just_enough(table):
 def test_options_out_of_range_are_refused(changes, told):
     options = {"gap": GAP, "measures": {}} | MOTION | changes
     with pytest.raises((ValueError, TypeError), match=told):
-        sl.mitigate(*pair(), GROUND, DURATION, **options)
+        sl.mitigate(*pair(), GROUND, **options)
 
 
 @pytest.mark.parametrize(
@@ -120,8 +120,8 @@ def test_measures_that_cannot_be_built_are_refused(given, error, told):
 def test_links_ask_for_masses():
     light = [sl.Bilinear(T, 0.05, 0.05, reduction_factor=3) for T in (0.6, 1.0)]
     with pytest.raises(ValueError, match="mass is not given"):
-        sl.mitigate(*light, GROUND, DURATION, GAP, {"link": sl.Measure(link=LINK)}, **MOTION)
-    table = sl.mitigate(*light, GROUND, DURATION, GAP, {}, **MOTION)
+        sl.mitigate(*light, GROUND, GAP, {"link": sl.Measure(link=LINK)}, **MOTION)
+    table = sl.mitigate(*light, GROUND, GAP, {}, **MOTION)
     assert "least dashpot between" not in table.measure
 
 
@@ -137,7 +137,7 @@ def test_measures_of_buildings_that_are_not_known_exactly():
 
     def table(both, gap=0.5):
         given = {"link": sl.Measure(link=sl.Link(1e7, 1e6))}
-        return sl.mitigate(*both, GROUND, 8.0, gap, given, paths=32)
+        return sl.mitigate(*both, GROUND, gap, given, duration=8.0, paths=32)
 
     still, known = table(pair(0.0)), table([one.median() for one in pair(0.0)])
     np.testing.assert_allclose(still.required_gap, known.required_gap, rtol=5e-3)

@@ -37,7 +37,7 @@ def strengths(factor=1.0):
 @pytest.mark.parametrize("share", [0.8, 1.3])
 def test_each_answer_asks_for_the_gap_that_is_there(now, share):
     gap = share * now
-    table = sl.existing_gap(FIRST, SECOND, GROUND, 25.0, gap, **OPTIONS)
+    table = sl.existing_gap(FIRST, SECOND, GROUND, gap, duration=25.0, **OPTIONS)
     assert float(table.required_gap) == pytest.approx(now, rel=1e-9)
     assert (float(table.no_pounding_probability) > 0.8) == (share > 1)
 
@@ -62,7 +62,7 @@ def test_strengths_that_hold_need_not_begin_at_the_strongest():
     pair = [sl.Bilinear(T, 0.05, 0.05, reduction_factor=4) for T in (1.9, 2.1)]
     ground, shape = sl.KanaiTajimi(2.0, 0.05, 0.001), sl.AminAng(4.0, 15.0, 0.35)
     motion = {"envelope": shape, "paths": 256}
-    table = sl.existing_gap(*pair, ground, 30.0, 0.2149, **motion)
+    table = sl.existing_gap(*pair, ground, 0.2149, duration=30.0, **motion)
     assert float(table.no_pounding_probability) > 0.9
     least = float(table.least_reduction_factor_1)
     assert 1 < least < 4 < float(table.largest_reduction_factor_1)
@@ -82,7 +82,7 @@ def test_ends_of_intervals_ask_for_the_gap_with_the_ends_of_what_is_required():
     """Of linear structures in closed form: gaps go with the root of the intensity."""
     pair = sl.Bilinear(0.5, 0.05), sl.Bilinear(1.0, 0.05)
     shares = []
-    table = sl.existing_gap(*pair, GROUND, 25.0, 0.1, **OPTIONS, progress=shares.append)
+    table = sl.existing_gap(*pair, GROUND, 0.1, duration=25.0, **OPTIONS, progress=shares.append)
     assert shares == sorted(shares)
     assert shares[0] < shares[1] < 0.2 < shares[-1] <= 1
     now = sl.separation(*pair, GROUND, 25.0, **OPTIONS)
@@ -119,3 +119,10 @@ def test_a_few_motions_decide_where_they_are_clear_and_all_of_them_find_the_edge
     assert falls.end(GRID, [0], 1, NO_LIMIT)[1:] == (0.9, 1.1)  # a structure falls from 1 on
     # All motions contradict the few at the value before the edge: it is there, within the error.
     assert search(1.0, 0.001, 1.2).value == 0.9
+
+
+def test_a_duration_without_its_name_is_never_taken_for_a_gap():
+    with pytest.raises(TypeError, match=r"existing_gap\(\) takes 4 positional"):
+        sl.existing_gap(FIRST, SECOND, GROUND, 0.3, 0.1)
+    with pytest.raises(TypeError, match=r"mitigate\(\) takes 5 positional"):
+        sl.mitigate(FIRST, SECOND, GROUND, 0.3, 0.1, {})

@@ -15,8 +15,8 @@ GROUND = sl.named_ground("firm", intensity=0.01)
 VERBS: dict[str, Callable[[Any], xr.Dataset]] = {
     "simulate": lambda d: sl.simulate([ONE, TWO], GROUND, duration=d),
     "separation": lambda d: sl.separation(ONE, TWO, GROUND, d),
-    "existing_gap": lambda d: sl.existing_gap(ONE, TWO, GROUND, d, 0.05),
-    "mitigate": lambda d: sl.mitigate(ONE, TWO, GROUND, d, 0.05, {}),
+    "existing_gap": lambda d: sl.existing_gap(ONE, TWO, GROUND, 0.05, duration=d),
+    "mitigate": lambda d: sl.mitigate(ONE, TWO, GROUND, 0.05, {}, duration=d),
     "probability": lambda d: sl.pounding_probability(ONE, TWO, GROUND, 0.05, duration=d),
     "fragility": lambda d: sl.pounding_fragility(ONE, TWO, GROUND, 0.05, 0.01, duration=d),
     "transient": lambda d: sl.transient_response(TWO, GROUND, d),

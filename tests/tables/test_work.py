@@ -44,9 +44,9 @@ ASKED: dict[str, Callable[[], xr.Dataset]] = {
     "finite_paths": lambda: sl.simulate([ONE], GROUND, paths=10**9, duration=20),
     "finite_duration": lambda: sl.simulate([ONE], GROUND, duration=1e12),
     "period": lambda: sl.separation(TINY, TWO, GROUND, 20.0),
-    "duration": lambda: sl.existing_gap(ONE, TWO, GROUND, 1e7, 0.05),
-    "paths": lambda: sl.existing_gap(ONE, TWO, GROUND, 20.0, 0.05, paths=10**9),
-    "mitigated": lambda: sl.mitigate(ONE, TWO, GROUND, 1e7, 0.05, {}),
+    "duration": lambda: sl.existing_gap(ONE, TWO, GROUND, 0.05, duration=1e7),
+    "paths": lambda: sl.existing_gap(ONE, TWO, GROUND, 0.05, duration=20.0, paths=10**9),
+    "mitigated": lambda: sl.mitigate(ONE, TWO, GROUND, 0.05, {}, duration=1e7),
     "probability_paths": lambda: sl.pounding_probability(
         ONE, TWO, GROUND, 0.05, duration=20, paths=10**9
     ),

@@ -44,7 +44,7 @@ def mitigate_case(case: Case, progress: Progress | None = None) -> xr.Dataset:
         check_masses(case, "a link or a damper")
     models = first.sampled, second.sampled, case.site.sampled_ground
     with case.whole.table.naming("", ""):
-        table = mitigate(*models, gap=gap, measures=case.measures, **motion_of(case), progress=progress)
+        table = mitigate(*models, gap, case.measures, **motion_of(case), progress=progress)
     table = table.assign(shaking_of(case).data_vars)
     table = table.assign_coords(measure=table.measure.copy(data=_of_buildings(case, table)))
     return table.assign_attrs(title=f"{case.title}: {table.attrs['title']}", case=case.title)

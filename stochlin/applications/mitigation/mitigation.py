@@ -72,10 +72,10 @@ def mitigate(
     first: AnyStructure,
     second: AnyStructure,
     ground: Ground,
-    duration: Duration,
     gap: Metres,
     measures: Mapping[str, Measure],
     *,
+    duration: Duration,
     envelope: Envelope | None = None,
     confidence: Probability = 0.9,
     scatter: Scatter | None = None,
@@ -92,13 +92,13 @@ def mitigate(
 
     Parameters
     ----------
-    first, second, ground, duration
+    first, second, ground
         As in `separation`, with numbers or `Uncertain` parameters. Oscillators with a link need a mass.
     gap : float
         Existing gap [m], positive.
     measures : mapping of str to Measure
         Measures by name; may be empty.
-    envelope, confidence, scatter, paths, seed
+    duration, envelope, confidence, scatter, paths, seed
         As in `separation`.
     progress : callable, optional
         Called with the share of the rows that is done.
@@ -143,7 +143,7 @@ def mitigate(
     >>> one, two = (sl.Bilinear(T, 0.05, 0.05, reduction_factor=3, mass=1e6) for T in (0.6, 1.0))
     >>> measures = {"dampers": sl.Measure(0.1, 0.1), "dashpot": sl.Measure(link=sl.Link(0.0, 5e6))}
     >>> ground = sl.named_ground("firm", intensity=0.01)
-    >>> table = sl.mitigate(one, two, ground, 10.0, 0.08, measures, paths=128)
+    >>> table = sl.mitigate(one, two, ground, 0.08, measures, duration=10.0, paths=128)
     >>> bool((table.required_gap.isel(measure=slice(1, 3)) < table.required_gap[0]).all())
     True
     >>> table.measure.values[-1].item()

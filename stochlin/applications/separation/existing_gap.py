@@ -150,9 +150,9 @@ def existing_gap(
     first: AnyStructure,
     second: AnyStructure | None,
     ground: Ground,
-    duration: Duration,
     gap: Metres,
     *,
+    duration: Duration,
     envelope: Envelope | None = None,
     confidence: Probability = 0.9,
     scatter: Scatter | None = None,
@@ -166,12 +166,12 @@ def existing_gap(
 
     Parameters
     ----------
-    first, second, ground, duration
+    first, second, ground
         As in `separation`. If ``second`` is None, the result is for one building beside its property
         line.
     gap : float
         Existing gap, or distance of one building from its property line [m], positive.
-    envelope, confidence, scatter, paths, seed
+    duration, envelope, confidence, scatter, paths, seed
         As in `separation`.
     progress : callable, optional
         Called with the approximate share of the work that is done.
@@ -218,7 +218,7 @@ def existing_gap(
     >>> import stochlin as sl
     >>> one, two = (sl.Bilinear(T, 0.05, 0.05, reduction_factor=3) for T in (0.6, 1.0))
     >>> ground = sl.named_ground("firm", intensity=0.01)
-    >>> table = sl.existing_gap(one, two, ground, 20.0, gap=0.08, paths=128)
+    >>> table = sl.existing_gap(one, two, ground, gap=0.08, duration=20.0, paths=128)
     >>> bool(table.required_gap > 0.08), bool(table.least_added_damping > 0)
     (True, True)
     """

@@ -11,5 +11,5 @@ measures = {
     ),
 }
 firm = sl.named_ground("firm", intensity=0.002)
-table = sl.mitigate(*pair, firm, 10.0, 0.03, measures, paths=64, confidence=0.8)
+table = sl.mitigate(*pair, firm, 0.03, measures, duration=10.0, paths=64, confidence=0.8)
 table.to_netcdf("measures.nc")
