@@ -17,10 +17,10 @@ import click
 
 from stochlin._version import __version__
 from stochlin.removed import REMOVED, instead_of
+from stochlin.views.shared.progress import compiling_message
 from stochlin.views.shared.screen import (
     COMMANDS,
     SPELLED,
-    compiling_message,
     warnings_as_sentences,
 )
 
@@ -72,4 +72,5 @@ class Commands(click.Group):
 @click.version_option(__version__, prog_name="stochlin")
 def main() -> None:
     """Correlation and separation of neighbouring yielding buildings."""
-    click.get_current_context().with_resource(compiling_message())
+    context = click.get_current_context()
+    context.with_resource(compiling_message(context))

@@ -45,7 +45,8 @@ from stochlin.models.rules.codes import CODE_RULES
 from stochlin.models.rules.effective_properties import EFFECTIVE_RULES
 from stochlin.models.rules.peak_factors import PEAK_FACTORS
 from stochlin.views.command import main
-from stochlin.views.shared.screen import COMMANDS, COMPILING
+from stochlin.views.shared.progress import COMPILING
+from stochlin.views.shared.screen import COMMANDS
 
 RULES = CODE_RULES, EFFECTIVE_RULES, PEAK_FACTORS
 HERE = Path(__file__).parent

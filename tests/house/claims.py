@@ -383,8 +383,8 @@ def example() -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as folder:
         case = Path(folder) / "case.toml"
         case.write_text(answered("gap", "--example").output, encoding="utf-8")
-        printed = answered("gap", case).output
-    return {"printed": printed.split("simulating")[-1].split("\n\n")[0]}
+        printed = answered("gap", case).stdout
+    return {"printed": printed.split("\n\n")[0]}
 
 
 def calculator() -> dict[str, Any]:

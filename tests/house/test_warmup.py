@@ -6,6 +6,7 @@ from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
 
+import click
 import pytest
 from cases import example_case
 from commands import answered
@@ -13,7 +14,8 @@ from commands import answered
 from stochlin import kernels
 from stochlin.kernels.basics.compiled import Entry
 from stochlin.messages import WHEN_COMPILING
-from stochlin.views.shared.screen import compiling_message
+from stochlin.views.command import main
+from stochlin.views.shared.progress import compiling_message
 from stochlin.views.warmup.tasks import TASKS
 
 
@@ -51,7 +53,7 @@ def test_commands_need_nothing_that_the_tasks_do_not_call(tmp_path: Path) -> Non
 
 
 def test_that_something_is_compiled_is_said_once(capsys: pytest.CaptureFixture[str]) -> None:
-    with compiling_message():
+    with compiling_message(click.Context(main)):
         for _ in range(3):
             for call in list(WHEN_COMPILING):
                 call()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,7 @@ from stochlin.applications.cases.rows import (
 from stochlin.applications.cases.shaking import MOST_RECORDS, over_records, shaking_of
 from stochlin.applications.risk.risk import SimulatedRisk, allowed_rate, simulated_risk
 from stochlin.applications.sensitivity.sensitivity import sensitivity
-from stochlin.applications.separation.existing_gap import SIMULATIONS, GapSearch
+from stochlin.applications.separation.existing_gap import OF_SEARCH, GapSearch
 from stochlin.applications.separation.separation import separation
 from stochlin.applications.sites.motion_fit import checked_components, periods_of_fit
 from stochlin.applications.sites.simulated_spectra import Motions, compared_spectrum, simulated_spectrum
@@ -33,7 +34,7 @@ from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import standing
 
 SPECTRUM_PATHS = 512
-OF_RISK = 0.2  # share of the work for the risk, if there is a hazard
+OF_RISK = 3.0  # work for the risk, in simulations of all motions
 WITH_SENSITIVITIES = 0.5  # share of the work before the sensitivities
 # Motions for the sensitivities; an uncertain building with storeys is made anew for each, slowly.
 USUAL_PATHS = 512
@@ -92,9 +93,6 @@ def answer_case(case: Case, progress: Progress | None = None) -> CaseAnswer:
     gap = gap_of(case)
     motion = motion_of(case)
     scattered = case.site.leaves_out_scatter
-    end = WITH_SENSITIVITIES if case.uncertain else 1.0
-    begin = end * OF_RISK if case.site.hazard else 0.0
-    middle = end if gap is None else begin + (end - begin) / SIMULATIONS
     existing = None
     matters = None
     records = None
@@ -108,26 +106,26 @@ def answer_case(case: Case, progress: Progress | None = None) -> CaseAnswer:
             _finite_motion(case),
             motion["paths"],
         )
-    risky = _simulated_risk(case, models, part_of(progress, 0.0, begin))
-    half = (begin + middle) / 2 if scattered else middle
+    of_risk, of_pair, of_scatter, of_search, of_inputs = _parts(case, gap, progress)
+    risky = _simulated_risk(case, models, of_risk)
     simulated = separation(
         *models,
         **motion,
         codes=of_codes(case) | {"numbers": case.wanted.numbers.more},
         records=dict(case.site.records) or None,
-        progress=part_of(progress, begin, half),
+        progress=of_pair,
     )
     if scattered:
-        simulated = _with_scatter(simulated, models, motion, part_of(progress, half, middle))
+        simulated = _with_scatter(simulated, models, motion, of_scatter)
     if search is not None:
-        existing = search.limits(simulated.separation_samples, part_of(progress, middle, end))
+        existing = search.limits(simulated.separation_samples, of_search)
     table = with_applied_codes(case, simulated)
     answer = float(table.gap[0])
     risk = None if risky is None else _risk_table(risky, case, answer)
     if case.uncertain:
         slow = any(each.has_storeys and each.name in case.uncertain for each in case.buildings)
         few = min(case.simulated.motions, FEW_PATHS if slow else USUAL_PATHS)
-        options = motion | {"paths": few, "progress": part_of(progress, end, 1.0)}
+        options = motion | {"paths": few, "progress": of_inputs}
         matters = sensitivity(*models, **options)
     if len(case.site.records) > MOST_RECORDS:
         records = over_records(case, table.record_separation, answer)
@@ -141,6 +139,15 @@ def answer_case(case: Case, progress: Progress | None = None) -> CaseAnswer:
         risk=risk,
         matters=matters,
     )
+
+
+def _parts(case: Case, gap: float | None, progress: Progress | None) -> list[Progress]:
+    """Progress of the risk, the gap, the gap with scatter, the existing gap and the sensitivities."""
+    work = [OF_RISK if case.site.hazard else 0.0, 1.0, float(case.site.leaves_out_scatter)]
+    work.append(0.0 if gap is None else OF_SEARCH)
+    work.append(sum(work) * (1 / WITH_SENSITIVITIES - 1) if case.uncertain else 0.0)
+    ends = [0.0, *np.cumsum(work) / sum(work)]
+    return [part_of(progress, *part) for part in pairwise(ends)]
 
 
 def _with_scatter(

@@ -58,6 +58,7 @@ QUANTILE = 0.95  # of the forces, strokes and energies of devices over motions
 CONSTANTS = np.append(0.0, np.geomspace(1e-3, 10, 13))  # damping constants that are tried, over 2 m w
 VERDICTS = "answer enough not_enough within_error not_available no_verdict"  # numbered as those of rules
 SIMULATIONS = 60  # usual number of simulations of all searches together
+OF_SEARCH = 4  # work of a search, in simulations of all motions
 TEXTS: dict[str, str] = {
     "kind": "as built, given, or the least that is sufficient",
     "description": "the measure with its parameters",
@@ -101,7 +102,7 @@ def mitigate(
     duration, envelope, confidence, scatter, paths, seed
         As in `separation`.
     progress : callable, optional
-        Called with the share of the rows that is done.
+        Called with the approximate share of the work that is done.
 
     Returns
     -------
@@ -167,12 +168,13 @@ def mitigate(
         for text in pair.doubts(measure):
             warnings.warn(f"mitigate: measures[{brief(name)}]: {text}", ImplausibleInput, stacklevel=3)
         rows.append(partial(pair.row, name, GIVEN, measure))
-    rows += [partial(pair.least, *search) for search in pair.searches()]
+    searches = [partial(pair.least, *search) for search in pair.searches()]
+    ends = np.cumsum([1] * len(rows) + [OF_SEARCH] * len(searches))
     tables = []
-    for row in rows:
+    for row, end in zip([*rows, *searches], ends, strict=True):
         tables.append(row())
         if progress is not None:
-            progress(len(tables) / len(rows))
+            progress(float(end / ends[-1]))
     return labels.with_run_information(
         _table(tables, confidence).assign_attrs(
             gap_m=float(gap),

@@ -50,7 +50,8 @@ AS_BUILT = 6  # index of the factor 1 among these
 AMPLITUDES = np.geomspace(1 / 16, 16, 17)  # factors of the ground acceleration
 DAMPINGS = np.linspace(0, 0.4, 9)  # damping ratios added to both structures
 MOST_DAMPING = 0.999  # largest total damping ratio of a structure
-SIMULATIONS = 12  # usual number of simulations of the three searches together
+SIMULATIONS = 12  # largest number of simulations of the three searches together that is usual
+OF_SEARCH = 8.0  # their number in the mean, in simulations of all motions
 
 TINY = np.finfo(float).tiny  # in place of a rate of 0: the interval is then the range of the search
 FAR = 1e6  # [m], in place of a required gap that is infinite, since a structure falls
@@ -228,7 +229,7 @@ def existing_gap(
     if progress is not None:
         progress(0.0)
     built = search.prepared.enough(confidence)
-    return search.limits(pair_separation(built), part_of(progress, 1 / SIMULATIONS, 1.0))
+    return search.limits(pair_separation(built), part_of(progress, 1 / (1 + OF_SEARCH), 1.0))
 
 
 @dataclass
@@ -267,7 +268,7 @@ class GapSearch:
                 nonlocal done
                 motions = prepared.simulated(paths, self.confidence, **change(value))
                 done += paths / samples.size
-                advance(min(done / SIMULATIONS, 1.0))
+                advance(done / max(OF_SEARCH, done + 1))
                 return required_gaps(motions)
 
             return Required(gaps, self.gap, samples.size, {(present, samples.size): as_built})

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from stochlin.views.shared.options import ground_of, numbers_option, structures
+from stochlin.views.shared.progress import progress_bar, quiet_option
 from stochlin.views.shared.screen import (
     COMMANDS,
     FILE,
     bad_input,
     check_target,
     on_screen,
-    progress_bar,
     show,
 )
 
@@ -43,6 +43,7 @@ PATHS = "Number of simulated motions, with --method simulation."
 @click.option("--paths", type=click.IntRange(min=2), default=256, show_default=True, help=PATHS)
 @click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True)
 @click.option("--out", type=FILE, help="Save the table as .nc or .csv.")
+@quiet_option
 def rho(out: Path | None, method: Any, **options: Any) -> None:
     """Compute the correlation coefficient of a pair of bilinear structures, or a table over parameters.
 

@@ -9,7 +9,8 @@ import click
 
 from stochlin.views.shared.blocks import PICTURES
 from stochlin.views.shared.options import Numbers, QuantityType, as_option
-from stochlin.views.shared.screen import COMMANDS, bad_input, check_target, progress_bar
+from stochlin.views.shared.progress import progress_bar, quiet_option
+from stochlin.views.shared.screen import COMMANDS, bad_input, check_target
 
 RATIO, SECONDS, METRES = map(QuantityType, ("1", "s", "m"))
 RATIOS = Numbers("1")
@@ -48,6 +49,7 @@ COMPARISON = "Draw a second picture of Figs. 4 and 5, with linearization, drift 
 @click.option("--record", type=click.Path(path_type=Path), help="File of a record for Figs. 1 and 2.")
 @click.option("--units", help="Units of the record, such as g, if its file does not state them.")
 @click.option("--dt", type=SECONDS, help="Its time step [s], likewise.")
+@quiet_option
 def charts(
     name: str | None,
     comparison: bool,
@@ -94,7 +96,7 @@ def charts(
         for stem in names:
             for ending in (".nc", f".{options['format']}"):
                 check_target("--out", out / f"{stem}{ending}", (ending,))
-        with progress_bar("charts", lambda _: stem) as progress:
+        with progress_bar("charts", lambda: stem) as progress:
             for number, stem in enumerate(names):
                 progress(number / len(names))
                 _write(functions[stem](), out / stem, comparison, options)

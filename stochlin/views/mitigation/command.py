@@ -6,13 +6,13 @@ from pathlib import Path
 
 import click
 
+from stochlin.views.shared.progress import progress_bar, quiet_option
 from stochlin.views.shared.screen import (
     COMMANDS,
     FILE,
     bad_input,
     check_target,
     lines,
-    progress_bar,
     show,
     write,
 )
@@ -22,6 +22,7 @@ from stochlin.views.shared.screen import (
 @click.command()
 @click.argument("case", type=FILE)
 @click.option("--out", type=FILE, help="Save the table as .nc, or as .csv without the devices.")
+@quiet_option
 def mitigate(case: Path, out: Path | None) -> None:
     """Compare links and added damping against pounding, and find the least that is sufficient.
 

@@ -6,13 +6,13 @@ from pathlib import Path
 
 import click
 
+from stochlin.views.shared.progress import progress_bar, quiet_option
 from stochlin.views.shared.screen import (
     COMMANDS,
     FILE,
     bad_input,
     data_target,
     lines,
-    progress_bar,
     show,
     write,
 )
@@ -47,6 +47,7 @@ from stochlin.views.shared.screen import (
     help="Time steps in half a period of the contact, 4 to 4096. All time steps become shorter with it; "
     "the error falls with its square.",
 )
+@quiet_option
 def pound(
     case: Path, out: Path | None, picture: Path | None, motions: int | None, steps_per_contact: int
 ) -> None:

@@ -11,13 +11,13 @@ from stochlin.applications.cases.rows import gap_of, pair_of
 from stochlin.messages import ImplausibleInput
 from stochlin.views.shared.blocks import PICTURES
 from stochlin.views.shared.options import QuantityType
+from stochlin.views.shared.progress import progress_bar, quiet_option
 from stochlin.views.shared.screen import (
     COMMANDS,
     FILE,
     bad_input,
     check_target,
     lines,
-    progress_bar,
     show,
     write,
 )
@@ -31,6 +31,7 @@ from stochlin.views.shared.screen import (
 )
 @click.option("--out", type=FILE, help="Save the table as .nc or .csv.")
 @click.option("--picture", type=FILE, help="Draw the probability as .png, .svg or .pdf.")
+@quiet_option
 def probability(case: Path, gap: float | None, out: Path | None, picture: Path | None) -> None:
     """Compute the probability over time that two buildings pound in an earthquake of finite duration.
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from stochlin.views.shared.progress import progress_bar, quiet_option
 from stochlin.views.shared.screen import (
     COMMANDS,
     FILE,
@@ -13,7 +14,6 @@ from stochlin.views.shared.screen import (
     check_target,
     data_target,
     lines,
-    progress_bar,
     show,
     write,
 )
@@ -50,6 +50,7 @@ MORE = "'--details' adds the shaking, drifts, all other rules and the notes on t
 @click.option(
     "--example-record", is_flag=True, help="Print a synthetic record to try, a PEER AT2 file, and stop."
 )
+@quiet_option
 def gap(
     case: Path | None,
     report: Path | None,

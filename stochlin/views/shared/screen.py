@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import codecs
 import math
-import sys
 import textwrap
 import warnings
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from functools import cache, partial
 from itertools import pairwise
 from pathlib import Path
@@ -19,7 +18,6 @@ import click
 from stochlin.messages import (
     FULL,
     LONGEST_MESSAGE,
-    WHEN_COMPILING,
     DoubtfulInput,
     as_written,
     brief,
@@ -46,8 +44,6 @@ COMMANDS: Registry[click.Command] = Registry(
 )
 SCREEN_ROWS = 40
 WIDTH = 100
-STEPS = 1000  # of a bar
-COMPILING = "compiling for this machine, once: up to half a minute ('stochlin warmup' does it for all)"
 FILE = click.Path(dir_okay=False, path_type=Path)
 # Consoles that know few signs are still about.
 PLAIN = {ord("\N{MINUS SIGN}"): "-", ord("\N{EN DASH}"): "-", ord("\N{NO-BREAK SPACE}"): " "}
@@ -110,37 +106,6 @@ def warnings_as_sentences() -> Iterator[None]:
         say_once = cache(lambda text: click.echo(f"Warning: {text}", err=True))
         warnings.showwarning = lambda message, *_, **__: say_once(plain(message, LONGEST_MESSAGE))
         yield
-
-
-@contextmanager
-def compiling_message() -> Iterator[None]:
-    """Say on the error stream, once, when code has to be compiled."""
-    say_once = cache(lambda: click.echo(COMPILING, err=True))
-    WHEN_COMPILING.append(say_once)
-    try:
-        yield
-    finally:
-        WHEN_COMPILING.remove(say_once)
-
-
-@contextmanager
-def progress_bar(
-    label: str, doing: Callable[[Any], str] | None = None
-) -> Iterator[Callable[[float], None]]:
-    """A bar on the error stream, from the first call on with the share of the work that is done.
-
-    On a terminal it also shows what ``doing`` returns.
-    """
-    with ExitStack() as shown:
-        bar = click.progressbar(length=STEPS, label=label, file=sys.stderr, item_show_func=doing)
-
-        def progress(share: float) -> None:
-            if not bar.entered:  # what is refused before the work has no bar
-                shown.enter_context(bar)
-            bar.update(int(STEPS * share) - bar.pos)
-            bar.render_progress()
-
-        yield progress
 
 
 def check_target(

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from stochlin.views.shared.screen import COMMANDS, bad_input, progress_bar
+from stochlin.views.shared.progress import progress_bar, quiet_option
+from stochlin.views.shared.screen import COMMANDS, bad_input
 
 if TYPE_CHECKING:
     from queue import SimpleQueue
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
 
 @COMMANDS.register("warmup")
 @click.command()
+@quiet_option
 def warmup() -> None:
     """Compile everything now, so that no command has to wait for it.
 
