@@ -17,6 +17,8 @@ LARGE = {"kg": ("t", 1e-3), "N/m": ("MN/m", 1e-6), "N s/m": ("MN s/m", 1e-6)}
 SHORT = 0.5  # m: lengths below, such as drifts, are shown in cm
 NAMES = {"first": "building 1", "second": "building 2", "envelope_model": "envelope"}
 ROLES = ("first", "second", "ground", "envelope", "envelope_model", "contact", "gap", "record")
+# Numbers with decimals, and not within a name.
+DECIMALS = re.compile(r"(?<![\w.])\d+\.\d+(?:e[+-]?\d+)?(?![\w.])")
 OF_BUILDING = re.compile(r"_([12])$")
 
 
@@ -58,4 +60,18 @@ def stated(name: str, value: Any, units: str | None) -> str:
 
 def roles_in_words(attrs: Mapping[Any, Any], *roles: str) -> list[str]:
     """A line for each of these roles that the attributes of a dataset describe; all if none is named."""
-    return [f"{NAMES.get(r, r)}: {attrs[r].removeprefix(f'{r} ')}" for r in roles or ROLES if r in attrs]
+    return [
+        f"{NAMES.get(r, r)}: {three_digits(attrs[r].removeprefix(f'{r} '))}"
+        for r in roles or ROLES
+        if r in attrs
+    ]
+
+
+def three_digits(text: str) -> str:
+    """A description of models with its numbers to three digits."""
+    return DECIMALS.sub(_shortened, text)
+
+
+def _shortened(decimals: re.Match[str]) -> str:
+    value = float(decimals[0])
+    return f"{value:.0f}" if abs(value) >= 1000 else f"{value:.3g}"

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import scipy.linalg
 from cases import read_text
+from commands import answered
 
 import stochlin as sl
 from stochlin.applications.cases.codes import design_displacements, with_applied_codes
@@ -18,6 +19,7 @@ from stochlin.models.rules.codes import CODE_RULES
 from stochlin.views.separation.words import rows
 
 G = 9.80665
+WORKED = Path(__file__).parents[2] / "docs" / "worked_case.toml"
 STOREYS = """\
 [site]
 ground = "firm"
@@ -326,3 +328,22 @@ def test_a_name_that_several_rules_have_without_their_year_is_refused():
             sl.rules.code_rule(name)
     assert sl.rules.code_rule("NTC 2018").name == "ntc_2018"
     assert sl.rules.effective_rule("iwan").name == "iwan_1980"
+
+
+@pytest.mark.parametrize(
+    ("same_property", "combination"),
+    [
+        ("true", "(SRSS), since both buildings stand on one property."),
+        ("false", "the sum of both displacements, since the buildings stand on two properties"),
+    ],
+)
+def test_it_is_said_which_combination_a_code_asks_for_and_why(tmp_path, same_property, combination):
+    text = WORKED.read_text(encoding="utf-8")
+    text = re.sub(r"(?s)\[site\.hazard\].*?(?=\[motion\])", "", text)
+    text = text.replace('risk = "10 % in 50 years"', "")  # which takes longest
+    path = tmp_path / "case.toml"
+    path.write_text(text.replace("same_property = true", f"same_property = {same_property}"), "utf-8")
+    page = tmp_path / "gap.html"
+    screen = " ".join(answered("gap", path, "--report", page).stdout.split())
+    assert screen.count(combination) == 2
+    assert page.read_text(encoding="utf-8").count(combination) == 2

@@ -116,7 +116,11 @@ def test_the_plain_picture_has_a_panel_a_ground_and_a_curve_with_points_a_streng
         r"broad band, $\xi_{g}$ = 0.6",
     ]
     entries = ["R = 2", "R = 4", r"$\rho$, linearized", r"$\rho$ by the drift closure"]
-    points = [r"$\rho$, simulated", "simulated, slow drift", r"$\rho$ in motions of 30 s"]
+    points = [
+        r"$\rho$, simulated",
+        "simulated, drift slower than any motion",
+        r"$\rho$ in motions of 30 s",
+    ]
     assert words(figure) == [*entries, *points]
 
 

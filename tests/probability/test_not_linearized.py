@@ -42,4 +42,4 @@ def test_the_command_prints_and_draws_what_is_simulated(tmp_path):
     with xr.open_dataset(out, engine="scipy") as table:
         assert STEM not in table
         names = {text.get_text() for text in draw_pounding(table).axes[0].get_legend().get_texts()}
-    assert names >= {"simulated, 95 %"}
+    assert names >= {"simulated, 95 % interval"}

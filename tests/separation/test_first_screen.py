@@ -229,5 +229,9 @@ def test_limits_of_the_existing_gap_are_factors_on_what_there_is(answer: Any) ->
         ("at most 0.2", "0.19 to 0.21"), ("at least 0.1", "0.08 to 0.12"),
     ]  # fmt: skip
     beyond = shown(largest_reduction_factor=np.inf, least_reduction_factor=0.0, largest_intensity=np.nan)
-    assert beyond == [("any", ""), ("none", ""), ("at least 0.1", "0.08 to 0.12")]
-    assert shown(largest_reduction_factor=np.nan)[0] == ("none", "")
+    assert beyond == [
+        ("every value tried", ""),
+        ("no value tried", ""),
+        ("at least 0.1", "0.08 to 0.12"),
+    ]
+    assert shown(largest_reduction_factor=np.nan)[0] == ("no value tried", "")

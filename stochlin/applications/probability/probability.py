@@ -244,7 +244,7 @@ def pounding_probability(
     about = {"confidence": confidence, "closure": taken, **labels.of_scatter(scatter)}
     return labels.with_run_information(
         labels.label(table).assign_attrs(about),
-        f"Probability of pounding in a finite motion, {usual['ground'].name} ground",
+        f"Confidence of no pounding in a finite motion, {usual['ground'].name} ground",
         f"pounding_probability(duration={duration:g}, confidence={confidence:g}, "
         f"paths={table.attrs.get('paths', 0)}, seed={seed})",
         {**models, "gap": distance},

@@ -13,6 +13,7 @@ from stochlin.kernels.basics.parallel import Progress
 from stochlin.views.separation.report import first_sections
 from stochlin.views.separation.words import rules_sections
 from stochlin.views.shared.blocks import Picture, Text, ViewSection
+from stochlin.views.shared.inches import sections_with_inches
 from stochlin.views.shared.page import page
 from stochlin.views.shared.style import CURVES, label_axis, legend_above, open_frame
 
@@ -46,7 +47,7 @@ def gap_of(folder: str, name: str, text: str, progress: Progress) -> str:
     of_few = f"From {PATHS} motions; 'stochlin gap' takes more for the saved case where it needs them."
     sections = [
         *first_sections(answer),
-        *rules_sections(answer),
+        *sections_with_inches(case, rules_sections(answer)),
         ViewSection("", [Text(of_few * (case.simulated.motions > PATHS), "note")]),
     ]
     return _html(case, doubts, sections, "gap")

@@ -62,7 +62,7 @@ MARKERS = "os^Dvp", "xxxxxx"  # of the simulated points of each curve, and of th
 THIN = 0.8  # line width of other results
 TWICE = 1.96  # half a 95 % interval, in standard errors
 POINT: Any = {"ms": 3.6, "mew": 0.8, "elinewidth": 0.8, "zorder": 4}
-OPEN = "simulated, slow drift"  # label of open points
+OPEN = "simulated, drift slower than any motion"  # label of open points
 EDGE = 0.05  # of an axis, in which no contour has its number
 PLANES = {"rho": "linearized", "rho_drift": "drift closure", "rho_simulated": "simulated"}
 

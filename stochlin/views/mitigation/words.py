@@ -10,6 +10,7 @@ from stochlin.applications.cases.rows import simulated_as
 from stochlin.applications.cases.shaking import doubts
 from stochlin.messages import plain
 from stochlin.views.shared.blocks import Items, Table, ViewSection, texts
+from stochlin.views.shared.inches import sections_with_inches
 from stochlin.views.shared.words import (
     MISSING,
     SPACE,
@@ -51,7 +52,7 @@ def answer_sections(table: xr.Dataset, case: Case) -> list[ViewSection]:
     """The answer, the measures in simulated motions, and what their columns mean."""
     case = simulated_as(case, table)
     about = (floors(case), *left_out(case), _headline(table), *strength(table, case))
-    return [
+    sections = [
         opening(case, doubts(table)),
         ViewSection("", texts([*about, with_uncertainty(case, "needed gaps and shares are those")])),
         ViewSection("", [_table(along(table, "measure"), _of_motions(table))]),
@@ -59,6 +60,7 @@ def answer_sections(table: xr.Dataset, case: Case) -> list[ViewSection]:
         ViewSection("", [Items(_missing(table))]),
         ViewSection("", texts([text for name, text in NOTES.items() if name in table.dims])),
     ]
+    return sections_with_inches(case, sections)
 
 
 def _headline(table: xr.Dataset) -> str:

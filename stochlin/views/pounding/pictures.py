@@ -18,7 +18,7 @@ from stochlin.applications.cases.pounding import (
 )
 from stochlin.applications.pounding.rows import COLUMN
 from stochlin.messages import plain
-from stochlin.models.descriptions import roles_in_words
+from stochlin.models.descriptions import roles_in_words, three_digits
 from stochlin.solver.tables.labels import CONVERGED
 from stochlin.views.pounding.words import roof
 from stochlin.views.shared.style import AS_GIVEN, CURVES, filled, styled
@@ -102,7 +102,7 @@ def _panels(dataset: xr.Dataset, rows: int, columns: int, height: float) -> tupl
     from matplotlib.figure import Figure
 
     texts = [
-        f"{name}: {dataset.attrs[f'structure_{number}']}"
+        f"{name}: {three_digits(dataset.attrs[f'structure_{number}'])}"
         for number, name in enumerate(dataset.building.values, start=1)
     ]
     if "contact" in dataset.dims:

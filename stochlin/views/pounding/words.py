@@ -13,6 +13,7 @@ from stochlin.applications.cases.shaking import doubts
 from stochlin.messages import plain
 from stochlin.solver.tables.labels import VALUE_AND_ENDS
 from stochlin.views.shared.blocks import Table, Text, ViewSection, texts
+from stochlin.views.shared.inches import sections_with_inches
 from stochlin.views.shared.words import (
     MISSING,
     SPACE,
@@ -84,12 +85,13 @@ def answer_sections(case: Case, table: xr.Dataset) -> list[ViewSection]:
     """What happens in a record, or how often it happens in many motions, and a table of values."""
     facts = _of_record(case, table) if "time" in table.dims else _of_motions(case, table)
     strongest = table[["peak_ground_acceleration"]].max()
-    return [
+    sections = [
         opening(case, doubts(strongest)),
         ViewSection("", texts([floors(case), *left_out(case), at_medians(case), files_taken(case)])),
         *(ViewSection("", texts(several)) for several in facts),
         _values(case, table),
     ]
+    return sections_with_inches(case, sections)
 
 
 def _of_record(case: Case, table: xr.Dataset) -> list[list[str]]:

@@ -21,7 +21,7 @@ LINE = 0.14
 PANEL = 2.6
 WIDTH = 112  # characters of the caption
 STEM = "confidence_of_no_pounding"
-CURVES_OF = {STEM: "crossings in clumps", f"{STEM}_poisson": "Poisson crossings"}
+CURVES_OF = {STEM: "clustered crossings", f"{STEM}_poisson": "independent crossings"}
 
 
 @styled()
@@ -45,7 +45,8 @@ def draw_pounding(dataset: xr.Dataset) -> Figure:
     for (color, dash), (name, label) in zip(CURVES, present, strict=False):
         axes.plot(time, dataset[name], color=color, linestyle=dash, label=label)
     share, low, high = with_interval(dataset, f"{STEM}_simulated")
-    style: Any = {"color": CURVES[2][0], "capsize": 4, "clip_on": False, "label": "simulated, 95 %"}
+    style: Any = {"color": CURVES[2][0], "capsize": 4, "clip_on": False}
+    style["label"] = "simulated, 95 % interval"
     axes.errorbar(time[-1], share, [[share - low], [high - share]], fmt="o", **style)
     if "permanent_set" in dataset and dataset.permanent_set.any():
         end = dataset.attrs["strong_shaking_end_s"]

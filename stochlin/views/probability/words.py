@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from stochlin.applications.cases.rows import pair_of, simulated_as
 from stochlin.applications.cases.shaking import doubts
 from stochlin.views.shared.blocks import Table, Text, ViewSection, texts
+from stochlin.views.shared.inches import sections_with_inches
 from stochlin.views.shared.words import (
     SPACE,
     along,
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
 OFF = 0.1  # of a confidence by formula above the interval of the simulated one, of which a line warns
 ROWS = 11  # instants that are printed
 STEM = "confidence_of_no_pounding"
-FORMULAS = {"formula": STEM, "Poisson": f"{STEM}_poisson"}
+FORMULAS = {"clustered crossings": STEM, "independent crossings": f"{STEM}_poisson"}
 UNRELIABLE = (
     "Do not rely on the formula: for buildings like these it may be far off. The simulated confidence "
     "has no such error."
@@ -49,7 +50,7 @@ def answer_sections(table: xr.Dataset, case: Case, gap: float) -> list[ViewSecti
         for instant in along(table, "time")[::step]
     ]
     comment = table.attrs.get("comment", "").replace("α", "hardening").replace("≤", "<=")
-    return [
+    sections = [
         opening(case, doubts(table)),
         ViewSection("", texts([*about, with_uncertainty(case, "the simulated confidence is that")])),
         ViewSection("", texts([_simulated(table), _wanted(table)])),
@@ -60,6 +61,7 @@ def answer_sections(table: xr.Dataset, case: Case, gap: float) -> list[ViewSecti
         ViewSection("", texts(_cautions(table, case))),
         ViewSection("", [Text(comment)]),
     ]
+    return sections_with_inches(case, sections)
 
 
 def _simulated(table: xr.Dataset) -> str:

@@ -20,6 +20,7 @@ from stochlin.views.separation.words import (
     subject_of,
 )
 from stochlin.views.shared.blocks import Picture
+from stochlin.views.shared.inches import inches, with_inches
 from stochlin.views.shared.page import PAGE_STYLE
 from stochlin.views.shared.style import (
     AS_GIVEN,
@@ -52,8 +53,9 @@ BETWEEN = 1.5  # of what is between both
 HEAD = 0.4  # inches: of names
 TALL = 1.75  # of buildings
 ROW = 0.34  # of a gap
+ROW_WITH_INCHES = 0.5
 BAR = 0.78  # of the shares
-LEGEND = 0.26  # inches
+LEGEND = 0.19  # inches: of a line
 SIZE = 9  # points
 NAME = 22  # characters of a name
 LABEL = 24  # of the words beside a gap
@@ -186,9 +188,10 @@ def elevation_picture(answer: CaseAnswer) -> Picture:
     about = subject_of(answer.case)
     caption = (
         f"Heights and {about.gap}s have scales of their own. Grey: 95 % interval. Dashed: peak "
-        f"displacements, not exceeded in {confidence(answer.case)} of the motions"
+        "displacements."
     )
-    caption += "." if answer.case.alone else ", hardly ever both at one time."
+    if not answer.case.alone:
+        caption += " Both buildings rarely reach them at the same time."
     if answer.case.slabs:
         caption += " Crosses: slabs that meet columns."
     title = f"{about.the_buildings.capitalize()} and the {about.gap}"
@@ -201,7 +204,9 @@ def elevation_figure(answer: CaseAnswer) -> Figure:
     from matplotlib.figure import Figure
 
     gaps = dimensions(answer)
-    heights = (TALL, ROW * len(gaps) + LEGEND, BAR)
+    legend = LEGEND * (len(answer.case.buildings) + 1)
+    row = ROW_WITH_INCHES if answer.case.in_inches else ROW
+    heights = (TALL, row * len(gaps) + legend, BAR)
     height = sum(heights) + HEAD
     figure = Figure(figsize=(WIDTH, height))
     whole = {"left": 0, "right": 1, "bottom": 0, "hspace": 0}
@@ -213,10 +218,14 @@ def elevation_figure(answer: CaseAnswer) -> Figure:
         axes.axis("off")
         axes.set_xlim(*ends)
     _draw_buildings(above, answer, ends)
+    below.set_ylim(len(gaps) - 0.5 + legend / row, -0.5)
     _draw_gaps(below, gaps, standing(answer), right)
     below.legend(
-        handles=above.get_legend_handles_labels()[0], loc="lower left", ncols=2, fontsize=SIZE,
-        handlelength=2.4, handletextpad=0.5, columnspacing=1.0, borderaxespad=0, borderpad=0.2,
+        handles=above.get_legend_handles_labels()[0], loc="lower left",
+        fontsize=SIZE, title_fontsize=SIZE,
+        title=f"peak displacement, not exceeded in {confidence(answer.case)} of motions",
+        alignment="left", labelspacing=0.2, handlelength=2.4, handletextpad=0.5, borderaxespad=0,
+        borderpad=0.2,
     )  # fmt: skip
     _draw_shares(shares, answer)
     return figure
@@ -244,7 +253,9 @@ def dimensions(answer: CaseAnswer) -> list[Dimension]:
     for row in own_codes(answer):
         size = f"\n{length(row.metres)}" if np.isfinite(row.metres) else ""
         lines.append(Dimension(f"{row.label}{size}", row.metres, row.verdict))
-    return lines
+    if not answer.case.in_inches:
+        return lines
+    return [line._replace(label=f"{line.label}\n{inches(line.gap)}") for line in lines]
 
 
 def _reach(answer: CaseAnswer, gaps: list[Dimension]) -> float:
@@ -264,9 +275,13 @@ def _draw_buildings(axes: Axes, answer: CaseAnswer, ends: tuple[float, float]) -
     faces = [0.0, apart]
     for n, building in enumerate(case.buildings):
         _draw_building(axes, building, heights[n], FACES[n], faces[n], ends[n])
+        name = with_inches(case, _name(building))
+        middle = (faces[n] + ends[n]) / 2
+        axes.text(middle, 1.02 * heights[n], name, ha="center", va="bottom", size=SIZE)
         displaced, levels = _displaced(answer, n + 1, min(heights))
         away = faces[n] + displaced if n == 0 else faces[n] - displaced
-        label = f"peak {length(displaced[-1] / CENTIMETRES)}{meeting_level(answer)}"
+        size = f"{length(displaced[-1] / CENTIMETRES)}{meeting_level(answer)}"
+        label = f"{plain(building.name, NAME)}: {with_inches(case, size)}"
         style: Any = {"color": CURVES[n + 1][0], "ls": (0, (4, 1.5)), "marker": "os"[n], "label": label}
         axes.plot(away, levels, lw=1.4, ms=3, zorder=4, clip_on=False, **style)
     if case.alone:
@@ -281,14 +296,17 @@ def _draw_buildings(axes: Axes, answer: CaseAnswer, ends: tuple[float, float]) -
 def _draw_building(
     axes: Axes, building: Building, height: float, color: str, face: float, far: float
 ) -> None:
-    """A building from its face on, with its floors, those of an oscillator dotted, and its name."""
+    """A building from its face on, with its floors, those of an oscillator dotted."""
     axes.fill([far, face, face, far], [0, 0, height, height], color=color, lw=0, zorder=1)
     axes.plot([far, face, face], [height, height, 0], color=EDGE, lw=1.2, zorder=2)
     dash: Any = "-" if building.has_storeys else (0, (1, 2))
     axes.hlines(_floors(building), face, far, color="0.45", lw=0.7, ls=dash, zorder=2)
-    height_text = f"{height:.4g} m" if building.height else "height not given"
-    name = f"{plain(building.name, NAME)}\n{height_text}"
-    axes.text((face + far) / 2, 1.02 * height, name, ha="center", va="bottom", size=SIZE)
+
+
+def _name(building: Building) -> str:
+    """The name of a building, and its height."""
+    height = f"{building.height:.4g} m" if building.height else "height not given"
+    return f"{plain(building.name, NAME)}\n{height}"
 
 
 def _floors(building: Building) -> np.ndarray:
@@ -315,7 +333,6 @@ def _displaced(answer: CaseAnswer, number: int, meeting: float) -> tuple[np.ndar
 
 def _draw_gaps(axes: Axes, gaps: list[Dimension], apart: float, right: float) -> None:
     """A dimension line for each gap, its words to the left, the verdict to the right."""
-    axes.set_ylim(len(gaps) - 0.5 + LEGEND / ROW, -0.5)
     places = 0.0, CENTIMETRES * apart
     axes.vlines(places, -0.5, len(gaps) - 0.5, color="0.5", lw=0.7, ls=(0, (1, 1.5)), zorder=1)
     low, high = axes.get_xlim()

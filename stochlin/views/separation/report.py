@@ -12,6 +12,7 @@ from stochlin.views.sensitivity import tornado
 from stochlin.views.separation import pictures, words
 from stochlin.views.separation.risk import risk_blocks
 from stochlin.views.shared.blocks import Block, Items, Picture, Table, Text, ViewSection, texts
+from stochlin.views.shared.inches import sections_with_inches
 from stochlin.views.shared.page import page
 from stochlin.views.shared.words import centimetres, doubt, over_records, with_uncertainty
 from stochlin.views.sites.pictures import draw_spectrum
@@ -25,13 +26,14 @@ SPECTRUM = "Response spectra of the motions and of the target. Vertical: elastic
 def first_sections(answer: CaseAnswer) -> list[ViewSection]:
     """Doubts, the answer with its picture, and cautions."""
     first, *others = texts(words.first_lines(answer))
-    return [
+    sections = [
         ViewSection("", [doubt(doubts(answer.shaking))]),
         ViewSection("", [Text(answer.case.title, "title")], on_screen=False),
         ViewSection("", [replace(first, look="answer"), pictures.elevation_picture(answer), *others]),
         ViewSection("", texts(words.taken(answer.case))),
         ViewSection("", texts(words.cautions(answer))),
     ]
+    return sections_with_inches(answer.case, sections)
 
 
 def answer_sections(answer: CaseAnswer) -> list[ViewSection]:
@@ -40,8 +42,7 @@ def answer_sections(answer: CaseAnswer) -> list[ViewSection]:
     about = words.subject_of(answer.case)
     matters = answer.matters
     influence = [] if matters is None else tornado.blocks(matters, words.names_of(answer))
-    return [
-        *first_sections(answer),
+    sections = [
         ViewSection(f"The existing {about.gap}", words.allowances(answer)),
         ViewSection("", words.details(answer), on_page=False, detail=True),
         ViewSection("", words.details(answer, on_page=True), on_screen=False),
@@ -55,6 +56,7 @@ def answer_sections(answer: CaseAnswer) -> list[ViewSection]:
         ViewSection("The case", words.case_file(case), on_screen=False),
         ViewSection("", [Text(words.signed(answer), "signed")], on_screen=False),
     ]
+    return [*first_sections(answer), *sections_with_inches(case, sections)]
 
 
 def report_page(answer: CaseAnswer) -> str:

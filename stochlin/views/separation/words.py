@@ -75,6 +75,18 @@ MARKS = (
     "Marks: S, compared with its source; C, derived and checked; P, in the text of the paper; M, not "
     "compared with its source."
 )
+SURE = " high"  # end of marks M of what is well known without its source
+# How a code combines the displacements of two buildings, by the family of its rule.
+COMBINATIONS = {
+    "sum": "the sum of both displacements",
+    "SRSS": "the root of the sum of the squares of both displacements (SRSS)",
+    "height": "a share of the height, without displacements",
+    "fixed": "a fixed distance, without displacements",
+}
+ON_ONE = ", since both buildings stand on one property"
+ON_TWO = (
+    ", since the buildings stand on two properties (on one, write same_property = true in [separation])"
+)
 OF_R = "R is three standard deviations of the stationary elastic displacement over that at yield."
 SIGNED = "Date, prepared by, checked by:"
 OF_TWO = "needs a second building"  # the reason why a rule is not available
@@ -318,18 +330,22 @@ def allowances(answer: CaseAnswer) -> list[Block]:
     rows = _strength(limits, answer.separation)
     now = float(case.site.ground.arrays()["intensity"])
     shaking = (np.sqrt(end / now) for end in with_interval(limits, "largest_intensity"))
-    rows.append(_limit("shaking, times that of the case", "at most", *shaking))
+    rows.append(_limit("factor on the ground motion", "at most", *shaking))
     damping = with_interval(limits, "least_added_damping")
-    where = "" if case.alone else " of both"
-    rows.append(_limit(f"added damping ratio{where}", "at least", *damping))
-    note = f"Each change alone; 'any' and 'none' refer to the values tried: {limits.attrs['searched']}."
-    heads = ("change", "sufficient", "95 % interval")
+    where = "" if case.alone else " to both"
+    rows.append(_limit(f"damping ratio added{where}", "at least", *damping))
+    note = (
+        f"The existing {subject_of(case).gap} is enough after one of these changes alone. The values "
+        f"tried: {limits.attrs['searched']}."
+    )
+    heads = ("change", "enough with", "95 % interval")
     return [Table.of(heads, rows, heads[1:]), Text(note, "note")]
 
 
 def _strength(limits: xr.Dataset, table: xr.Dataset) -> list[tuple[str, ...]]:
     """Rows for the strength of both buildings, changed by one factor; none if neither yields."""
-    what = "strength, times the present one"
+    where = "the yield strength" if "peak_2" not in table else "both yield strengths"
+    what = f"factor on {where}"
     rows: list[tuple[str, ...]] = []
     factors = of_each(table, "reduction_factor")
     yielding = next((n for n, factor in enumerate(factors) if factor > 0), None)
@@ -349,9 +365,9 @@ def _strength(limits: xr.Dataset, table: xr.Dataset) -> list[tuple[str, ...]]:
 def _limit(what: str, bound: str, value: float, low: float, high: float) -> tuple[str, ...]:
     """A row for a limit of a change, of which all or no values may be sufficient."""
     if np.isnan(value):
-        return what, "none", ""
+        return what, "no value tried", ""
     if value == 0 or np.isinf(value):
-        return what, "any", ""
+        return what, "every value tried", ""
     return what, f"{bound} {value:.3g}", f"{low:.3g} to {high:.3g}" if low < high else ""
 
 
@@ -396,6 +412,7 @@ class RuleLine(NamedTuple):
     verdict: str
     cells: tuple[str, ...]  # of the table on the screen
     missing: str
+    combination: str  # of the displacements, and why it is this one
     basis: str  # what is assumed in this case, and the source
 
 
@@ -433,6 +450,7 @@ def _line(answer: CaseAnswer, group: str, row: xr.Dataset) -> RuleLine:
     error = per_cent(float(row.error), sign="+") if group else ""
     share = per_cent(float(row.no_pounding_probability), 1)
     texts = {name: str(row[name].item()) for name in ("mark", "assumptions", "reference", "missing")}
+    mark = texts["mark"].removesuffix(SURE)
     if stem != rule:
         texts["assumptions"] = stated(answer.case, CODE_RULES[stem])
     return RuleLine(
@@ -442,10 +460,32 @@ def _line(answer: CaseAnswer, group: str, row: xr.Dataset) -> RuleLine:
         usual=rule in USUAL or group == AS_APPLIED or rule in answer.case.wanted.numbers.more,
         metres=gap,
         verdict=verdict,
-        cells=(f"{stem} {words}".strip(), centimetres(gap), error, share, verdict, texts["mark"]),
+        cells=(
+            f"{stem} {words}".strip(),
+            centimetres(gap),
+            error,
+            share,
+            verdict,
+            mark,
+        ),
         missing=texts["missing"],
+        combination=_combination(answer.case, stem, str(row.family.item())),
         basis=". ".join(filter(None, (texts["assumptions"], texts["reference"]))),
     )
+
+
+def _combination(case: Case, rule: str, family: str) -> str:
+    """How a code combines the displacements, and why so; empty for one building and other rules."""
+    if case.alone or family not in COMBINATIONS:
+        return ""
+    why = ON_ONE if case.wanted.same_property else ON_TWO
+    return f"{COMBINATIONS[family]}{why if CODE_RULES[rule].between else ''}"
+
+
+def combinations(answer: CaseAnswer) -> Items:
+    """How the codes of the case combine the displacements of both buildings."""
+    shown = [row for row in own_codes(answer) if not row.missing and row.combination]
+    return Items([f"{row.label}, {length(row.metres)}: {row.combination}." for row in shown])
 
 
 def own_codes(answer: CaseAnswer) -> list[RuleLine]:
@@ -459,7 +499,7 @@ def rules_table(answer: CaseAnswer, shown: list[RuleLine]) -> Table:
     about = subject_of(answer.case)
     heads = ("rule", f"{about.gap} [cm]", "error", about.column, "verdict", "mark")
     table_rows = [Row(row.cells, row.label, row.group, row.verdict) for row in shown if not row.missing]
-    return Table(heads, table_rows, words=heads[4:], minor=heads[5:])
+    return Table(heads, table_rows, words=heads[4:])
 
 
 def not_available(shown: list[RuleLine]) -> Items:
@@ -474,7 +514,7 @@ def rules_sections(answer: CaseAnswer) -> list[ViewSection]:
     combined = Text(COMBINED if COMBINATION in {row.group for row in others} else "", "note")
     more: list[Block] = [rules_table(answer, others), not_available(others), combined]
     return [
-        ViewSection("The rules and the answer", [rules_table(answer, usual)]),
+        ViewSection("The rules and the answer", [rules_table(answer, usual), combinations(answer)]),
         ViewSection("Rules that are not available", [not_available(usual)], on_page=False),
         ViewSection("", [rules_notes(answer)], detail=True),
         ViewSection("All other rules", more, on_page=False, detail=True),

@@ -55,7 +55,6 @@ class Table:
     heads: Sequence[str]
     rows: Sequence[Row]
     words: Sequence[str] = ()
-    minor: Sequence[str] = ()  # columns that a phone leaves out
 
     @classmethod
     def of(cls, heads: Sequence[str], rows: Iterable[Sequence[str]], words: Sequence[str] = ()) -> Table:

@@ -203,7 +203,7 @@ def on_screen(table: xr.Dataset) -> str:
     from stochlin.files.storage import in_rows
 
     shown = table[[name for name in table.data_vars if not str(name).startswith("yield")]]
-    digits: Any = {"float_format": lambda x: f"{x:.6g}"}
+    digits: Any = {"float_format": lambda x: f"{x:.3g}"}
     if not shown.sizes:
         cell = in_rows(shown.expand_dims("case")).drop(columns="case").iloc[0]
         return str(cell.to_string(**digits))

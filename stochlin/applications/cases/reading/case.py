@@ -6,7 +6,7 @@ import inspect
 import math
 import os
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import MISSING, dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise, product
@@ -62,6 +62,7 @@ from stochlin.models.rules.codes import (
 from stochlin.models.rules.other_codes import other_code
 from stochlin.models.uncertain import UncertainModel
 
+IN_INCHES = re.compile(r"[\d.]+ *(?:in|ft)(?: *\+-.*)?", re.IGNORECASE)
 NUMBERED = re.compile(r"building_([1-9]\d{0,5})")
 ALL = "all"
 TWO = ListOf(Integer(1), length=2)
@@ -382,6 +383,11 @@ class Case:
         return len(self.described) == 1
 
     @property
+    def in_inches(self) -> bool:
+        """Whether the file has lengths in inches or feet."""
+        return any(map(IN_INCHES.fullmatch, texts_within(self.whole.table.values)))
+
+    @property
     def files(self) -> list[Path]:
         """The case file and those that it names."""
         return self.whole.table.source.files
@@ -407,6 +413,15 @@ class Case:
     def buildings(self) -> tuple[Building, ...]:
         """The buildings from left to right."""
         return tuple(building.on(self.site) for building in self.described)
+
+
+def texts_within(values: Any) -> Iterator[str]:
+    """All texts of the values of a table, and of the tables and lists within."""
+    if isinstance(values, str):
+        yield values
+    elif isinstance(values, Mapping | list):
+        for value in values.values() if isinstance(values, Mapping) else values:
+            yield from texts_within(value)
 
 
 @checked
