@@ -36,8 +36,8 @@ WORKED = {
     "worked_case": [DOCS / "worked_case.toml"],
     "from_tables": sorted((DOCS / "from_tables").iterdir()),
 }
-# The program of the large tables is killed: tests/tables/test_large_tables.py
-RUN_HERE = [path for path in PAGES if path.stem not in (*WORKED, "large_tables")]
+# Their programs are run as such: tests/tables/test_large_tables.py, tests/cases/test_services.py
+RUN_HERE = [path for path in PAGES if path.stem not in (*WORKED, "large_tables", "services")]
 WRITTEN, NUMBER = {".toml", ".csv", ".html"}, re.compile(r"\d+\.?\d*")
 ELSEWHERE = {
     "stochlin warmup",  # it would compile everything

@@ -27,7 +27,15 @@ NOT_IN_KERNELS = {"xarray", "pandas", "sympy", "matplotlib"}
 PRIVATE = re.compile(r"llvmlite\b|numba\.(?!$|extending\b|(njit|config)\.$)")
 # Lists, readers, and look-ups of what carries its own ``reference`` or ``source``.
 WITHOUT_FORMULA = {
-    *("WhiteNoise", "named_ground", "read_case", "read_hazard", "read_modes", "read_pushover"),
+    *(
+        "as_dictionary",
+        "WhiteNoise",
+        "named_ground",
+        "read_case",
+        "read_hazard",
+        "read_modes",
+        "read_pushover",
+    ),
     *("read_record", "read_records", "scale_records", "read_spectrum", "simulated_motions"),
 }
 DOCUMENTED = {name: getattr(sl, name) for name in sorted({*sl.__all__} - {"charts", "rules"})}

@@ -77,6 +77,7 @@ TAKEN: dict[str, set[str]] = {
     "beyond floats": {"component"},
     "empty list": {"growing_states", "link", "links", "points"},
     "ground": {"ground"},
+    "dataset": {"as_dictionary.dataset"},
 }
 ANYTHING = {
     *("source", "Uncertain.median"),  # words for readers; a parameter of a model, which checks it
@@ -119,7 +120,7 @@ LONG = {
 }
 ALSO = {"name": "name_rule_model", "yield_displacement": "yield_strength_hardening"}  # said in its place
 ALSO |= {"reduction_factor": "reduction_strength_hardening", "structure": "structure_strength"}
-ALSO |= {"wrapped": "wrapped_dt"}
+ALSO |= {"wrapped": "wrapped_dt", "path": "path_case"}
 
 
 def complaint(call: Callable[..., Any], passed: Mapping[str, Any]) -> BaseException | None:

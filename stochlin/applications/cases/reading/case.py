@@ -37,7 +37,7 @@ from stochlin.applications.cases.reading.kinds import (
 )
 from stochlin.applications.cases.reading.records import PEAK
 from stochlin.applications.cases.reading.site import MOTIONS, SITES, Motion, Site, read_site
-from stochlin.applications.cases.reading.tables import NO_TABLE, Form, Table, read_table
+from stochlin.applications.cases.reading.tables import NO_TABLE, Form, Source, Table, read_table
 from stochlin.applications.risk.risk import check_target, doubt_of_text
 from stochlin.applications.sites.elastic_spectra import doubt_of_pga
 from stochlin.files.inputs import input_path
@@ -425,15 +425,15 @@ def texts_within(values: Any) -> Iterator[str]:
 
 
 @checked
-def read_case(path: str | os.PathLike[str]) -> Case:
-    """Read a case file.
+def read_case(path: str | os.PathLike[str] | dict[str, Any]) -> Case:
+    """Read a case file, or a dictionary with the content of one.
 
     Parameters
     ----------
-    path : str or path
+    path : str, path or dict
         Path of the case file, TOML as ``stochlin gap --example`` prints it. Values with a unit are texts
         such as ``"0.8 s"``; paths of other files are relative to it. Nothing in the file is evaluated as
-        code.
+        code. A dictionary has the same tables and keys, and names no files, for it may be another's.
 
     Returns
     -------
@@ -450,11 +450,12 @@ def read_case(path: str | os.PathLike[str]) -> Case:
     OSError
         If the file cannot be read.
     ValueError
-        If the file is not valid TOML; if a key is unknown or missing, a unit is missing or unknown, or a
-        value is not a number or out of range; if a building has no strength or two, or keys of both an
-        oscillator and a building with storeys; if there are too many or too few gaps, or a link ties a
-        floor that does not exist; if there are too many or too few displacements of a design, or a code
-        to be applied lacks one of its factors; or if a record cannot be read or fitted. The message
+        If the file is not valid TOML, or a dictionary names a file; if a key is unknown or missing, a
+        unit is missing or unknown, or a value is not a number or out of range; if a building has no
+        strength or two, or keys of both an oscillator and a building with storeys; if there are too many
+        or too few gaps, or a link ties a floor that does not exist; if there are too many or too few
+        displacements of a design, or a code to be applied lacks one of its factors; or if a record
+        cannot be read or fitted. The message
         names the file, the line, the key and what is allowed.
 
     Warns
@@ -480,6 +481,8 @@ def read_case(path: str | os.PathLike[str]) -> Case:
     >>> [building.structure.period for building in case.buildings], case.wanted.existing
     ([1.0, 0.6], [0.05])
     """
+    if isinstance(path, dict):
+        return case_of(Table(Source(Path("case"), "", []), path))
     return case_of(read_table(input_path("path", path)))
 
 

@@ -143,6 +143,8 @@ class Table:
 
     def paths(self, name: str, texts: Sequence[str]) -> list[Path]:
         """The paths of files that the case names, relative to its own file."""
+        if not self.source.files:
+            raise self.error(name, "names a file; allowed in case files alone, not in a dictionary")
         with self.naming(name):
             paths = [input_path(name, self.source.path.parent / text) for text in texts]
         self.source.files.extend(paths)
