@@ -84,7 +84,7 @@ def parameter(
     return dataclasses.field(default=default, metadata=metadata)
 
 
-class _Kind(Named):
+class _ModelType(Named):
     """The type of models: a model is made here, with a warning of implausible values."""
 
     def __call__(self, *args: Any, **kwargs: Any) -> Any:
@@ -109,7 +109,7 @@ class _Kind(Named):
 
 
 @dataclasses.dataclass(frozen=True)
-class Model(ByValue, metaclass=_Kind):
+class Model(ByValue, metaclass=_ModelType):
     """Base of all models that a user describes; it checks and labels the declared parameters.
 
     A scalar out of range raises an error at once. An array may have cells out of range: the analyses

@@ -12,7 +12,7 @@ from commands import answered
 
 import stochlin as sl
 from stochlin.applications.cases.codes import design_displacements, with_applied_codes
-from stochlin.applications.cases.reading.buildings import Building, Oscillator
+from stochlin.applications.cases.reading.buildings import Building, OscillatorForm
 from stochlin.applications.cases.rows import of_codes
 from stochlin.applications.cases.separation import CaseAnswer, answer_case
 from stochlin.models.rules.codes import CODE_RULES
@@ -215,7 +215,7 @@ def test_the_design_spectrum_of_eurocode_8_by_hand(
     rule, first = CODE_RULES["eurocode_8"], storeyed.case.buildings[0]
     case = replace(storeyed.case, site=replace(storeyed.case.site, spectrum=spectrum))
     table = replace(first.form.table, values={"elastic": True})
-    form = Oscillator(table=table, period=period, damping=damping, height=3.0, storeys=1)
+    form = OscillatorForm(table=table, period=period, damping=damping, height=3.0, storeys=1)
     structure = sl.Bilinear(period, damping)
     building = Building("Hut", structure, replace(form, behaviour_factor=behaviour))
     unit = 0.25 * G * 1.15 * (period / 2 / np.pi) ** 2

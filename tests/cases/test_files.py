@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 import stochlin as sl
 from stochlin.applications.cases.examples import example_record
-from stochlin.applications.cases.reading.kinds import Quantity
+from stochlin.applications.cases.reading.kinds import WithUnit
 from stochlin.applications.cases.reading.tables import key_lines
 from stochlin.applications.cases.separation import answer_case
 from stochlin.models.parameters import Range
@@ -70,7 +70,7 @@ def test_the_example_of_a_record_is_what_its_description_says(tmp_path: Path) ->
 )
 def test_a_value_is_its_number_times_its_unit(pair: tuple[str, str], value: float, space: str) -> None:
     units, unit = pair
-    number, text = Quantity(units, Range()), f"{value!r}{space}{unit}"
+    number, text = WithUnit(units, Range()), f"{value!r}{space}{unit}"
     if unit == "1/s" and not space:  # "21/s" might be 2 or 21
         with pytest.raises(ValueError, match="unknown unit"):
             number.in_si(text)
@@ -90,7 +90,7 @@ def test_a_value_is_its_number_times_its_unit(pair: tuple[str, str], value: floa
     ],
 )
 def test_units_are_read_as_people_spell_them(text: str, units: str, value: float) -> None:
-    assert Quantity(units, Range()).in_si(text) == pytest.approx(value, rel=1e-12)
+    assert WithUnit(units, Range()).in_si(text) == pytest.approx(value, rel=1e-12)
 
 
 def test_ductility_gives_the_strength_that_has_it(tmp_path: Path) -> None:

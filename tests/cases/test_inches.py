@@ -7,7 +7,7 @@ from cases import example_case
 from commands import answered
 
 import stochlin as sl
-from stochlin.views.shared.blocks import Items, Table, Text, ViewSection
+from stochlin.views.shared.blocks import Items, TableBlock, TextBlock, ViewSection
 from stochlin.views.shared.inches import inches, sections_with_inches, with_inches
 
 pytestmark = pytest.mark.cli
@@ -47,17 +47,17 @@ def test_lengths_in_a_text(american: Path, metric: str, both: str | None) -> Non
 
 def test_tables_have_a_column_or_a_row_more_and_texts_of_the_user_stay(american: Path) -> None:
     case = sl.read_case(american)
-    of_columns = Table.of(("rule", "gap [cm]", "apart"), [("srss", "13.6 (2.54 to 25.4)", "98 %")])
-    of_rows = Table.of(("", "mean"), [("  displacement [cm]", "8.3 +- 0.28"), ("impacts", "3")])
-    title = Text("Wall 5 cm from the line", "title")
+    of_columns = TableBlock.of(("rule", "gap [cm]", "apart"), [("srss", "13.6 (2.54 to 25.4)", "98 %")])
+    of_rows = TableBlock.of(("", "mean"), [("  displacement [cm]", "8.3 +- 0.28"), ("impacts", "3")])
+    title = TextBlock("Wall 5 cm from the line", "title")
     blocks = [title, Items(["5.08 cm"]), of_columns, of_rows]
     (section,) = sections_with_inches(case, [ViewSection("", blocks)])
     same, _, columns, rows = section.blocks
     assert same == title
-    assert isinstance(columns, Table)
+    assert isinstance(columns, TableBlock)
     assert columns.heads == ["rule", "gap [cm]", "gap [in]", "apart"]
     assert columns.rows[0].cells[1:3] == ["13.6 (2.54 to 25.4)", "5.4 (1.0 to 10.0)"]
-    assert isinstance(rows, Table)
+    assert isinstance(rows, TableBlock)
     assert [row.cells[0] for row in rows.rows] == [
         "  displacement [cm]",
         "  displacement [in]",

@@ -14,7 +14,7 @@ from motions import motion, write_at2
 
 import stochlin as sl
 from stochlin.applications.cases.reading.case import read_case
-from stochlin.applications.cases.reading.kinds import Quantity, keys_of
+from stochlin.applications.cases.reading.kinds import WithUnit, keys_of
 from stochlin.applications.cases.reading.tables import Form
 from stochlin.applications.explorer.uploads import read_upload
 from stochlin.models.parameters import Model
@@ -626,7 +626,7 @@ def test_keys_have_the_limits_of_their_names():
     for form in below(Form):
         for name, known in keys_of(form).items():
             kind = getattr(known.kind, "kind", known.kind)  # of a list its numbers
-            if isinstance(kind, Quantity) and name in PLAUSIBLE:
+            if isinstance(kind, WithUnit) and name in PLAUSIBLE:
                 assert kind.plausible == PLAUSIBLE[name]
                 seen.add(name)
     assert {"period", "damping", "masses", "pga", "duration", "confidence"} <= seen

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import stochlin as sl
-from stochlin.applications.cases.reading.kinds import Quantity
+from stochlin.applications.cases.reading.kinds import WithUnit
 from stochlin.models.parameters import Range
 from stochlin.models.units import UNITS, likely_unit, parsed, size_of, stated_size
 
@@ -109,7 +109,7 @@ def test_another_prefix_is_refused_with_the_likely_one(unit, quantity, likely):
     assert size_of(unit, quantity) is None
     assert size_of(likely, quantity) is not None
     with pytest.raises(ValueError, match="unknown unit") as caught:
-        Quantity(quantity, Range()).in_si(f"5 {unit}")
+        WithUnit(quantity, Range()).in_si(f"5 {unit}")
     assert f"did you mean {likely!r}? allowed: " in str(caught.value)
 
 
@@ -173,7 +173,7 @@ def test_no_product_of_units_is_too_large_or_small_for_a_number(name):
 )
 def test_a_number_with_another_sign_is_refused_with_how_to_write_it(written, readings):
     """Whatever the refusal proposes is read, as one of the numbers that may have been meant."""
-    mass = Quantity("kg", Range())
+    mass = WithUnit("kg", Range())
     with pytest.raises(ValueError, match="no decimal point; write ") as refused:
         mass.read(written, print)
     proposed = re.findall('"(.*?)"', str(refused.value))

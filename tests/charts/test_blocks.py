@@ -8,28 +8,28 @@ import re
 import pytest
 from matplotlib.figure import Figure
 
-from stochlin.views.shared.blocks import Items, Picture, Row, Table, Text, ViewSection
+from stochlin.views.shared.blocks import Items, Picture, Row, TableBlock, TextBlock, ViewSection
 from stochlin.views.shared.page import page
 from stochlin.views.shared.screen import lines
 
 pytestmark = pytest.mark.cli
 SECTIONS = [
-    ViewSection("", [Text("", "doubt"), Text("Block & annex", "title")]),
-    ViewSection("Nothing here", [Text(""), Items([]), Table.of(("rule", "gap [cm]"), [])]),
+    ViewSection("", [TextBlock("", "doubt"), TextBlock("Block & annex", "title")]),
+    ViewSection("Nothing here", [TextBlock(""), Items([]), TableBlock.of(("rule", "gap [cm]"), [])]),
     ViewSection(
         "The rules",
         [
-            Table(
+            TableBlock(
                 ("rule", "gap [cm]", "verdict"),
                 [Row(("srss", "9.5", "safe"), label="1 SRSS"), Row(("sum", "12.0", "within error"))],
                 words=("verdict",),
             ),
-            Text("The gap depends on rho.", "note"),
+            TextBlock("The gap depends on rho.", "note"),
             Items(["one", "two"]),
         ],
     ),
-    ViewSection("On paper", [Text("height 9.6 m")], on_screen=False),
-    ViewSection("On screens", [Text("needs zone")], on_page=False),
+    ViewSection("On paper", [TextBlock("height 9.6 m")], on_screen=False),
+    ViewSection("On screens", [TextBlock("needs zone")], on_page=False),
 ]
 
 
@@ -54,13 +54,13 @@ def test_the_screen_has_a_line_between_sections_and_around_tables() -> None:
 
 def test_a_table_that_is_hardly_too_wide_moves_together() -> None:
     cells = ("a" * 33, "b" * 33, "c" * 32)
-    (line,) = (line for line in lines([ViewSection("", [Table.of("xyz", [cells])])]) if "b" in line)
+    (line,) = (line for line in lines([ViewSection("", [TableBlock.of("xyz", [cells])])]) if "b" in line)
     assert line == " ".join(cells)
 
 
 def test_columns_are_as_wide_as_their_signs_are_on_the_screen() -> None:
     rows = [("S0", "0.01 m²/s³", "1"), ("T", "0.5 s", "2")]
-    *_, first, second = lines([ViewSection("", [Table.of("abc", rows, ("b",))])])
+    *_, first, second = lines([ViewSection("", [TableBlock.of("abc", rows, ("b",))])])
     assert first.index("1", 8) == second.index("2")
 
 

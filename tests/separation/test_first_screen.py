@@ -20,7 +20,7 @@ from stochlin.applications.cases.separation import CaseAnswer, answer_case
 from stochlin.views.separation.pictures import elevation_figure
 from stochlin.views.separation.report import answer_sections
 from stochlin.views.separation.words import allowances, cautions, first_lines, of_earthquakes
-from stochlin.views.shared.blocks import Table
+from stochlin.views.shared.blocks import TableBlock
 from stochlin.views.shared.screen import lines
 
 pytestmark = pytest.mark.cli
@@ -221,7 +221,7 @@ def test_limits_of_the_existing_gap_are_factors_on_what_there_is(answer: Any) ->
             for of in (("_1", "_2") if "factor" in name else ("",))
         }
         (table, _) = allowances(dataclasses.replace(one, existing=one.existing.assign(limits)))
-        assert isinstance(table, Table)
+        assert isinstance(table, TableBlock)
         return [tuple(row.cells[1:]) for row in table.rows]
 
     assert shown() == [

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from importlib.resources import files
 
-from stochlin.applications.cases.reading.case import Whole
+from stochlin.applications.cases.reading.case import WholeCase
 from stochlin.applications.cases.reading.kinds import Inner, Key
 from stochlin.applications.cases.reading.tables import NO_TABLE, Form
 
@@ -17,7 +17,7 @@ def short_example() -> str:
 
 def full_example() -> str:
     """All keys of all tables, each with what it is and what is allowed, as comments of a file."""
-    return "".join(_keys_of("", "", [Whole]))
+    return "".join(_keys_of("", "", [WholeCase]))
 
 
 def _keys_of(name: str, header: str, forms: Sequence[type[Form]]) -> Iterator[str]:

@@ -24,7 +24,11 @@ from stochlin.applications.sensitivity.sensitivity import sensitivity
 from stochlin.applications.separation.existing_gap import OF_SEARCH, GapSearch
 from stochlin.applications.separation.separation import separation
 from stochlin.applications.sites.motion_fit import checked_components, periods_of_fit
-from stochlin.applications.sites.simulated_spectra import Motions, compared_spectrum, simulated_spectrum
+from stochlin.applications.sites.simulated_spectra import (
+    SpectrumMotions,
+    compared_spectrum,
+    simulated_spectrum,
+)
 from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.kernels.simulation.stepping import whole_groups
 from stochlin.models.grounds import OF_SPECTRUM
@@ -177,7 +181,9 @@ def _spectrum(case: Case) -> xr.Dataset:
     if case.site.name == "fitted":
         compared = periods_of_fit(case.site.course.duration)
         of_record = checked_components(case.site.components).spectrum(compared)
-        return compared_spectrum(Motions(case.site.ground, *motion, **options), compared, of_record)
+        return compared_spectrum(
+            SpectrumMotions(case.site.ground, *motion, **options), compared, of_record
+        )
     return xr.Dataset()
 
 

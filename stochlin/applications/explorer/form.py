@@ -18,7 +18,7 @@ from stochlin.applications.cases.reading.kinds import (
     Integer,
     Key,
     ListOf,
-    Quantity,
+    WithUnit,
     Word,
 )
 from stochlin.applications.cases.reading.site import FITTED
@@ -64,7 +64,7 @@ class FormEntry(NamedTuple):
         if at == 0 or written is None or FROM_TO.fullmatch(str(self.value)):
             return self.value
         number = float(written[1]) * TIMES**at
-        shown = f"{float(f'{number:.3g}'):g}" if isinstance(self.key.kind, Quantity) else f"{number:.0f}"
+        shown = f"{float(f'{number:.3g}'):g}" if isinstance(self.key.kind, WithUnit) else f"{number:.0f}"
         return self.read(f"{shown}{written[2]}")
 
     def reach(self) -> tuple[float, float] | None:
@@ -116,7 +116,7 @@ def _entries(name: str, table: Mapping[str, Any], lines: Lines) -> Iterator[Form
     for each, value in ((each, value) for each, value in table.items() if each in keys):
         accepted = keys[each].kind
         of_all = accepted.kind if isinstance(accepted, ListOf) else accepted
-        number = isinstance(of_all, (Integer, Quantity))
+        number = isinstance(of_all, (Integer, WithUnit))
         words = _words(name, table, each, accepted) if isinstance(accepted, Word) else []
         chosen = isinstance(value, str) and value in words and len(words) > 1
         if (number or of_all is TRUTH or chosen) and lines.line_of(name, each, value):

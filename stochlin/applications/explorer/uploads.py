@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import xarray as xr
 
 from stochlin.applications.cases.reading.case import Case, case_of, read_case
-from stochlin.applications.cases.reading.site import Site
+from stochlin.applications.cases.reading.site import CaseSite
 from stochlin.applications.cases.reading.tables import read_table
 from stochlin.files.inputs import only_within
 from stochlin.files.toml import read_toml
@@ -24,10 +24,10 @@ class Fitted(NamedTuple):
     """A site with its ground, the values that it was read from, and warnings on the ground."""
 
     values: Sequence[Any]
-    site: Site
+    site: CaseSite
     doubts: Sequence[str]
 
-    def is_of(self, values: Sequence[Any], site: Site) -> bool:
+    def is_of(self, values: Sequence[Any], site: CaseSite) -> bool:
         """Whether a site has these values and the same content of all files that they name."""
         mine = {**self.site.records, "spectrum": self.site.spectrum, "hazard": self.site.hazard}
         others = {**site.records, "spectrum": site.spectrum, "hazard": site.hazard}

@@ -291,6 +291,7 @@ class GapSearch:
         amplitude = by_shaking.end(AMPLITUDES, [0], 1, NO_LIMIT)
         added = required(partial(changed, damped), 0.0).least(DAMPINGS)
         columns: dict[str, Any] = {**keeping_apart(samples, self.gap), "required_gap": as_built[0]}
+        advance(1.0)
         usual = prepared.usual
         modes = [median_of(structure).first_mode() for structure in self.structures.values()]
         factors = [solved_reduction_factor(mode, solved_together((mode,), usual)) for mode in modes]

@@ -20,7 +20,7 @@ import xarray as xr
 
 from stochlin.applications.records.ground_fit import STRONG_PART, Estimated, best_fit, ground_of_record
 from stochlin.applications.sites.elastic_spectra import DividedBy, as_elastic, taken_in_words
-from stochlin.applications.sites.simulated_spectra import Motions, peak_accelerations
+from stochlin.applications.sites.simulated_spectra import SpectrumMotions, peak_accelerations
 from stochlin.applications.sites.spectra import SHORTEST, checked_spectrum, interpolated, is_spectrum
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
@@ -307,7 +307,7 @@ def deliver(
     for attempt in range(CORRECTIONS + 1):
         # Another sample each time, so that a correction does not fit its scatter.
         timing = wanted.duration, wanted.envelope
-        motions = Motions(fit.ground(), *timing, paths, seed + attempt, progress)
+        motions = SpectrumMotions(fit.ground(), *timing, paths, seed + attempt, progress)
         peaks = peak_accelerations(wanted.periods, wanted.damping, motions, STEPS_PER_PERIOD)
         means = peaks.mean(axis=0)
         simulated.append(fit._replace(off=np.log(means / wanted.accelerations)))

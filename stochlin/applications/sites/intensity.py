@@ -11,7 +11,7 @@ import xarray as xr
 from scipy import constants
 
 from stochlin.applications.sites.elastic_spectra import USUAL_DAMPING
-from stochlin.applications.sites.simulated_spectra import PGA_STEP, Motions, peak_accelerations
+from stochlin.applications.sites.simulated_spectra import PGA_STEP, SpectrumMotions, peak_accelerations
 from stochlin.applications.sites.spectra import check_goal
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
@@ -102,7 +102,7 @@ def scale_ground(
     >>> round(float(table.peak_ground_acceleration) / 9.80665, 9)
     0.3
     """
-    motions = Motions(ground, duration, envelope, paths, seed, progress)
+    motions = SpectrumMotions(ground, duration, envelope, paths, seed, progress)
     check_scalars(ground, "ground", "numbers")
     check_goal({"pga": pga, "sa": sa}, period)
     if pga is not None and not np.isfinite(rms_acceleration(ground)):
@@ -142,7 +142,7 @@ def shaking(
     intensity = float(ground.arrays()["intensity"])
     std = rms_acceleration(ground)
     columns = {"rms_acceleration": std if np.isfinite(std) else np.nan, "ground_intensity": intensity}
-    motions = _of_unit_intensity(Motions(ground, duration, envelope, paths_for(duration), seed))
+    motions = _of_unit_intensity(SpectrumMotions(ground, duration, envelope, paths_for(duration), seed))
     for n, at in enumerate([None, *map(float, periods)]):
         name, ending = ("spectral_acceleration", f"_{n}") if n else ("peak_ground_acceleration", "")
         mean, error = _mean_acceleration(motions, at, USUAL_DAMPING)
@@ -151,13 +151,15 @@ def shaking(
     return labels.label(xr.Dataset(columns, attrs={"pga_step_s": PGA_STEP}))
 
 
-def _of_unit_intensity(motions: Motions) -> Motions:
+def _of_unit_intensity(motions: SpectrumMotions) -> SpectrumMotions:
     unit: dict[str, Any] = {"intensity": 1.0, "source": ""}
     return replace(motions, ground=replace(motions.ground, **unit))
 
 
 @lru_cache(maxsize=256)  # another acceleration wanted of the same motions costs nothing
-def _mean_acceleration(motions: Motions, period: float | None, damping: float) -> tuple[float, float]:
+def _mean_acceleration(
+    motions: SpectrumMotions, period: float | None, damping: float
+) -> tuple[float, float]:
     """Mean acceleration of the motions, and its standard error [m/s^2].
 
     It is the pseudo-acceleration at a period [s]; without a period, the peak of the ground, which is NaN

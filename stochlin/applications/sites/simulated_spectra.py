@@ -41,7 +41,7 @@ TOGETHER = 24  # oscillators of neighbouring periods that have the same time ste
 
 
 @dataclass(frozen=True)
-class Motions:
+class SpectrumMotions:
     """Simulated motions of a ground, equal to others whatever their ``progress`` is."""
 
     ground: Ground
@@ -126,7 +126,7 @@ def simulated_spectrum(
     >>> table.pseudo_acceleration.dims, bool((table.pseudo_acceleration > 0).all())
     (('period',), True)
     """
-    motions = Motions(ground, duration, envelope, paths, seed, progress)
+    motions = SpectrumMotions(ground, duration, envelope, paths, seed, progress)
     check_scalars(ground, "ground", "numbers")
     if is_spectrum(target):
         checked_spectrum(target)
@@ -145,7 +145,7 @@ def simulated_spectrum(
 
 
 def compared_spectrum(
-    motions: Motions, periods: Array, wanted: Array | None, damping: float = USUAL_DAMPING
+    motions: SpectrumMotions, periods: Array, wanted: Array | None, damping: float = USUAL_DAMPING
 ) -> xr.Dataset:
     """The variables of `simulated_spectrum`, compared with any ``wanted`` spectrum."""
     peaks = peak_accelerations(periods, damping, motions)
@@ -185,7 +185,7 @@ def _asked(
 
 
 def peak_accelerations(
-    periods: Array, damping: float, motions: Motions, steps_per_period: int = STEPS_PER_PERIOD
+    periods: Array, damping: float, motions: SpectrumMotions, steps_per_period: int = STEPS_PER_PERIOD
 ) -> Array:
     """Pseudo-accelerations of elastic oscillators in each motion [m/s^2], (paths, periods).
 

@@ -36,15 +36,15 @@ LEAST_RATE = 1e-12  # sv over the yield displacement to which it is limited [1/s
 LARGEST_CORRELATION = 1 - 1e-12  # to which corr(v, z) is limited
 
 
-class State(NamedTuple):
+class MomentState(NamedTuple):
     """What is integrated, or its rates."""
 
     covariance: Array  # (c, states, states)
     means: Array  # (1 + further states, c, m) of the work on z, and of the further states of the laws
 
-    def moved(self, rates: State, time: float) -> State:
+    def moved(self, rates: MomentState, time: float) -> MomentState:
         """The state after a time [s] with these rates."""
-        return State(*(x + time * rate for x, rate in zip(self, rates, strict=True)))
+        return MomentState(*(x + time * rate for x, rate in zip(self, rates, strict=True)))
 
 
 class TransientMoments(NamedTuple):
@@ -102,11 +102,11 @@ class TransientSystems:
             root = np.sqrt(space.intensity)[:, None]
             start[:, g, g] = stationary(self.matrix[:, g, g], root * space.noise[:, g])
         states = max((law.states for law in problem.laws), default=0)
-        self.start = State(start, np.zeros((1 + states, *elastic.shape)))
+        self.start = MomentState(start, np.zeros((1 + states, *elastic.shape)))
         fastest = float(np.abs(np.linalg.eigvals(self.matrix)).max())
         self.followed = max(followed, fastest / STABLE)
 
-    def coefficients(self, state: State) -> tuple[Array, Array]:
+    def coefficients(self, state: MomentState) -> tuple[Array, Array]:
         """``1 + c_eq`` and ``k_eq`` (2, c, m), and the rates of the means."""
         _, _, v, z = self.blocks
         unit = 1 / self.strength
@@ -127,7 +127,7 @@ class TransientSystems:
                 rates[1 : 1 + law.states, :, law.springs] = own
         return coefficients_of(laws, moments), rates
 
-    def rates(self, time: float, state: State) -> tuple[State, float]:
+    def rates(self, time: float, state: MomentState) -> tuple[MomentState, float]:
         """The rates at a time [s], and the fastest motion that they need to follow [rad/s]."""
         level = self.envelope(time)
         _, _, v, z = self.blocks
@@ -139,9 +139,9 @@ class TransientSystems:
         flow = matrix @ state.covariance
         drive = self.noise if self.filtered else level**2 * self.noise
         fastest = max(self.followed, float(relaxation.max(initial=0.0)))
-        return State(flow + flow.swapaxes(1, 2) + drive, of_means), fastest
+        return MomentState(flow + flow.swapaxes(1, 2) + drive, of_means), fastest
 
-    def advanced(self, begin: float, end: float, state: State) -> State:
+    def advanced(self, begin: float, end: float, state: MomentState) -> MomentState:
         """The state at the end of an interval of time [s], by as many steps as its rates need."""
         time = begin
         steps = 2
@@ -165,7 +165,7 @@ class TransientSystems:
         self._check(end, state)
         return state
 
-    def _check(self, time: float, state: State) -> None:
+    def _check(self, time: float, state: MomentState) -> None:
         """Raise an ArithmeticError if a structure falls."""
         q = self.blocks[1]
         squares = _sums(self.extensions @ state.covariance[:, q, q], self.extensions)
@@ -197,7 +197,7 @@ class TransientSystems:
                 progress(float(time / times[-1]))
         return TransientMoments._make(map(np.stack, zip(*moments, strict=True)))
 
-    def _states(self, times: Array, kinks: Sequence[float]) -> Iterator[tuple[float, State]]:
+    def _states(self, times: Array, kinks: Sequence[float]) -> Iterator[tuple[float, MomentState]]:
         """The states at these times."""
         state = self.start
         yield 0.0, state
@@ -209,7 +209,7 @@ class TransientSystems:
             if end in wanted:
                 yield end, state
 
-    def _moments(self, state: State, rows: Array) -> TransientMoments:
+    def _moments(self, state: MomentState, rows: Array) -> TransientMoments:
         """Moments at one time."""
         _, q, v, z = self.blocks
         (slip, relaxation), _ = self.coefficients(state)

@@ -46,7 +46,7 @@ SAMPLES = 32  # default number of samples of a block, which then fits the second
 Block = Callable[..., None]
 
 
-class Oscillators(NamedTuple):
+class SteppedOscillators(NamedTuple):
     """Independent bilinear oscillators, in units of their yield displacements."""
 
     parameters: Array  # (n, 4): parameters of each oscillator, as in `bilinear_block`
@@ -170,7 +170,7 @@ class Plan(NamedTuple):
 class Ensemble(NamedTuple):
     """Structures that are subjected to the same simulated motions, in parts of one kind each."""
 
-    parts: Sequence[Oscillators | SteppedStructures]
+    parts: Sequence[SteppedOscillators | SteppedStructures]
     ground: AnyGround
     root: Array  # matrix with root root' = stationary covariance of the filter's states
     plan: Plan

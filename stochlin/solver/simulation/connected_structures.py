@@ -14,7 +14,7 @@ from stochlin.kernels.basics.systems import System
 from stochlin.kernels.pounding.run import BuildingRow
 from stochlin.kernels.simulation.account import Parts
 from stochlin.kernels.simulation.contacts import Contacts
-from stochlin.kernels.simulation.ensemble import Oscillators, SteppedStructures
+from stochlin.kernels.simulation.ensemble import SteppedOscillators, SteppedStructures
 from stochlin.kernels.simulation.laws import (
     BILINEAR,
     LINEAR,
@@ -37,7 +37,7 @@ ROUNDING = 1e-9  # of the strain of an element in a mode, relative to the larges
 class SteppedGroup(NamedTuple):
     """Structures that are stepped together: oscillators, linked structures, or one building."""
 
-    part: Oscillators | SteppedStructures
+    part: SteppedOscillators | SteppedStructures
     watched: Array  # (w,) numbers of the displacements in the system, as `Arrangement.displacements`
     shortest: float  # [s], shortest elastic period that determines the time step
     slowest: float  # [s], longest decay time of the elastic vibrations
@@ -103,7 +103,9 @@ def _simple_oscillators(stacks: Sequence[Stack], watched: Array) -> SteppedGroup
     scale, period = np.where(yields, strength, 1.0), 2 * np.pi * np.sqrt(mass / (post + couple))
     columns = np.stack([damping / mass, post / mass, couple / mass, 1 / scale], axis=1)
     slowest = float((2 * mass / damping).max())
-    return SteppedGroup(Oscillators(columns), watched, float(period.min()), slowest, period, scale)
+    return SteppedGroup(
+        SteppedOscillators(columns), watched, float(period.min()), slowest, period, scale
+    )
 
 
 def _tied(system: Arrangement) -> list[Array]:

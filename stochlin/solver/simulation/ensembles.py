@@ -16,8 +16,8 @@ from stochlin.kernels.basics.parallel import cores
 from stochlin.kernels.linearization.filters import Filter
 from stochlin.kernels.simulation.ensemble import (
     Ensemble,
-    Oscillators,
     Plan,
+    SteppedOscillators,
     SteppedStructures,
     UncertainGround,
 )
@@ -165,7 +165,7 @@ def seconds_of(run: SimulationRun, steps: float, distances: float = 0.0) -> floa
     """
     parts = run.ensemble.parts
     kinds = [part.elements.kind for part in parts if isinstance(part, SteppedStructures)]
-    together = sum(part.size for part in parts if isinstance(part, Oscillators))
+    together = sum(part.size for part in parts if isinstance(part, SteppedOscillators))
     all_kinds = np.concatenate([np.full(together, BILINEAR), *kinds])
     step = (
         8e-9  # of the ground

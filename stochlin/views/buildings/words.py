@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stochlin.models.buildings.base import GRAVITY
-from stochlin.views.shared.blocks import Items, Table, Text, ViewSection
+from stochlin.views.shared.blocks import Items, TableBlock, TextBlock, ViewSection
 from stochlin.views.shared.words import SPACE, TURNS, along, length, per_cent
 
 if TYPE_CHECKING:
@@ -37,8 +37,8 @@ def building_sections(
     moves = "Floors, with their displacements over that of each mode's oscillator"
     taken = [*_assumed(table, building), *_strength(table, building, ideal)]
     return [
-        ViewSection("", [Text(head)]),
-        ViewSection("Modes", [_modes(table), Text(f"Effective modal masses together: {whole}.")]),
+        ViewSection("", [TextBlock(head)]),
+        ViewSection("Modes", [_modes(table), TextBlock(f"Effective modal masses together: {whole}.")]),
         ViewSection(moves, [_floors(table)]),
         ViewSection("Taken and assumed", [Items(taken)]),
     ]
@@ -48,7 +48,7 @@ def _count(number: int, what: str) -> str:
     return f"{number} {what}{'s' * (number > 1)}"
 
 
-def _modes(table: xr.Dataset) -> Table:
+def _modes(table: xr.Dataset) -> TableBlock:
     so_far = np.cumsum(table["mass_share"].values)
     rows = [
         [
@@ -60,10 +60,10 @@ def _modes(table: xr.Dataset) -> Table:
         ]
         for mode, together in zip(along(table, "mode"), so_far, strict=True)
     ]
-    return Table.of(["mode", "period [s]", "mass [%]", "up to it [%]", "roof"], rows)
+    return TableBlock.of(["mode", "period [s]", "mass [%]", "up to it [%]", "roof"], rows)
 
 
-def _floors(table: xr.Dataset) -> Table:
+def _floors(table: xr.Dataset) -> TableBlock:
     """From the roof down, as buildings are drawn."""
     shown = table.isel(mode=slice(MOST_COLUMNS))
     rows = [
@@ -77,7 +77,7 @@ def _floors(table: xr.Dataset) -> Table:
         for floor in along(shown.isel(floor=slice(None, None, -1)), "floor")
     ]
     heads = ["floor", "level [m]", "storey [m]", "mass [t]"]
-    return Table.of([*heads, *(f"mode {mode}" for mode in shown["mode"].values)], rows)
+    return TableBlock.of([*heads, *(f"mode {mode}" for mode in shown["mode"].values)], rows)
 
 
 def _assumed(table: xr.Dataset, building: ModalBuilding) -> Iterator[str]:

@@ -12,7 +12,7 @@ from stochlin.applications.explorer.uploads import read_upload, uploaded
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.views.separation.report import first_sections
 from stochlin.views.separation.words import rules_sections
-from stochlin.views.shared.blocks import Picture, Text, ViewSection
+from stochlin.views.shared.blocks import Picture, TextBlock, ViewSection
 from stochlin.views.shared.inches import sections_with_inches
 from stochlin.views.shared.page import page
 from stochlin.views.shared.style import CURVES, label_axis, legend_above, open_frame
@@ -48,7 +48,7 @@ def gap_of(folder: str, name: str, text: str, progress: Progress) -> str:
     sections = [
         *first_sections(answer),
         *sections_with_inches(case, rules_sections(answer)),
-        ViewSection("", [Text(of_few * (case.simulated.motions > PATHS), "note")]),
+        ViewSection("", [TextBlock(of_few * (case.simulated.motions > PATHS), "note")]),
     ]
     return _html(case, doubts, sections, "gap")
 
@@ -59,14 +59,14 @@ def correlation_of(folder: str, name: str, text: str, progress: Progress) -> str
     ratio = pair_of(case)[1].period / pair_of(case)[0].period
     grounds = list(correlations(case, progress))
     picture = Picture("Correlation of the displacements", CAPTION, partial(_drawn, grounds, ratio))
-    sentences = [Text(_in_words(ground, ratio)) for ground in grounds]
+    sentences = [TextBlock(_in_words(ground, ratio)) for ground in grounds]
     return _html(case, doubts, [ViewSection("", [*sentences, picture])], "rho")
 
 
 def _html(case: Case, doubts: list[str], sections: list[ViewSection], prefix: str) -> str:
     """Warnings on the file, and the sections; names of the case are the user's."""
     as_given = [case.title, *(building.name for building in case.buildings), *case.site.records]
-    warned = ViewSection("", [Text(f"Warning: {text}", "doubt") for text in doubts])
+    warned = ViewSection("", [TextBlock(f"Warning: {text}", "doubt") for text in doubts])
     return page("", [warned, *sections], [], as_given, "sections.html", prefix)
 
 

@@ -8,12 +8,12 @@ from typing import Any
 import click
 
 from stochlin.views.shared.blocks import PICTURES
-from stochlin.views.shared.options import Numbers, QuantityType, as_option
+from stochlin.views.shared.options import OptionList, QuantityType, as_option
 from stochlin.views.shared.progress import progress_bar, quiet_option
 from stochlin.views.shared.screen import COMMANDS, bad_input, check_target
 
 RATIO, SECONDS, METRES = map(QuantityType, ("1", "s", "m"))
-RATIOS = Numbers("1")
+RATIOS = OptionList("1")
 COUNT = click.IntRange(min=0)
 POINTS = click.IntRange(min=2)
 # Type, default and help of the options; all but the first three are parameters of ChartSettings.

@@ -9,7 +9,7 @@ import numpy as np
 from stochlin.applications.cases.rows import simulated_as
 from stochlin.applications.cases.shaking import doubts
 from stochlin.messages import plain
-from stochlin.views.shared.blocks import Items, Table, ViewSection, texts
+from stochlin.views.shared.blocks import Items, TableBlock, ViewSection, texts
 from stochlin.views.shared.inches import sections_with_inches
 from stochlin.views.shared.words import (
     MISSING,
@@ -77,12 +77,12 @@ def _headline(table: xr.Dataset) -> str:
     return sentence
 
 
-def _table(rows: Sequence[xr.Dataset], columns: Columns, words: Sequence[str] = ()) -> Table:
+def _table(rows: Sequence[xr.Dataset], columns: Columns, words: Sequence[str] = ()) -> TableBlock:
     """A table of rows of a dataset, each with its measure and the columns."""
     cells = [
         (plain(row.measure.item(), WIDE), *(cell(row) for cell in columns.values())) for row in rows
     ]
-    return Table.of(("measure", *columns), cells, words)
+    return TableBlock.of(("measure", *columns), cells, words)
 
 
 def _of_motions(table: xr.Dataset) -> Columns:

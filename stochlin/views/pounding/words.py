@@ -12,7 +12,7 @@ from stochlin.applications.cases.pounding import ENERGIES, energy_of
 from stochlin.applications.cases.shaking import doubts
 from stochlin.messages import plain
 from stochlin.solver.tables.labels import VALUE_AND_ENDS
-from stochlin.views.shared.blocks import Table, Text, ViewSection, texts
+from stochlin.views.shared.blocks import TableBlock, TextBlock, ViewSection, texts
 from stochlin.views.shared.inches import sections_with_inches
 from stochlin.views.shared.words import (
     MISSING,
@@ -202,7 +202,7 @@ def _values(case: Case, table: xr.Dataset) -> ViewSection:
     notes += [MEANINGS] * meets + [OF_FLOORS] * ("floor" in table.dims)
     jumps = meets and bool(table[f"hardest_force_between{end}"].isnull().any())
     text = " ".join([*notes, *[JUMPS] * jumps])
-    return ViewSection("", [Table.of(["", *heads], rows), Text(text)])
+    return ViewSection("", [TableBlock.of(["", *heads], rows), TextBlock(text)])
 
 
 def _part(table: xr.Dataset, name: str) -> xr.Dataset:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from stochlin.applications.cases.rows import pair_of, simulated_as
 from stochlin.applications.cases.shaking import doubts
-from stochlin.views.shared.blocks import Table, Text, ViewSection, texts
+from stochlin.views.shared.blocks import TableBlock, TextBlock, ViewSection, texts
 from stochlin.views.shared.inches import sections_with_inches
 from stochlin.views.shared.words import (
     SPACE,
@@ -56,10 +56,10 @@ def answer_sections(table: xr.Dataset, case: Case, gap: float) -> list[ViewSecti
         ViewSection("", texts([_simulated(table), _wanted(table)])),
         ViewSection(
             "By formula, the confidence of no pounding up to each time",
-            [Table.of(("time [s]", *formulas), rows)] if formulas else [],
+            [TableBlock.of(("time [s]", *formulas), rows)] if formulas else [],
         ),
         ViewSection("", texts(_cautions(table, case))),
-        ViewSection("", [Text(comment)]),
+        ViewSection("", [TextBlock(comment)]),
     ]
     return sections_with_inches(case, sections)
 

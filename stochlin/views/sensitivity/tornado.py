@@ -9,7 +9,7 @@ import numpy as np
 
 from stochlin.models.buildings.shear import OF_STOREYS
 from stochlin.models.descriptions import shown_unit
-from stochlin.views.shared.blocks import Block, Picture, Table, Text, texts
+from stochlin.views.shared.blocks import Block, Picture, TableBlock, TextBlock, texts
 from stochlin.views.shared.style import (
     AS_GIVEN,
     caption_of,
@@ -86,7 +86,7 @@ def blocks(table: xr.Dataset, names: Mapping[str, str] = NAMES) -> list[Block]:
     shown = rows(table, names)
     quantity = _asked(table)
     if not shown:
-        return [Text("No parameter of the buildings or of the ground changes it.")]
+        return [TextBlock("No parameter of the buildings or of the ground changes it.")]
     most = shown[0]
     sentences = [
         f"The {quantity} depends most on the {most.label}: at the ends of its range, {most.range} "
@@ -99,7 +99,7 @@ def blocks(table: xr.Dataset, names: Mapping[str, str] = NAMES) -> list[Block]:
             f"If all inputs were known to be at their medians, the {quantity} would be "
             f"{100 * abs(less):.0f} ± {per_cent(error)} {'smaller' if less < 0 else 'larger'}."
         )
-    listed = Table.of(
+    listed = TableBlock.of(
         ["input", "range", "of it", f"{quantity} [cm]"], [row[1:] for row in shown], ("range",)
     )
     text = f"Change of the {quantity} with each input at the ends of its range; lines: standard errors."

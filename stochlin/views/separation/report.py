@@ -11,7 +11,7 @@ from stochlin.applications.cases.shaking import doubts
 from stochlin.views.sensitivity import tornado
 from stochlin.views.separation import pictures, words
 from stochlin.views.separation.risk import risk_blocks
-from stochlin.views.shared.blocks import Block, Items, Picture, Table, Text, ViewSection, texts
+from stochlin.views.shared.blocks import Block, Items, Picture, TableBlock, TextBlock, ViewSection, texts
 from stochlin.views.shared.inches import sections_with_inches
 from stochlin.views.shared.page import page
 from stochlin.views.shared.words import centimetres, doubt, over_records, with_uncertainty
@@ -28,7 +28,7 @@ def first_sections(answer: CaseAnswer) -> list[ViewSection]:
     first, *others = texts(words.first_lines(answer))
     sections = [
         ViewSection("", [doubt(doubts(answer.shaking))]),
-        ViewSection("", [Text(answer.case.title, "title")], on_screen=False),
+        ViewSection("", [TextBlock(answer.case.title, "title")], on_screen=False),
         ViewSection("", [replace(first, look="answer"), pictures.elevation_picture(answer), *others]),
         ViewSection("", texts(words.taken(answer.case))),
         ViewSection("", texts(words.cautions(answer))),
@@ -46,7 +46,9 @@ def answer_sections(answer: CaseAnswer) -> list[ViewSection]:
         ViewSection(f"The existing {about.gap}", words.allowances(answer)),
         ViewSection("", words.details(answer), on_page=False, detail=True),
         ViewSection("", words.details(answer, on_page=True), on_screen=False),
-        ViewSection("Uncertain parameters", [Text(with_uncertainty(case, f"the {about.gap} is that"))]),
+        ViewSection(
+            "Uncertain parameters", [TextBlock(with_uncertainty(case, f"the {about.gap} is that"))]
+        ),
         ViewSection(f"How often {about.meet}", risk_blocks(answer)),
         ViewSection("The records", [_records(answer)]),
         *words.rules_sections(answer),
@@ -54,7 +56,7 @@ def answer_sections(answer: CaseAnswer) -> list[ViewSection]:
         ViewSection("Influence of the inputs", influence),
         ViewSection("Method", [Items(words.method(case)), words.assumptions(answer)], on_screen=False),
         ViewSection("The case", words.case_file(case), on_screen=False),
-        ViewSection("", [Text(words.signed(answer), "signed")], on_screen=False),
+        ViewSection("", [TextBlock(words.signed(answer), "signed")], on_screen=False),
     ]
     return [*first_sections(answer), *sections_with_inches(case, sections)]
 
@@ -92,7 +94,7 @@ def _records(answer: CaseAnswer) -> Block:
     gap = words.subject_of(answer.case).gap
     if answer.over_records is not None:
         count = len(case.site.records)
-        return Text(over_records(answer.over_records, count, float(table.gap[0]), gap))
+        return TextBlock(over_records(answer.over_records, count, float(table.gap[0]), gap))
     heads = {"record_separation": f"{gap} [cm]"}
     where = words.meeting_level(answer)
     peaks = {1: "peak [cm]"} if case.alone else {n: f"peak {n}{where} [cm]" for n in (1, 2)}
@@ -101,4 +103,4 @@ def _records(answer: CaseAnswer) -> Block:
         (record, *(centimetres(float(table[name][n])) for name in heads))
         for n, record in enumerate(case.site.records)
     ]
-    return Table.of(("record", *heads.values()), rows)
+    return TableBlock.of(("record", *heads.values()), rows)

@@ -9,7 +9,7 @@ import numpy as np
 from stochlin.applications.risk.rates import range_of_rate
 from stochlin.models.hazards import HazardCurve
 from stochlin.views.separation.words import subject_of
-from stochlin.views.shared.blocks import Block, Table, Text, texts
+from stochlin.views.shared.blocks import Block, TableBlock, TextBlock, texts
 from stochlin.views.shared.words import (
     MISSING,
     SPACE,
@@ -43,7 +43,7 @@ def risk_blocks(answer: CaseAnswer) -> list[Block]:
         "Different years are taken as independent."
     )
     rows = [_row(answer, of_gap) for of_gap in along(table, "risk_gap")]
-    return [*texts(risk_sentences(answer)), Table.of(heads, rows), Text(note, "note")]
+    return [*texts(risk_sentences(answer)), TableBlock.of(heads, rows), TextBlock(note, "note")]
 
 
 def _row(answer: CaseAnswer, risk: xr.Dataset) -> tuple[str, ...]:

@@ -12,7 +12,7 @@ from stochlin.applications.cases.separation import WITH_SCATTER
 from stochlin.applications.separation.separation import COMBINED
 from stochlin.models.grounds import OF_SPECTRUM
 from stochlin.models.rules.codes import CODE_RULES
-from stochlin.views.shared.blocks import Block, Items, Row, Table, Text, ViewSection, texts
+from stochlin.views.shared.blocks import Block, Items, Row, TableBlock, TextBlock, ViewSection, texts
 from stochlin.views.shared.words import (
     SPACE,
     along,
@@ -293,7 +293,7 @@ def _strengths(answer: CaseAnswer) -> str:
     return f"Yielding: {'; '.join(parts)}. {OF_R}" if parts else ""
 
 
-def details(answer: CaseAnswer, on_page: bool = False) -> list[Text]:
+def details(answer: CaseAnswer, on_page: bool = False) -> list[TextBlock]:
     """The shaking, its fit that a page draws, ductilities and drifts."""
     case = answer.case
     motions = fit_in_words(answer.spectrum, case.periods)
@@ -339,7 +339,7 @@ def allowances(answer: CaseAnswer) -> list[Block]:
         f"tried: {limits.attrs['searched']}."
     )
     heads = ("change", "enough with", "95 % interval")
-    return [Table.of(heads, rows, heads[1:]), Text(note, "note")]
+    return [TableBlock.of(heads, rows, heads[1:]), TextBlock(note, "note")]
 
 
 def _strength(limits: xr.Dataset, table: xr.Dataset) -> list[tuple[str, ...]]:
@@ -393,12 +393,12 @@ def signed(answer: CaseAnswer) -> str:
     return f"{'; '.join([f'{answer.case.whole.table.source.name}: {gap}', *numbers])}. {SIGNED}"
 
 
-def case_file(case: Case) -> list[Text]:
+def case_file(case: Case) -> list[TextBlock]:
     """The text of the case file, from which the same case can be computed again."""
     beside = ", ".join(path.name for path in case.files[1:])
     words = "With the same version of stochlin the case file gives the same numbers."
     needs = f" It needs these files beside it: {beside}." if beside else ""
-    return [Text(words + needs), Text(case.whole.table.source.text, "file")]
+    return [TextBlock(words + needs), TextBlock(case.whole.table.source.text, "file")]
 
 
 class RuleLine(NamedTuple):
@@ -494,12 +494,12 @@ def own_codes(answer: CaseAnswer) -> list[RuleLine]:
     return [row for row in usual_rows(answer) if row.group == AS_APPLIED or row.rule in numbers]
 
 
-def rules_table(answer: CaseAnswer, shown: list[RuleLine]) -> Table:
+def rules_table(answer: CaseAnswer, shown: list[RuleLine]) -> TableBlock:
     """A row for each rule that has a gap: on the screen by its name in files, on a page by its title."""
     about = subject_of(answer.case)
     heads = ("rule", f"{about.gap} [cm]", "error", about.column, "verdict", "mark")
     table_rows = [Row(row.cells, row.label, row.group, row.verdict) for row in shown if not row.missing]
-    return Table(heads, table_rows, words=heads[4:])
+    return TableBlock(heads, table_rows, words=heads[4:])
 
 
 def not_available(shown: list[RuleLine]) -> Items:
@@ -511,7 +511,7 @@ def rules_sections(answer: CaseAnswer) -> list[ViewSection]:
     """The usual rules beside the answer; in details the notes on them, and all others."""
     usual = usual_rows(answer)
     others = [row for row in rows(answer) if not row.usual]
-    combined = Text(COMBINED if COMBINATION in {row.group for row in others} else "", "note")
+    combined = TextBlock(COMBINED if COMBINATION in {row.group for row in others} else "", "note")
     more: list[Block] = [rules_table(answer, others), not_available(others), combined]
     return [
         ViewSection("The rules and the answer", [rules_table(answer, usual), combinations(answer)]),
@@ -521,12 +521,12 @@ def rules_sections(answer: CaseAnswer) -> list[ViewSection]:
     ]
 
 
-def rules_notes(answer: CaseAnswer) -> Text:
+def rules_notes(answer: CaseAnswer) -> TextBlock:
     """The meaning of the columns and marks, and how a code is applied."""
     about = subject_of(answer.case)
     groups = {row.group for row in usual_rows(answer)}
     columns = f"Error: relative to the answer. {about.column.capitalize()}: {about.good}. {MARKS}"
-    return Text(f"{columns} {APPLY if AS_APPLIED in groups else NO_CODES}", "note")
+    return TextBlock(f"{columns} {APPLY if AS_APPLIED in groups else NO_CODES}", "note")
 
 
 def assumptions(answer: CaseAnswer) -> Items:

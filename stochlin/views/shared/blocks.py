@@ -24,7 +24,7 @@ POWER = re.compile(r"\^(\((?:[^()]|\([^()]*\))*\)|-?\w)")
 
 
 @dataclass(frozen=True)
-class Text:
+class TextBlock:
     """A paragraph, none if it is empty. ``look``: title, answer, doubt, note, file or signed."""
 
     text: str
@@ -49,7 +49,7 @@ class Row:
 
 
 @dataclass(frozen=True)
-class Table:
+class TableBlock:
     """Numbers below heads such as ``gap [cm]``; the first column and those of words are flush left."""
 
     heads: Sequence[str]
@@ -57,7 +57,9 @@ class Table:
     words: Sequence[str] = ()
 
     @classmethod
-    def of(cls, heads: Sequence[str], rows: Iterable[Sequence[str]], words: Sequence[str] = ()) -> Table:
+    def of(
+        cls, heads: Sequence[str], rows: Iterable[Sequence[str]], words: Sequence[str] = ()
+    ) -> TableBlock:
         """A table of rows that are cells and nothing else."""
         return cls(heads, [Row(cells) for cells in rows], words)
 
@@ -72,7 +74,7 @@ class Picture:
     beside: bool = False  # first of a page, without its title: what follows stands beside it
 
 
-Block: TypeAlias = Text | Items | Table | Picture
+Block: TypeAlias = TextBlock | Items | TableBlock | Picture
 
 
 @dataclass(frozen=True)
@@ -87,9 +89,9 @@ class ViewSection:
     columns: bool = False  # side by side, where the page is wide enough
 
 
-def texts(sentences: Iterable[str]) -> list[Text]:
+def texts(sentences: Iterable[str]) -> list[TextBlock]:
     """A paragraph for each sentence."""
-    return [Text(sentence) for sentence in sentences]
+    return [TextBlock(sentence) for sentence in sentences]
 
 
 def typeset(text: str) -> str:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from stochlin.views.shared.blocks import Block, Items, Row, Table, Text, ViewSection
+from stochlin.views.shared.blocks import Block, Items, Row, TableBlock, TextBlock, ViewSection
 from stochlin.views.shared.words import SPACE, centimetres, number
 
 if TYPE_CHECKING:
@@ -56,14 +56,14 @@ def _in_inches(text: str) -> str:
 
 
 def _of_block(case: Case, block: Block) -> Block:
-    if isinstance(block, Text) and block.look not in AS_WRITTEN:
+    if isinstance(block, TextBlock) and block.look not in AS_WRITTEN:
         return replace(block, text=with_inches(case, block.text))
     if isinstance(block, Items):
         return Items([with_inches(case, text) for text in block.texts])
-    return _of_table(case, block) if isinstance(block, Table) else block
+    return _of_table(case, block) if isinstance(block, TableBlock) else block
 
 
-def _of_table(case: Case, table: Table) -> Table:
+def _of_table(case: Case, table: TableBlock) -> TableBlock:
     """A table with a column in inches after each in centimetres, and such a row after each row."""
     heads = [
         twice for head in table.heads for twice in _twice(head, head, head.replace(IN_CM, IN_INCHES))

@@ -30,19 +30,19 @@ class QuantityType(click.ParamType):  # type: ignore[type-arg]  # no generic typ
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """The number in SI that a text stands for."""
-        from stochlin.applications.cases.reading.kinds import Quantity
+        from stochlin.applications.cases.reading.kinds import WithUnit
         from stochlin.models.parameters import POSITIVE
 
         number = value
         with suppress(ValueError):
             number = float(value)
         try:
-            return Quantity(self.units, POSITIVE).in_si(number)  # models know the range
+            return WithUnit(self.units, POSITIVE).in_si(number)  # models know the range
         except ValueError as error:
             self.fail(f"{brief(value)} {error}", param, ctx)
 
 
-class Numbers(QuantityType):
+class OptionList(QuantityType):
     """A value ``0.5s``, a list ``0.5s,1s,2s``, or a sweep ``start:stop:count[:log]``."""
 
     name = "numbers"
@@ -69,7 +69,7 @@ class Numbers(QuantityType):
 def numbers_option(name: str, help_text: str, units: str = "1", **more: Any) -> Callable[[Any], Any]:
     """An option that takes a number, a list or a sweep, with these units."""
     shown: dict[str, Any] = {"metavar": "NUMBERS", "show_default": True, "help": help_text}
-    return click.option(name, type=Numbers(units), **shown, **more)
+    return click.option(name, type=OptionList(units), **shown, **more)
 
 
 def as_option(name: str) -> str:

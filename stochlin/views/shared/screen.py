@@ -25,7 +25,15 @@ from stochlin.messages import (
     sentence,
 )
 from stochlin.registry import Registry
-from stochlin.views.shared.blocks import LETTERS, PICTURES, Block, Items, Table, Text, ViewSection
+from stochlin.views.shared.blocks import (
+    LETTERS,
+    PICTURES,
+    Block,
+    Items,
+    TableBlock,
+    TextBlock,
+    ViewSection,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -174,15 +182,15 @@ def lines(sections: Iterable[ViewSection], details: bool = False) -> list[str]:
 
 def _written(block: Block) -> list[str]:
     """The lines of a block; pictures and names with their meaning are for pages."""
-    if isinstance(block, Text):
+    if isinstance(block, TextBlock):
         return textwrap.wrap(block.text, WIDTH)
     if isinstance(block, Items):
         fill = partial(textwrap.wrap, width=WIDTH, initial_indent="  ", subsequent_indent="    ")
         return [line for text in block.texts for line in fill(text)]
-    return _columns(block) if isinstance(block, Table) and block.rows else []
+    return _columns(block) if isinstance(block, TableBlock) and block.rows else []
 
 
-def _columns(table: Table) -> list[str]:
+def _columns(table: TableBlock) -> list[str]:
     """The first column and those of words to the left, the others to the right."""
     rows = [table.heads, *(row.cells for row in table.rows)]
     columns: list[list[str]] = []

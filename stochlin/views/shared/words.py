@@ -16,7 +16,7 @@ from stochlin.models.hazards import OF_DESIGN, Hazard, HazardCurve
 from stochlin.models.rules.codes import CODE_RULES
 from stochlin.models.rules.effective_properties import EFFECTIVE_RULES
 from stochlin.solver.tables.labels import VALUE_AND_ENDS
-from stochlin.views.shared.blocks import Text, ViewSection
+from stochlin.views.shared.blocks import TextBlock, ViewSection
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -224,14 +224,16 @@ def over_records(table: xr.Dataset, count: int, gap: float, what: str = "gap") -
     )
 
 
-def doubt(doubts: Sequence[str]) -> Text:
+def doubt(doubts: Sequence[str]) -> TextBlock:
     """Doubtful input as the first line of an answer, if there is any."""
-    return Text(f"CHECK THE INPUT, ITS UNITS FIRST: {'; '.join(doubts)}." if doubts else "", "doubt")
+    return TextBlock(
+        f"CHECK THE INPUT, ITS UNITS FIRST: {'; '.join(doubts)}." if doubts else "", "doubt"
+    )
 
 
 def opening(case: Case, doubts: Sequence[str]) -> ViewSection:
     """Doubtful input, if there is any, and the title of the case."""
-    return ViewSection("", [doubt(doubts), Text(case.title, "title")])
+    return ViewSection("", [doubt(doubts), TextBlock(case.title, "title")])
 
 
 def site_in_words(case: Case) -> str:

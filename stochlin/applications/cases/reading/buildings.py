@@ -21,15 +21,15 @@ from stochlin.applications.cases.reading.kinds import (
     Integer,
     Key,
     ListOf,
-    Quantity,
+    WithUnit,
     Word,
     key,
     keys_of,
     keys_of_model,
     of,
 )
-from stochlin.applications.cases.reading.site import Site
-from stochlin.applications.cases.reading.tables import Form, Table
+from stochlin.applications.cases.reading.site import CaseSite
+from stochlin.applications.cases.reading.tables import Form, TomlTable
 from stochlin.messages import DoubtfulInput
 from stochlin.models.buildings.base import MOST_STOREYS, MultistoreyBuilding
 from stochlin.models.buildings.modal import ModalBuilding
@@ -44,11 +44,11 @@ from stochlin.models.uncertain import applied, median_of
 from stochlin.solver.linearization.drift_map import calibrated_closure
 from stochlin.solver.linearization.strength import strength_for_ductility, strength_in_metres
 
-CODE_FACTOR = Quantity("1", AT_LEAST_1, PLAUSIBLE["behaviour"])
-HEIGHT = Quantity("m", POSITIVE, PLAUSIBLE["height"])
-MOVE = Quantity("m", NOT_NEGATIVE, PLAUSIBLE["displacements"])
-DIVISOR = Quantity("1", OF_IMPORTANCE, PLAUSIBLE["importance"])
-DUCTILITY = Quantity("1", Range(1.0, reason="1 for a building that just does not yield"))
+CODE_FACTOR = WithUnit("1", AT_LEAST_1, PLAUSIBLE["behaviour"])
+HEIGHT = WithUnit("m", POSITIVE, PLAUSIBLE["height"])
+MOVE = WithUnit("m", NOT_NEGATIVE, PLAUSIBLE["displacements"])
+DIVISOR = WithUnit("1", OF_IMPORTANCE, PLAUSIBLE["importance"])
+DUCTILITY = WithUnit("1", Range(1.0, reason="1 for a building that just does not yield"))
 TWO_MODES = ListOf(Integer(1, MOST_STOREYS), length=2)
 STRENGTH = "strength"
 OF_HEIGHTS = {"height of its storeys": ("storey_height", "heights")}
@@ -88,7 +88,7 @@ class OfBuilding(Form):
     importance_factor: float | None = key(DIVISOR, "Importance factor of the code", None)
 
     @classmethod
-    def keys(cls, table: Table) -> dict[str, Key]:
+    def keys(cls, table: TomlTable) -> dict[str, Key]:
         """With the parameters of the law."""
         law = laws_in_numbers().get(str(table.values.get("law", "bilinear")))
         return keys_of(cls) | keys_of_model(law, law and law.own_parameters(), **cls.of_law)
@@ -98,7 +98,7 @@ class OfBuilding(Form):
         return {"hardening": self.hardening} if self.chosen(STRENGTH) in WITH_HARDENING else {}
 
 
-class Oscillator(OfBuilding):
+class OscillatorForm(OfBuilding):
     """A building as one oscillator."""
 
     described_as = "a building without storeys"
@@ -251,7 +251,7 @@ class ByModes(WithFloors):
         return self.table.made(make, table=self.of_modes, law_parameters=self.more, **values)
 
 
-FORMS = (Oscillator, Regular, Singly, ByModes)
+FORMS = (OscillatorForm, Regular, Singly, ByModes)
 
 
 @dataclass(frozen=True)
@@ -321,7 +321,7 @@ class Building:
             yield from doubts_of_size(self.period, self.height, self.storeys)
 
     @unquestioned()
-    def on(self, site: Site) -> Building:
+    def on(self, site: CaseSite) -> Building:
         """The building with the strength that it has on the ground of a site, if it depends on it."""
         if self.of_first_mode and self.strength == "reduction_factor":
             with self.form.table.naming("reduction_factor", "gives no strength: "):
@@ -334,7 +334,7 @@ class Building:
             factor = float(strength_for_ductility(*target, closure=closure).reduction_factor)
         return replace(self, sampled=applied(partial(replace, reduction_factor=factor), self.sampled))
 
-    def _weaker_mode(self, site: Site) -> Callable[[Any], Any]:
+    def _weaker_mode(self, site: CaseSite) -> Callable[[Any], Any]:
         """What lets mode 1 yield at its elastic displacement on a ground over the reduction factor."""
         hardening = float(np.ravel(self.structure.hardening)[0])
         factor = self.form.reduction_factor
@@ -348,7 +348,7 @@ def _yielding(building: ModalBuilding, displacement: float) -> ModalBuilding:
     return building.yielding_at(displacement)
 
 
-def read_building(table: Table, number: int) -> Building:
+def read_building(table: TomlTable, number: int) -> Building:
     """A building by the form that has most of its keys."""
     form: Any = table.read(*((ByModes,) if "modes" in table else FORMS))
     building = Building(form.name or f"Building {number}", form.model(), form)

@@ -27,7 +27,7 @@ from stochlin.applications.cases.reading.kinds import (
     Integer,
     Key,
     ListOf,
-    Quantity,
+    WithUnit,
     Word,
     key,
     key_of,
@@ -36,8 +36,8 @@ from stochlin.applications.cases.reading.kinds import (
     text_or,
 )
 from stochlin.applications.cases.reading.records import PEAK
-from stochlin.applications.cases.reading.site import MOTIONS, SITES, Motion, Site, read_site
-from stochlin.applications.cases.reading.tables import NO_TABLE, Form, Source, Table, read_table
+from stochlin.applications.cases.reading.site import MOTIONS, SITES, CaseSite, MotionForm, read_site
+from stochlin.applications.cases.reading.tables import NO_TABLE, Form, Source, TomlTable, read_table
 from stochlin.applications.risk.risk import check_target, doubt_of_text
 from stochlin.applications.sites.elastic_spectra import doubt_of_pga
 from stochlin.files.inputs import input_path
@@ -69,9 +69,9 @@ TWO = ListOf(Integer(1), length=2)
 STOREYS = text_or(ListOf(Integer(1), "listed"), f'"{ALL}", or a list of numbers')
 FEWEST_PATHS = 100  # for a quantile with an interval
 MOST_PATHS = 2048  # where no number is stated
-GAP = Quantity("m", NOT_NEGATIVE, PLAUSIBLE["gap"])
-SHARE = Quantity("1", Range(upper=1.0, reason="a probability"), PLAUSIBLE["confidence"])
-RATE = Quantity("1", Range(upper=1.0, reason="a year"), PLAUSIBLE["risk"])
+GAP = WithUnit("m", NOT_NEGATIVE, PLAUSIBLE["gap"])
+SHARE = WithUnit("1", Range(upper=1.0, reason="a probability"), PLAUSIBLE["confidence"])
+RATE = WithUnit("1", Range(upper=1.0, reason="a year"), PLAUSIBLE["risk"])
 LEAST_REACH = 1.2  # longest period of a spectrum over that of a building, which yields or cracks
 RISK = text_or(RATE, 'a text such as "2 % in 50 years", or a number per year')
 OWN_RULE = "a rule of your own, which is one file (docs/extending.md)"
@@ -91,10 +91,10 @@ class Numbers(Form):
     """Numbers of code rules in place of their defaults; ``more`` has them by name."""
 
     @classmethod
-    def keys(cls, table: Table) -> dict[str, Key]:
+    def keys(cls, table: TomlTable) -> dict[str, Key]:
         """The rules that have a number."""
         rules = {name: rule.number for name, rule in CODE_RULES.items() if rule.number}
-        return {name: Key(Quantity(n.units, POSITIVE), name, None) for name, n in rules.items()}
+        return {name: Key(WithUnit(n.units, POSITIVE), name, None) for name, n in rules.items()}
 
 
 class Wanted(Form):
@@ -111,7 +111,7 @@ class Wanted(Form):
     design_pga: float | None = key(PEAK, "Peak ground acceleration of the design", None)
     numbers: Numbers = key(Inner((Numbers,)), "Numbers of rules", Numbers(table=NO_TABLE))
 
-    def check(self, buildings: Sequence[Building], site: Site) -> None:
+    def check(self, buildings: Sequence[Building], site: CaseSite) -> None:
         """Raise a ValueError for a wrong number of gaps, or a risk that the hazard does not reach."""
         count = max(len(buildings) - 1, 1)
         if len(self.existing) not in (0, count):
@@ -132,7 +132,7 @@ class Wanted(Form):
             what = f"is not so: {slabs[0].words}; codes are asked as if it were false"
             self.table.warn("floors_align", what)
 
-    def applied_codes(self, buildings: Sequence[Building], site: Site) -> tuple[str, ...]:
+    def applied_codes(self, buildings: Sequence[Building], site: CaseSite) -> tuple[str, ...]:
         """Names of the codes that are applied; by default that of the site, if it can be."""
         about = {} if site.spectrum is None else site.spectrum.attrs
         codes = self.codes or [about[name] for name in ("code",) if name in about]
@@ -224,13 +224,13 @@ class OfContact(Form):
     model: str = key(Word(lambda: [*CONTACTS]), "Model of the contact")
 
     @classmethod
-    def keys(cls, table: Table) -> dict[str, Key]:
+    def keys(cls, table: TomlTable) -> dict[str, Key]:
         """With the arguments of the model; those that it does not declare are ratios."""
         keys = keys_of(cls)
         kind = CONTACTS.get(str(table.values.get("model")), Contact)
         arguments = inspect.signature(kind).parameters
         for name, argument in arguments.items():
-            ratio = Quantity("1", RESTITUTION if name == "restitution" else DAMPING)
+            ratio = WithUnit("1", RESTITUTION if name == "restitution" else DAMPING)
             known = key_of(kind, name) if name in kind.parameter_names() else Key(ratio, "")
             keys[name] = known._replace(default=MISSING if argument.default is argument.empty else None)
         if "stiffness" in keys and "exponent" in keys:
@@ -247,7 +247,7 @@ class OfLink(Form):
     """A link; ``more`` are its parameters."""
 
     @classmethod
-    def keys(cls, table: Table) -> dict[str, Key]:
+    def keys(cls, table: TomlTable) -> dict[str, Key]:
         """With the parameters of a link; the unit of a damping constant depends on the exponent."""
         keys = keys_of_model(Link, DEVICE)
         power = table.values.get("damping_exponent", 1)
@@ -300,7 +300,7 @@ class OfMeasure(Form):
     dampers_2: Devices | None = key(Inner((Devices,)), "Devices in storeys of building 2", None)
 
     @classmethod
-    def keys(cls, table: Table) -> dict[str, Key]:
+    def keys(cls, table: TomlTable) -> dict[str, Key]:
         """With the parameters of a measure."""
         return keys_of_model(Measure) | keys_of(cls)
 
@@ -320,7 +320,7 @@ def _in_units(known: Key, units: str) -> Key:
     return known._replace(kind=replace(known.kind, units=units))
 
 
-def _measures(table: Table, buildings: Sequence[Building]) -> dict[str, Measure]:
+def _measures(table: TomlTable, buildings: Sequence[Building]) -> dict[str, Measure]:
     """The measures for the first two buildings, by name, in the order of the file."""
     if table.values and len(buildings) == 1:
         raise table.error("", "are measures for two buildings; allowed: with [building_2]")
@@ -333,19 +333,19 @@ def _measures(table: Table, buildings: Sequence[Building]) -> dict[str, Measure]
 # --- the whole file ---
 
 
-class Whole(Form):
+class WholeCase(Form):
     """The tables of a file; ``more`` are the buildings from left to right."""
 
     title: str = key(TEXT, "Title of all results", "")
-    site: Table = key(Inner(SITES, later=True), "Ground and records")
-    motion: Table = key(Inner(MOTIONS, later=True), "Duration and envelope")
+    site: TomlTable = key(Inner(SITES, later=True), "Ground and records")
+    motion: TomlTable = key(Inner(MOTIONS, later=True), "Duration and envelope")
     separation: Wanted = key(Inner((Wanted,)), "What is wanted")
     simulation: Simulated = key(Inner((Simulated,)), "Simulated motions", Simulated(table=NO_TABLE))
     contact: OfContact | None = key(Inner((OfContact,)), "Contact between the buildings", None)
-    measures: Table | None = key(Inner((), later=True), "Measures, each with its name", None)
+    measures: TomlTable | None = key(Inner((), later=True), "Measures, each with its name", None)
 
     @classmethod
-    def keys(cls, table: Table) -> dict[str, Key]:
+    def keys(cls, table: TomlTable) -> dict[str, Key]:
         """With the buildings, none left out, and the next one, which a wrong name may mean."""
         count = max(1, sum(1 for name in table.values if NUMBERED.fullmatch(name)))
         needed = Key(Inner(FORMS, later=True), "A building")
@@ -362,8 +362,8 @@ class Case:
     them their ductility on the ground. ``codes`` are the rules that the engineer applies.
     """
 
-    whole: Whole
-    site: Site = field(compare=False, repr=False)
+    whole: WholeCase
+    site: CaseSite = field(compare=False, repr=False)
     described: tuple[Building, ...] = field(compare=False, repr=False)
     wanted: Wanted = field(compare=False)
     simulated: Simulated = field(compare=False)
@@ -482,11 +482,11 @@ def read_case(path: str | os.PathLike[str] | dict[str, Any]) -> Case:
     ([1.0, 0.6], [0.05])
     """
     if isinstance(path, dict):
-        return case_of(Table(Source(Path("case"), "", []), path))
+        return case_of(TomlTable(Source(Path("case"), "", []), path))
     return case_of(read_table(input_path("path", path)))
 
 
-def check_together(buildings: Sequence[Building], site: Site) -> None:
+def check_together(buildings: Sequence[Building], site: CaseSite) -> None:
     """Warn of what tables of a case contradict in one another, or have in common by mistake.
 
     A ValueError is raised if motions are shorter than a period.
@@ -497,7 +497,7 @@ def check_together(buildings: Sequence[Building], site: Site) -> None:
             other.form.table.warn("", f"is doubtful: building {n} {what}")
     longest = math.inf if site.spectrum is None else float(site.spectrum.period[-1])
     for building in buildings:
-        if isinstance(site.motion, Motion) and building.period > site.motion.duration:
+        if isinstance(site.motion, MotionForm) and building.period > site.motion.duration:
             what = f"is shorter than the period of {building.name}, {building.period:.3g} s"
             raise site.motion.table.error("duration", f"{what}; allowed: one period or more")
         if longest < LEAST_REACH * building.period:
@@ -512,9 +512,9 @@ def check_together(buildings: Sequence[Building], site: Site) -> None:
 
 
 @unquestioned()
-def case_of(table: Table) -> Case:
+def case_of(table: TomlTable) -> Case:
     """The case of a file."""
-    whole = table.read(Whole)
+    whole = table.read(WholeCase)
     site = read_site(whole.site, whole.motion)
     buildings = tuple(read_building(each, n) for n, each in enumerate(whole.more.values(), start=1))
     whole.separation.check(buildings, site)
@@ -533,7 +533,7 @@ def case_of(table: Table) -> Case:
 
 def forms_of(name: str) -> Sequence[type[Form]]:
     """The forms of a table by its name, such as ``site.hazard`` or ``building_1``."""
-    forms: Sequence[type[Form]] = (Whole,)
+    forms: Sequence[type[Form]] = (WholeCase,)
     for part in name.split("."):
         forms = next(form.keys(NO_TABLE)[part].kind.forms for form in forms)
     return forms

@@ -39,7 +39,7 @@ OF_POWER = "N/m^", "N (s/m)^"  # units of nonlinear springs and dashpots, with a
 
 
 @dataclass(frozen=True)
-class Quantity:
+class WithUnit:
     """A number in a unit, or a ratio; in SI when it is read."""
 
     units: str
@@ -190,7 +190,7 @@ class Integer(Whole):
         return int(written)
 
 
-class _Column(Integer):
+class _ColumnNumber(Integer):
     """The number of a column."""
 
     def read(self, written: Any, warn: Warn) -> int:
@@ -208,7 +208,7 @@ def text_or(other: Any, words: str) -> Kind:
 TEXT = Kind(_text, "a text")
 TRUTH = Kind(_truth, "true or false")
 COMPONENT = text_or(Integer(1), "a component, by its name or its number from 1")
-COLUMN = text_or(_Column(1), "a column, by its title or its number from 1")
+COLUMN = text_or(_ColumnNumber(1), "a column, by its title or its number from 1")
 
 
 @dataclass(frozen=True)
@@ -296,7 +296,7 @@ def key(kind: Any, about: str, default: Any = MISSING) -> Any:
 def key_of(model: type[Model], name: str, uncertain: bool = False, single: str | None = None) -> Key:
     """A parameter of a model as a key: a number, or as in `ListOf` with ``single``."""
     parameter = model.__dataclass_fields__[name]
-    quantity = Quantity(model.units(name), model.allowed(name), model.limits()[name], uncertain)
+    quantity = WithUnit(model.units(name), model.allowed(name), model.limits()[name], uncertain)
     kind = quantity if single is None else ListOf(quantity, single)
     return Key(kind, parameter.metadata["long_name"].capitalize(), parameter.default)
 

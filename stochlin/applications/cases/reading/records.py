@@ -18,12 +18,12 @@ from stochlin.applications.cases.reading.kinds import (
     Key,
     Kind,
     ListOf,
-    Quantity,
+    WithUnit,
     Word,
     key,
     keys_of,
 )
-from stochlin.applications.cases.reading.tables import Form, Table
+from stochlin.applications.cases.reading.tables import Form, TomlTable
 from stochlin.applications.records.records import copies, read_record
 from stochlin.applications.sites.hazard_files import read_hazard
 from stochlin.applications.sites.suites import (
@@ -36,22 +36,22 @@ from stochlin.models.hazards import MEASURES, Hazard, HazardCurve, PowerLawHazar
 from stochlin.models.parameters import POSITIVE, Range
 from stochlin.models.plausible import PLAUSIBLE
 
-TIME = Quantity("s", POSITIVE)
-YEARS = Quantity("yr", POSITIVE)
-RETURN_PERIOD = Quantity("yr", POSITIVE, PLAUSIBLE["return_period"])
-FACTOR = Quantity("1", POSITIVE)
+TIME = WithUnit("s", POSITIVE)
+YEARS = WithUnit("yr", POSITIVE)
+RETURN_PERIOD = WithUnit("yr", POSITIVE, PLAUSIBLE["return_period"])
+FACTOR = WithUnit("1", POSITIVE)
 TWO_TIMES = ListOf(TIME, length=2)
-FACTOR_OF_RECORD = Quantity("1", POSITIVE, PLAUSIBLE["scale of a record"])
-PERIOD = Quantity("s", POSITIVE, PLAUSIBLE["period"])
-PEAK = Quantity("m/s^2", POSITIVE, PLAUSIBLE["pga"])
-RESPONSE = Quantity("m/s^2", POSITIVE, PLAUSIBLE["sa"])
-PLACE = ListOf(Quantity("1", Range(-360.0, 360.0, True, True)), length=2)
+FACTOR_OF_RECORD = WithUnit("1", POSITIVE, PLAUSIBLE["scale of a record"])
+PERIOD = WithUnit("s", POSITIVE, PLAUSIBLE["period"])
+PEAK = WithUnit("m/s^2", POSITIVE, PLAUSIBLE["pga"])
+RESPONSE = WithUnit("m/s^2", POSITIVE, PLAUSIBLE["sa"])
+PLACE = ListOf(WithUnit("1", Range(-360.0, 360.0, True, True)), length=2)
 SITE = Kind(
     lambda value, warn: (PLACE if isinstance(value, list) else Integer(1)).read(value, warn),
     "its number from 1, or its longitude and latitude",
 )
-INTENSITIES: dict[str, Quantity] = dict.fromkeys(MEASURES, Quantity("m/s^2", POSITIVE))
-INTENSITIES["intensity"] = Quantity("m^2/s^3", POSITIVE)
+INTENSITIES: dict[str, WithUnit] = dict.fromkeys(MEASURES, WithUnit("m/s^2", POSITIVE))
+INTENSITIES["intensity"] = WithUnit("m^2/s^3", POSITIVE)
 READING = ("units", "dt", "column", "time_column", "component", "wrapped", "skip")
 
 
@@ -190,7 +190,7 @@ class OfPoints(OfHazard):
     return_periods: list[float] | None = key(ListOf(YEARS), "Their return periods", None)
 
     @classmethod
-    def keys(cls, table: Table) -> dict[str, Key]:
+    def keys(cls, table: TomlTable) -> dict[str, Key]:
         """The intensities have the unit of their measure."""
         keys = keys_of(cls)
         quantity = INTENSITIES.get(str(table.values.get("measure")), INTENSITIES["pga"])

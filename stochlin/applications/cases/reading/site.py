@@ -18,7 +18,7 @@ from stochlin.applications.cases.reading.kinds import (
     Integer,
     Key,
     ListOf,
-    Quantity,
+    WithUnit,
     Word,
     key,
     keys_of,
@@ -37,7 +37,7 @@ from stochlin.applications.cases.reading.records import (
     Suite,
     read_records_of,
 )
-from stochlin.applications.cases.reading.tables import Form, Table
+from stochlin.applications.cases.reading.tables import Form, TomlTable
 from stochlin.applications.records.ground_fit import fitted_grounds
 from stochlin.applications.risk.rates import times_intensity
 from stochlin.applications.sites.design_spectra import asce_7, eurocode_8
@@ -74,14 +74,14 @@ from stochlin.models.uncertain import UncertainModel, median_of
 FITTED = "fitted"
 NONE = "none"
 STRENGTHS = ("intensity", "pga", "sa", "return_period")
-AG = Quantity("m/s^2", POSITIVE, PLAUSIBLE["ag"])
-SDS = Quantity("m/s^2", POSITIVE, PLAUSIBLE["sds"])
-FROM_ZERO = Quantity("s", Range(0.0, include_lower=True))
-DIVISOR = Quantity("1", Range(1.0, include_lower=True), PLAUSIBLE["divided_by"])
-SPREAD = Quantity("1", SCATTER.allowed, PLAUSIBLE["scatter"])  # of a logarithm
-DAMPING = Quantity("1", Range(0.0, 1.0), PLAUSIBLE["damping"])
-DURATION = Quantity("s", POSITIVE, PLAUSIBLE["duration"])
-LONG_PERIOD = Quantity("s", POSITIVE, PLAUSIBLE["tl"])
+AG = WithUnit("m/s^2", POSITIVE, PLAUSIBLE["ag"])
+SDS = WithUnit("m/s^2", POSITIVE, PLAUSIBLE["sds"])
+FROM_ZERO = WithUnit("s", Range(0.0, include_lower=True))
+DIVISOR = WithUnit("1", Range(1.0, include_lower=True), PLAUSIBLE["divided_by"])
+SPREAD = WithUnit("1", SCATTER.allowed, PLAUSIBLE["scatter"])  # of a logarithm
+DAMPING = WithUnit("1", Range(0.0, 1.0), PLAUSIBLE["damping"])
+DURATION = WithUnit("s", POSITIVE, PLAUSIBLE["duration"])
+LONG_PERIOD = WithUnit("s", POSITIVE, PLAUSIBLE["tl"])
 LIKE = 0.8, 1.25  # energy of motions over that of a record without a warning
 
 
@@ -96,7 +96,7 @@ class Course(NamedTuple):
 # --- the table [motion] ---
 
 
-class Motion(Form):
+class MotionForm(Form):
     """Duration and envelope of the motions."""
 
     envelope: str = key(Word(lambda: [*ENVELOPES, NONE, FITTED]), "Envelope", NONE)
@@ -104,7 +104,7 @@ class Motion(Form):
     scatter: float | None = key(SPREAD, "Scatter of the strength between earthquakes", None)
 
     @classmethod
-    def keys(cls, table: Table) -> dict[str, Key]:
+    def keys(cls, table: TomlTable) -> dict[str, Key]:
         """With the parameters of the envelope."""
         return keys_of(cls) | keys_of_model(ENVELOPES.get(str(table.values.get("envelope"))))
 
@@ -126,7 +126,7 @@ class MotionOfRecord(Form):
     scatter: float | None = key(SPREAD, "Scatter of the strength between earthquakes", None)
 
 
-MOTIONS = (Motion, MotionOfRecord)
+MOTIONS = (MotionForm, MotionOfRecord)
 
 # --- the table [site] ---
 
@@ -174,7 +174,7 @@ class ByParameters(Scaled):
     intensity: Any = of(WhiteNoise, "intensity", "Intensity S0", None)
 
     @classmethod
-    def keys(cls, table: Table) -> dict[str, Key]:
+    def keys(cls, table: TomlTable) -> dict[str, Key]:
         """With the parameters of the kind of ground."""
         kind = GROUNDS.get(str(table.values.get("ground")))
         return keys_of_model(kind, uncertain=True) | keys_of(cls)
@@ -265,7 +265,7 @@ class SpectrumFile(Spectrum):
     damping: float | None = key(DAMPING, "Damping ratio", None)
 
     @classmethod
-    def keys(cls, table: Table) -> dict[str, Key]:
+    def keys(cls, table: TomlTable) -> dict[str, Key]:
         """What the spectrum is divided by is a number or a table."""
         keys = keys_of(cls)
         if isinstance(table.values.get("divided_by"), dict):
@@ -296,7 +296,7 @@ CODES = {"eurocode_8": Eurocode8, "asce_7": Asce7}
 SITES = (ByParameters, OfRecord, WithMotionOfRecord, *CODES.values(), SpectrumFile)
 
 
-def _form_of(table: Table, with_motion: bool) -> Any:
+def _form_of(table: TomlTable, with_motion: bool) -> Any:
     """The form of the table [site]; with a motion of records the ground is theirs as well."""
     if with_motion:
         return table.read(WithMotionOfRecord)
@@ -306,7 +306,7 @@ def _form_of(table: Table, with_motion: bool) -> Any:
 
 
 @dataclass(frozen=True)
-class Site:
+class CaseSite:
     """Ground and motions of a case; what has to be fitted or scaled is so when it is first needed.
 
     ``described`` is the ground of the file, None if it is fitted, and ``goal`` has the wanted strength
@@ -314,7 +314,7 @@ class Site:
     """
 
     form: Any
-    motion: Motion | MotionOfRecord
+    motion: MotionForm | MotionOfRecord
     records: Mapping[str, xr.DataArray]
     hazard: Hazard | None
     goal: Mapping[str, Any]
@@ -339,7 +339,7 @@ class Site:
     @cached_property
     def course(self) -> Course:
         """Duration and envelope, which may be fitted to records together with the ground."""
-        if isinstance(self.motion, Motion):
+        if isinstance(self.motion, MotionForm):
             return self.motion.course()
         table = self.motion.table
         what = f"cannot be fitted to {listed(self.components)}: "
@@ -411,10 +411,10 @@ class Site:
         return ground
 
 
-def read_site(table: Table, of_motion: Table) -> Site:
+def read_site(table: TomlTable, of_motion: TomlTable) -> CaseSite:
     """The tables [site] and [motion] with their files; nothing is fitted or simulated yet."""
     with_motion = of_motion.values.get("envelope") == FITTED
-    motion: Any = of_motion.read(MotionOfRecord if with_motion else Motion)
+    motion: Any = of_motion.read(MotionOfRecord if with_motion else MotionForm)
     form = _form_of(table, with_motion)
     least = getattr(motion, "components", 1)
     if getattr(form, "ground", "") == FITTED and len(form.records) < least:
@@ -426,7 +426,7 @@ def read_site(table: Table, of_motion: Table) -> Site:
         form.hazard.table.warn(form.hazard.stated, f"is doubtful: {text}")
     goal = form.goal(hazard) if isinstance(form, Scaled) else {}
     described = form.described() if isinstance(form, ByParameters) else None
-    site = Site(form, motion, records, hazard, goal, spectrum, described)
+    site = CaseSite(form, motion, records, hazard, goal, spectrum, described)
     if not with_motion:
         _ = site.course
     return site

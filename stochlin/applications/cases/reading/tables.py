@@ -10,7 +10,7 @@ from dataclasses import MISSING, dataclass, field, replace
 from pathlib import Path
 from typing import Any, ClassVar, TypeVar, dataclass_transform
 
-from stochlin.applications.cases.reading.kinds import TEXT, Inner, Key, ListOf, Quantity, Word, keys_of
+from stochlin.applications.cases.reading.kinds import TEXT, Inner, Key, ListOf, WithUnit, Word, keys_of
 from stochlin.files.inputs import input_path
 from stochlin.files.toml import read_toml
 from stochlin.messages import (
@@ -57,7 +57,7 @@ class Source:
 
 
 @dataclass(frozen=True)
-class Table:
+class TomlTable:
     """One table of a file, with its place."""
 
     source: Source = field(repr=False)
@@ -131,7 +131,7 @@ class Table:
                 else:
                     warnings.warn_explicit(each.message, each.category, each.filename, each.lineno)
 
-    def table(self, name: str, *number: int, forms: Sequence[type[Form]] = ()) -> Table:
+    def table(self, name: str, *number: int, forms: Sequence[type[Form]] = ()) -> TomlTable:
         """The table of this name, of several that of a number; an empty one if there is none."""
         values = self.values.get(name, {})
         for n in number:
@@ -244,7 +244,7 @@ class Form:
     one_of: ClassVar[Mapping[str, Sequence[str]]] = {}
     goes_with: ClassVar[Sequence[tuple[str, str]]] = ()  # a key, and the one that it needs
 
-    table: Table = field(compare=False, repr=False)
+    table: TomlTable = field(compare=False, repr=False)
     more: Mapping[str, Any] = field(default_factory=dict)
 
     def __init_subclass__(cls) -> None:
@@ -252,7 +252,7 @@ class Form:
         dataclass(frozen=True, kw_only=True)(cls)
 
     @classmethod
-    def keys(cls, table: Table) -> dict[str, Key]:
+    def keys(cls, table: TomlTable) -> dict[str, Key]:
         """The keys of the form, with those of the models that the table names."""
         return keys_of(cls)
 
@@ -272,16 +272,16 @@ def _as_table(name: str, written: Any, forms: Sequence[type[Form]]) -> str:
     fitting = []
     for key, kind in keys.items():
         with suppress(ValueError):
-            if isinstance(kind, Quantity) and isinstance(written, str):
+            if isinstance(kind, WithUnit) and isinstance(written, str):
                 kind.read(written, lambda _: None)
                 fitting.append(key)
     return f'{name} = {{ {fitting[0]} = "{written}" }}' if len(fitting) == 1 else ""
 
 
-def read_table(path: Path, other: str | None = None) -> Table:
+def read_table(path: Path, other: str | None = None) -> TomlTable:
     """The whole file as one table, or another text in its place; errors are those of `read_toml`."""
     text, values = read_toml(path, other)
-    return Table(Source(path, text, [path]), values)
+    return TomlTable(Source(path, text, [path]), values)
 
 
 def key_lines(text: str) -> dict[Place, int]:
@@ -312,4 +312,4 @@ def _parts(dotted: str) -> Place:
     return tuple(part.strip("\"'") for part in re.findall(rf"{_QUOTED}|{_BARE}", dotted))
 
 
-NO_TABLE = Table(Source(Path("case.toml"), "", []), {})  # an empty one, of no file
+NO_TABLE = TomlTable(Source(Path("case.toml"), "", []), {})  # an empty one, of no file
