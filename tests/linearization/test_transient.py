@@ -81,14 +81,14 @@ def test_starts_from_rest_and_scales_with_the_motion():
     np.testing.assert_allclose(large.c_eq, small.c_eq, atol=1e-5)
 
 
-def test_the_flag_of_the_permanent_set_rises_at_half_of_the_envelope():
+def test_the_flag_of_the_permanent_set_left_out_rises_at_half_of_the_envelope():
     """Which decays as ``exp(-0.35 t)`` from 12 s on."""
     table = sl.transient_response(sl.Bilinear(0.5, 0.05), BROAD, 20.0, envelope=QUAKE, points=201)
     half = 12.0 + np.log(2) / 0.35
     assert table.attrs["strong_shaking_end_s"] == pytest.approx(half, abs=0.01)
-    assert (table.permanent_set.values.astype(bool) == (table.time.values > half)).mean() > 0.99
+    assert (table.permanent_set_left_out.values.astype(bool) == (table.time.values > half)).mean() > 0.99
     steady = sl.transient_response(sl.Bilinear(0.5, 0.05), BROAD, 20.0)
-    assert not steady.permanent_set.any()
+    assert not steady.permanent_set_left_out.any()
 
 
 def test_an_envelope_whose_slope_is_infinite_at_the_start_is_followed():

@@ -125,8 +125,8 @@ def pounding_probability(
         deviations ``displacement_std_1`` and ``_2`` and ``difference_std`` [m]; and ``rho`` [-], NaN at
         rest. Also ``envelope`` [-]. With the drift closure ``drift_std_1``, ``_2`` and
         ``difference_drift_std`` [m], the standard deviations of the slow parts, which in the end are
-        those of the permanent displacements; without it ``permanent_set``, a flag that is 1 after the
-        strong shaking.
+        those of the permanent displacements; without it ``permanent_set_left_out``, a flag that is 1
+        after the strong shaking.
 
         Without ``time``: ``confidence_of_no_pounding_simulated`` [-] for the whole duration, with a 95 %
         interval ``_lower`` and ``_upper``; ``required_gap`` [m], also ``_simulated`` with its interval;

@@ -92,12 +92,12 @@ def transient_response(
         ``hysteretic_energy_per_mass`` [m^2/s^2], the mean work done on the hysteretic spring so far:
         what it has dissipated, and the little that it stores. A law with memory adds ``state_mean``, the
         means of its further states over ``state``, as the law measures them. Over ``time``: ``envelope``
-        [-], and ``permanent_set``, a flag that is 1 after the strong shaking.
+        [-], and ``permanent_set_left_out``, a flag that is 1 after the strong shaking.
         Over the dimensions of the parameters: ``yield_displacement`` [m] and ``status``.
 
         The closure ``"drift"`` adds ``drift_std`` [m], the standard deviation of the slow plastic drift
         in ``displacement_std``, which at the end is that of the permanent displacement; there is no flag
-        ``permanent_set``.
+        ``permanent_set_left_out``.
 
     Raises
     ------
@@ -187,7 +187,14 @@ def _of_cells(
         "k_eq": relaxation,
         "hysteretic_energy_per_mass": couple * np.where(np.isinf(uy), 0.0, uy) ** 2 * means[:, 0],
     }
-    own_names = *values, "yield_displacement", "envelope", "state", "state_mean", "permanent_set"
+    own_names = (
+        *values,
+        "yield_displacement",
+        "envelope",
+        "state",
+        "state_mean",
+        "permanent_set_left_out",
+    )
     shape = cells.shape
     check_names((*shape.dims, *shape.coords), (*own_names, "status", TIME))
     table = xr.Dataset(

@@ -114,12 +114,12 @@ def over_time(table: xr.Dataset, course: TimeGrid, *, drifts: bool = False) -> x
     flag = {
         "long_name": f"envelope finally below {STRONG:g} of its maximum",
         "flag_values": np.arange(2, dtype=np.int8),
-        "flag_meanings": "strong_shaking permanent_set_not_represented",
+        "flag_meanings": "strong_shaking permanent_set_is_left_out",
     }
     columns: dict[str, Any] = {"envelope": ("time", course.values(time.to_numpy()))}
     if not drifts:
         over = (time.values > course.strong_end).astype(np.int8)
-        columns["permanent_set"] = "time", over, flag
+        columns["permanent_set_left_out"] = "time", over, flag
     return (
         table.assign(columns)
         .assign_coords(time=time)

@@ -48,7 +48,7 @@ def draw_pounding(dataset: xr.Dataset) -> Figure:
     style: Any = {"color": CURVES[2][0], "capsize": 4, "clip_on": False}
     style["label"] = "simulated, 95 % interval"
     axes.errorbar(time[-1], share, [[share - low], [high - share]], fmt="o", **style)
-    if "permanent_set" in dataset and dataset.permanent_set.any():
+    if "permanent_set_left_out" in dataset and dataset.permanent_set_left_out.any():
         end = dataset.attrs["strong_shaking_end_s"]
         axes.axvline(end, color="0.5", lw=0.8, label="end of strong shaking")
     axes.set(xlim=(time[0], time[-1]), ylim=(-0.02, 1.02))

@@ -92,7 +92,12 @@ def _cautions(table: xr.Dataset, case: Case) -> list[str]:
     if STEM in table and float(table[STEM][-1] - table[f"{STEM}_simulated_lower"]) > OFF:
         cautions.append(UNRELIABLE)
     yields = any(building.structure.yields for building in pair_of(case))
-    if STEM in table and yields and "permanent_set" in table and table.permanent_set.any():
+    if (
+        STEM in table
+        and yields
+        and "permanent_set_left_out" in table
+        and table.permanent_set_left_out.any()
+    ):
         end = f"{table.attrs['strong_shaking_end_s']:.3g} s"
         cautions.append(
             f"After {end} the formula no longer includes the permanent set of yielding buildings."
