@@ -48,7 +48,8 @@ def advance(law, kind, lanes, v, w, own, dt, new):
 
     Lanes in which a step is too long are integrated again in substeps, as many as each needs.
     """
-    apart, rough = np.zeros(lanes), 0
+    apart = np.zeros(lanes)
+    rough = 0
     law(kind, lanes, v, w, own, dt, new, apart)
     for lane in range(lanes):
         rough += apart[lane] > 0.0
@@ -63,14 +64,20 @@ def _again(law, kind, lanes, v, w, own, dt, new, apart):
         for k in range(w.shape[0]):
             apart[lane] = apart[lane] if np.isfinite(w[k, lane]) else 0.0
         apart[lane] = apart[lane] if abs(v[lane]) * dt < LOST else 0.0
-    rows, tried, parameters = np.empty((2, lanes)), np.empty(w.shape), np.empty(own.shape)
-    pace, differ = rows[0], rows[1]
-    few, substeps = 1, 1
+    rows = np.empty((2, lanes))
+    tried = np.empty(w.shape)
+    parameters = np.empty(own.shape)
+    pace = rows[0]
+    differ = rows[1]
+    few = 1
+    substeps = 1
     while few and substeps < MOST_SUBSTEPS:
-        few, substeps = 0, 2 * substeps
+        few = 0
+        substeps = 2 * substeps
         for lane in range(lanes):
             if apart[lane] > 0.0:
-                pace[few], differ[few] = v[lane], 0.0
+                pace[few] = v[lane]
+                differ[few] = 0.0
                 for k in range(w.shape[0]):
                     tried[k, few] = w[k, lane]
                 for k in range(own.shape[0]):
@@ -109,7 +116,8 @@ def rate_law(write: Any, states: int, name: str) -> RateLaw:
     @called_often
     @partial(named, name)
     def step(lanes, v, w, own, dt, new, apart):
-        inner, rates = np.empty((states, lanes)), np.empty((4, states, lanes))
+        inner = np.empty((states, lanes))
+        rates = np.empty((4, states, lanes))
         for k in range(states):
             for lane in range(lanes):
                 inner[k, lane] = w[k, lane]
@@ -122,7 +130,8 @@ def rate_law(write: Any, states: int, name: str) -> RateLaw:
                     inner[k, lane] = w[k, lane] + ahead * rates[stage, k, lane]
         for k in range(states):
             for lane in range(lanes):
-                before, second = w[k, lane], rates[1, k, lane]
+                before = w[k, lane]
+                second = rates[1, k, lane]
                 mean = (rates[0, k, lane] + rates[3, k, lane]) + 2.0 * (second + rates[2, k, lane])
                 after = before + dt * (mean * SIXTH)
                 near = abs(after - (before + dt * second)) - ROUGH * (1.0 + abs(after)) <= 0.0
@@ -159,10 +168,12 @@ def by_number(laws: tuple[RateLaw, ...]) -> Any:
     The ``laws`` have the kinds OTHER, OTHER + 1 and so on. The function is a C function, so that a new
     law compiles no time step.
     """
-    chosen, names = _no_law, repr([(law.name, law.states) for law in laws])
+    chosen = _no_law
+    names = repr([(law.name, law.states) for law in laws])
     for number, law in enumerate(laws):
         chosen = _either(number, law.step, chosen, f"{number} of {names}")
-    lane, rows = np.empty(1), np.empty((1, 1))
+    lane = np.empty(1)
+    rows = np.empty((1, 1))
     return by_pointer(chosen, 1, 1, lane, rows, rows, 0.1, rows, lane)
 
 

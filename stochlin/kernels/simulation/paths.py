@@ -16,8 +16,12 @@ from stochlin.kernels.simulation.laws import OTHER, RateLaw, advance
 @called_often
 def _backbone(mu, own, lane):
     """``z`` of the first loading at a mu from that of cracking on; ``own`` as in `_modified_clough`."""
-    crack, limit, rise = own[1, lane], own[2, lane], own[3, lane]
-    cap, softening, residual = own[4, lane], own[5, lane], own[6, lane]
+    crack = own[1, lane]
+    limit = own[2, lane]
+    rise = own[3, lane]
+    cap = own[4, lane]
+    softening = own[5, lane]
+    residual = own[6, lane]
     falling = max(1.0 - softening * (mu - cap), residual)
     return min(crack + rise * (mu - limit), 1.0, falling)
 
@@ -29,7 +33,9 @@ def _unloading(peak, own, lane):
     Before yielding the way leads to the point of cracking on the other side. Then the stiffness falls
     with the exponent.
     """
-    crack, limit, rise = own[1, lane], own[2, lane], own[3, lane]
+    crack = own[1, lane]
+    limit = own[2, lane]
+    rise = own[3, lane]
     chord = min(crack + rise * (peak - limit), 1.0) + crack
     worn = exponential(-own[0, lane] * logarithm(max(peak, 1.0)))
     return chord / (min(peak, 1.0) + limit) * worn
@@ -47,23 +53,31 @@ def _modified_clough(lanes, v, w, own, dt, new, apart):
     upward motion; others are mirrored.
     """
     for lane in range(lanes):
-        move, limit = v[lane] * dt, own[2, lane]
+        move = v[lane] * dt
+        limit = own[2, lane]
         side = 1.0 if move >= 0.0 else -1.0
-        up, down = w[3, lane], w[4, lane]
+        up = w[3, lane]
+        down = w[4, lane]
         ahead, behind = (up, down) if move >= 0.0 else (down, up)
-        z, mu, zero = side * w[0, lane], side * w[1, lane], side * w[2, lane]
-        end, least = mu + abs(move), 1.0 if limit + max(up, down) > 1.0 else 0.0
+        z = side * w[0, lane]
+        mu = side * w[1, lane]
+        zero = side * w[2, lane]
+        end = mu + abs(move)
+        least = 1.0 if limit + max(up, down) > 1.0 else 0.0
         peak = max(limit + ahead, least)
         unloads = z <= 0.0  # from the side behind; else it may be on an unloading branch of this side
         stiffness = _unloading(max(limit + (behind if unloads else ahead), least), own, lane)
-        crossing, along = mu - z / stiffness, z + stiffness * abs(move)
+        crossing = mu - z / stiffness
+        along = z + stiffness * abs(move)
         crosses = unloads and end >= crossing
         zero = crossing if crosses else zero
         way = _backbone(peak, own, lane) * ((end - zero) / (peak - zero))  # to the largest mu so far
         way = way if end < peak else _backbone(end, own, lane)
         after = way if crosses or (not unloads and way < along) else along
         beyond = max(ahead, end - limit)
-        new[0, lane], new[1, lane], new[2, lane] = side * after, side * end, side * zero
+        new[0, lane] = side * after
+        new[1, lane] = side * end
+        new[2, lane] = side * zero
         new[3, lane] = beyond if move >= 0.0 else up
         new[4, lane] = down if move >= 0.0 else beyond
 
@@ -72,10 +86,13 @@ def _modified_clough(lanes, v, w, own, dt, new, apart):
 def _flag(lanes, v, w, own, dt, new, apart):
     """Flag-shaped branches; own: the width of the flag, 2 for the bilinear law. States: z; mu."""
     for lane in range(lanes):
-        move, low = v[lane] * dt, 1.0 - own[0, lane]
-        mu, z = w[1, lane] + move, w[0, lane] + move
+        move = v[lane] * dt
+        low = 1.0 - own[0, lane]
+        mu = w[1, lane] + move
+        z = w[0, lane] + move
         new[1, lane] = mu
-        lowest, highest = min(max(mu, -1.0), low), min(max(mu, -low), 1.0)
+        lowest = min(max(mu, -1.0), low)
+        highest = min(max(mu, -low), 1.0)
         new[0, lane] = min(max(z, lowest), highest)
 
 
@@ -89,7 +106,9 @@ def follow(law, states, extension, own, z):
 
     ``law`` is the result of `by_number` for this law alone.
     """
-    pace, w, after = np.empty(1), np.zeros((states, 1)), np.empty((states, 1))
+    pace = np.empty(1)
+    w = np.zeros((states, 1))
+    after = np.empty((states, 1))
     z[0] = 0.0
     for point in range(1, extension.size):
         pace[0] = extension[point] - extension[point - 1]

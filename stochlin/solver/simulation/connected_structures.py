@@ -99,8 +99,10 @@ def _simple_oscillators(stacks: Sequence[Stack], watched: Array) -> SteppedGroup
         for name in ("mass", "damping", "post", "couple", "strength")
     )
     yields = np.isfinite(strength)
-    post, couple = np.where(yields, post, post + couple), np.where(yields, couple, 0.0)
-    scale, period = np.where(yields, strength, 1.0), 2 * np.pi * np.sqrt(mass / (post + couple))
+    post = np.where(yields, post, post + couple)
+    couple = np.where(yields, couple, 0.0)
+    scale = np.where(yields, strength, 1.0)
+    period = 2 * np.pi * np.sqrt(mass / (post + couple))
     columns = np.stack([damping / mass, post / mass, couple / mass, 1 / scale], axis=1)
     slowest = float((2 * mass / damping).max())
     return SteppedGroup(
@@ -122,7 +124,8 @@ def _tied(system: Arrangement) -> list[Array]:
 def _connected(system: Arrangement, members: Array, samples: Sequence[Arrangement] = ()) -> SteppedGroup:
     """The structures ``members`` (numbers from 0) and the links between them."""
     elements, law = elements_of(system, members)
-    whole, watched = elements.system, _watched(system, members)
+    whole = elements.system
+    watched = _watched(system, members)
     coordinates = _numbers(system.first_coordinate, members)
 
     def shown(elements: Elements) -> Elements:
@@ -162,7 +165,8 @@ def elements_of(system: Arrangement, members: Array, all_states: bool = False) -
     """
     first = system.first_coordinate
     coordinates = _numbers(first, members)
-    n, springs = coordinates.size, np.flatnonzero(np.abs(system.extensions[:, coordinates]).any(axis=1))
+    n = coordinates.size
+    springs = np.flatnonzero(np.abs(system.extensions[:, coordinates]).any(axis=1))
     drifts = system.extensions[np.ix_(springs, coordinates)]
     ties = [system.ties[spring - int(first[-1])] for spring in springs[n:]]
     stacks = [system.stacks[m] for m in members]
@@ -197,7 +201,8 @@ def elements_of(system: Arrangement, members: Array, all_states: bool = False) -
 
 def modes_of(system: System) -> tuple[Array, Array, Array]:
     """Periods [s], effective masses as shares of the mass, and shapes (n, modes), of all modes."""
-    mass, stiffness = system.mass, system.stiffness
+    mass = system.mass
+    stiffness = system.stiffness
     squares, shapes = scipy.linalg.eigh(stiffness, np.diag(mass))
     if squares[0] <= 0:
         what = "the longest period is lost by rounding errors beside the largest stiffness"
@@ -215,7 +220,8 @@ def shortest_mode(system: System, of_displacements: bool = False) -> float:
     periods, shares, shapes = modes_of(system)
     matter = shares >= LEAST_SHARE
     if of_displacements:
-        static, strained = shares * periods**2, np.abs(system.extensions @ shapes)
+        static = shares * periods**2
+        strained = np.abs(system.extensions @ shapes)
         yields = strained[system.couple > 0].max(axis=0, initial=0.0) > ROUNDING * strained.max(axis=0)
         matter &= yields | (static >= LEAST_DISPLACEMENT * static.max())
     return float(periods[matter].min())
@@ -238,7 +244,9 @@ def row_of(system: Arrangement, contacts: Contacts, all_states: bool = False) ->
     ``all_states`` is that of `elements_of`.
     """
     elements, law = elements_of(system, np.arange(len(system.stacks)), all_states)
-    storeys, ties, n = system.storeys, system.ties, system.storeys.mass.size
+    storeys = system.storeys
+    ties = system.ties
+    n = system.storeys.mass.size
     others = elements.kind.size - n
     powers = np.array([tie.link.is_power_law for tie in ties], bool)
     dashpot = np.where(powers, n + len(ties) + np.cumsum(powers) - 1, -1)
