@@ -203,7 +203,7 @@ class SymbolicLaw:
         signs = np.array([[1.0 if name in self.growing else -1.0] for name, _ in self.rates])
         for values in sets:
             rates = self._rates(v, w, values)
-            start = self._rates(v, 0 * w, values)
+            start = self._rates(v, np.zeros_like(w), values)
             if np.iscomplexobj(rates) or not np.isfinite([rates, start]).all():
                 where = "|v|, |z| < 2.5, with further states from 0 to 2.5, or where all states are 0"
                 cure = "take powers of Abs(z) instead of z, and write a limit as Piecewise"

@@ -40,6 +40,13 @@ def choose(condition: Any, yes: Any, no: Any) -> Any:
     return np.where(condition, yes, no)
 
 
+def where_finite(values: Any, *others: Any) -> Any:
+    """The values, and NaN where one of the others is not finite; all broadcast."""
+    for other in others:
+        values = np.where(np.isfinite(other), values, np.nan)
+    return values
+
+
 def solve_3x3(matrix: Sequence[Sequence[Array]], right: Sequence[Array]) -> tuple[Array, ...]:
     """The three components of ``x`` in ``matrix @ x = right``, cell by cell; all entries broadcast.
 

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from stochlin.kernels.basics.arrays import Array, on_arrays
+from stochlin.kernels.basics.arrays import Array, on_arrays, where_finite
 from stochlin.kernels.basics.slabs import in_slabs
 from stochlin.kernels.correlation.corrections import Nearness, Signature, by_nearness, by_signatures
 from stochlin.kernels.correlation.errors import (
@@ -81,8 +81,8 @@ def drifting_pair(errors: Array, first: Drifting, second: Drifting) -> tuple[Arr
     """
     rho, error, rest, share = _drifting(errors, first, second)
     apart, lean = error_of_difference(first.std, first.error, second.std, second.error, rho, rest, share)
-    apart = np.where(error == 0, 0.0, apart + 0 * error)
-    lean = lean + 0 * apart
+    apart = np.where(error == 0, 0.0, where_finite(apart, error))
+    lean = where_finite(lean, apart)
     unlike = np.abs(first.period - second.period) >= ALIKE
     counted = apart - np.where(unlike, lean / 2, 0.0)
     return rho, error, std_of_difference(first.std, second.std, rho), apart, lean, counted
@@ -98,10 +98,11 @@ def compared_pair(errors: Array, first: Compared, second: Compared) -> tuple[Arr
     rho = linear_pair(first.linear, second.linear)
     true, error, _, _ = _drifting(errors, first.true, second.true)
     elastic = first.true.elastic & second.true.elastic
-    bias = np.where(elastic | (np.abs(rho - true) < EQUAL), 0.0, rho - true) + 0 * (rho + error)
+    bias = np.where(elastic | (np.abs(rho - true) < EQUAL), 0.0, rho - true)
+    bias = where_finite(bias, rho, error)
     difference = std_of_difference(*stds, rho)
     off = bias_of_difference(difference, *stds, first.bias, second.bias, rho, bias)
-    return rho, bias, error + 0 * bias, difference, off
+    return rho, bias, where_finite(error, bias), difference, off
 
 
 def _drifting(errors: Array, first: Drifting, second: Drifting) -> tuple[Array, ...]:
@@ -113,7 +114,8 @@ def _drifting(errors: Array, first: Drifting, second: Drifting) -> tuple[Array, 
     rest = share * OF_NEARLY_EQUAL[weaker] + (1 - share) * OF_OTHERS * np.maximum(rho, 0.0)
     error = np.where(first.known & second.known, errors[weaker], np.nan)
     rho = _bounded(rho)
-    return rho, np.where(first.elastic & second.elastic, 0.0, error) + 0 * rho, rest, share
+    error = np.where(first.elastic & second.elastic, 0.0, error)
+    return rho, where_finite(error, rho), rest, share
 
 
 def _bounded(rho: Array) -> Array:

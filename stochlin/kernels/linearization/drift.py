@@ -205,7 +205,7 @@ def _by_modes(
     # x(n + 1) = twice x(n) - square x(n - 1); the last mode is that of the single root.
     factor = np.exp(root * time)
     twice = np.vstack([2 * cosine, factor])
-    square = np.vstack([np.exp(-2 * half), 0 * factor])
+    square = np.vstack([np.exp(-2 * half), np.zeros_like(factor)])
     before = np.vstack([value, single])
     now = np.vstack([after, single * factor])
     largest = np.abs([*before, *(rate * time)]).max(axis=0)
@@ -326,7 +326,7 @@ def drift_covariance(coherence: Array, first: DriftingSide, second: DriftingSide
     ``l1`` and ``l2``.
     """
     square = coherence * coherence
-    total = 0.0 * coherence
+    total = np.zeros_like(coherence)
     for order in range(ORDERS, -1, -1):
         total *= square
         total += first.kicks[order] * second.kicks[order]

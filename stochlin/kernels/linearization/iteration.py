@@ -101,7 +101,7 @@ def follow(
 def nothing(unknowns: Array) -> FixedPoint:
     """The result for cells that are not yet solved."""
     none = np.full(unknowns.shape[1], np.nan)
-    return FixedPoint(0 * unknowns + np.nan, np.zeros(none.size, np.int32), none, none > 0)
+    return FixedPoint(np.full_like(unknowns, np.nan), np.zeros(none.size, np.int32), none, none > 0)
 
 
 def add(solution: FixedPoint, cells: Array, fixed_point: FixedPoint) -> None:

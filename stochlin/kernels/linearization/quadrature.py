@@ -92,7 +92,7 @@ def _panels(
     its end, such as that of ``|z|^1.5``, as smooth as twice the power.
     """
     turn = np.minimum(6 * q / np.maximum(np.abs(r), 1e-3), REACH)
-    edges = [np.full_like(sz, -REACH), -turn, 0 * sz, turn, np.full_like(sz, REACH)]
+    edges = [np.full_like(sz, -REACH), -turn, np.zeros_like(sz), turn, np.full_like(sz, REACH)]
     edges += [np.clip(kink / sz, -REACH, REACH) for kink in kinks]
     border = np.sort(np.concatenate(edges, axis=1), axis=1)
     x, weights = gauss_legendre(order)

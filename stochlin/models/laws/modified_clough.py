@@ -158,7 +158,7 @@ class ModifiedClough(Structure):
         unit = xr.DataArray(1.0)
         crack = values.get("cracking", unit)
         limit = unit
-        rise = 0 * unit
+        rise = xr.DataArray(0.0)
         if self.cracking is not None:
             limit = crack / values["uncracked_stiffness"]
             rise = (1 - crack) / (1 - limit)

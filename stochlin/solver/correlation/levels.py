@@ -161,7 +161,7 @@ def pairs_in_time(cells: Sequence[Oscillators], ground: Ground, course: Envelope
         tables = Tables.of(solved.levels, _bandwidth(solved)[None])
         bandwidth = tables.at(first.square, np.repeat(sides[0], motions))[0]
         moves = alone(first, bandwidth, course.step)
-        joint = 0 * first.square
+        joint = np.zeros_like(first.square)
     else:
         second = structures.moving(sides[1])
         tables = Tables.of(solved.levels, np.array(_pair_rows(solved, *sides)))
@@ -232,7 +232,7 @@ def _pair_rows(solved: SolvedLevels, first: Array, second: Array) -> PairRows:
         both.side,
         solved.rows,
         np.tile(solved.levels, frequency.size // count),
-        solved.soil.later(solved.system, NODES + 0 * frequency),
+        solved.soil.later(solved.system, np.broadcast_to(NODES, (len(NODES), frequency.size))),
     )
     places = [(side[:, None] * count + np.arange(count)).ravel() for side in (first, second)]
     unused = np.full(len(BOUNDS) + 1, np.nan)  # errors of rho

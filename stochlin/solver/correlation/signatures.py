@@ -175,7 +175,7 @@ def _corrections(solved: Solved, side: DriftingSide, tolerance: Tolerance) -> tu
     signature = Signature(nothing, nothing, ones, ones)
     yields = any(each.yields and isinstance(each, Bilinear) for each in solved.structures)
     if calibration is None or not yields:
-        return signature, Nearness(nothing[:AXES], nothing, 0 * ones)
+        return signature, Nearness(nothing[:AXES], nothing, np.zeros_like(ones))
     if calibration.soil is None:
         point = np.stack([*point, ones, AS_ON_WHITE_NOISE * ones])
     else:

@@ -150,7 +150,7 @@ def solve_levels(columns: Array, ground: Ground, levels: Array) -> SolvedLevels:
     period, damping, hardening, strength, *soil = each
     soil[list(ground.cells()).index("intensity")] *= np.tile(levels**2, columns.shape[1])
     ones = np.ones_like(period)
-    cells = Oscillators(period, damping, hardening, strength, 0 * ones, ones, np.array(soil))
+    cells = Oscillators(period, damping, hardening, strength, np.zeros_like(ones), ones, np.array(soil))
     table = Flat(ONE, np.arange(period.size), {})
     own = Solved((YIELDING,), ground, (table,), (slice(0, period.size),), cells, {})
     solved = own.by_laws([LawOfCells.bilinear(period.size, DRIFT)], DRIFT, USUAL)

@@ -13,7 +13,7 @@ from functools import partial
 import numpy as np
 import xarray as xr
 
-from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.arrays import Array, where_finite
 from stochlin.models.arguments import checked
 from stochlin.models.grounds import Ground
 from stochlin.models.laws.bilinear import Bilinear
@@ -49,7 +49,11 @@ def judged(
     solved = by_drift = solved_together(structures, ground, closure, tolerance)
     if closure == DRIFT:
         error = solved.values["displacement_error"]
-        more = {"bias": 0 * error, "bias_error": error, "caution": caution_of(error, EXPECTED)}
+        more = {
+            "bias": where_finite(0.0, error),
+            "bias_error": error,
+            "caution": caution_of(error, EXPECTED),
+        }
     else:
         by_drift = _by_drift(solved, tolerance)
         more = _relative_bias(solved, by_drift)
@@ -71,11 +75,11 @@ def _relative_bias(solved: Solved, by_drift: Solved) -> dict[str, Array]:
     std = solved.values[STD]
     truth = by_drift.values[STD]
     error = by_drift.values["displacement_error"]
-    bias = np.where(error == 0, 0.0, std / truth - 1) + 0 * (error + std)
+    bias = where_finite(np.where(error == 0, 0.0, std / truth - 1), error, std)
     for structure, part in zip(solved.structures, solved.parts, strict=True):
         if structure.yields and not isinstance(structure, Bilinear):
             bias[part] = np.nan
-    return {"bias": bias, "bias_error": error + 0 * bias, "caution": caution_of(bias)}
+    return {"bias": bias, "bias_error": where_finite(error, bias), "caution": caution_of(bias)}
 
 
 def caution_of(off: Array, most: float = OFF) -> Array:
