@@ -42,14 +42,14 @@ def positive_part(mean: Array, deviation: Array) -> Array:
 
     It is exact for a deviation of 0, and computed without cancellation for a negative mean.
     """
-    still = deviation <= 0
-    t = mean / np.where(still, 1.0, deviation)
+    constant = deviation <= 0
+    t = mean / np.where(constant, 1.0, deviation)
     with np.errstate(under="ignore", over="ignore"):
         tail = np.exp(-0.5 * t * t) * np.maximum(
             1 / SQRT_2PI + 0.5 * t * erfcx(np.maximum(-t, -25.0) / np.sqrt(2)), 0
         )
         body = np.exp(-0.5 * t * t) / SQRT_2PI + t * ndtr(t)
-    return np.where(still, np.maximum(mean, 0), deviation * np.where(t > 0, body, tail))
+    return np.where(constant, np.maximum(mean, 0), deviation * np.where(t > 0, body, tail))
 
 
 def exceeding(gap: Array, variance: Array) -> Array:

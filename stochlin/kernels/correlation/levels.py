@@ -41,7 +41,7 @@ class PairRows(NamedTuple):
     displacement: Array  # correlation of the fast displacements
     ahead: Array  # E[u_1 v_2] over the standard deviations of both displacements and velocities
     velocity: Array  # correlation of the velocities
-    kick: Array  # correlation of the kicks, eq. (8)
+    increment: Array  # correlation of the increments, eq. (8)
     bandwidth: Array  # of the fast part of u_1 - u_2
 
 
@@ -65,12 +65,12 @@ def pair_rows(first: AtLevels, second: AtLevels, added: Array) -> PairRows:
     joint = displacement_covariance(motion_1, motion_2, of_pair)
     ahead, velocity = covariances_with_rates(motion_1, motion_2, of_pair)
     unrelaxed = (side._replace(rate=np.array(0.5)) for side in (first.side, second.side))
-    kicks = drift_covariance(coherence_of(first.side, second.side, of_pair), *unrelaxed)
-    both = first.rows.kick * second.rows.kick
+    increments = drift_covariance(coherence_of(first.side, second.side, of_pair), *unrelaxed)
+    both = first.rows.increment * second.rows.increment
     rate_1 = first.side.rate
     rate_2 = second.side.rate
     ease = 2 * np.sqrt(rate_1 * rate_2) / (rate_1 + rate_2)
-    kappa = np.where(both > 0, kicks / np.where(both > 0, both, 1.0), 0.0)
+    kappa = np.where(both > 0, increments / np.where(both > 0, both, 1.0), 0.0)
     rows_1 = first.rows
     rows_2 = second.rows
     level = first.level
@@ -181,7 +181,9 @@ def difference(
     """The motion of ``u_1 - u_2``, eqs. (17) to (19), and the covariance of ``u_1`` and ``u_2``."""
     rows_1 = first.rows
     rows_2 = second.rows
-    drift = grown(pair.kick * rows_1.kick * rows_2.kick, rows_1.relaxation + rows_2.relaxation, step)
+    drift = grown(
+        pair.increment * rows_1.increment * rows_2.increment, rows_1.relaxation + rows_2.relaxation, step
+    )
     slow = grown(rows_1.slow_push * rows_2.slow_push, rows_1.slow_rate + rows_2.slow_rate, step)
     level = np.sqrt(first.square * second.square)
     ahead = np.minimum(envelope**2 / level, MOST_BEHIND)

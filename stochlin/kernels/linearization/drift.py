@@ -1,10 +1,10 @@
 """The drift of the plastic displacement, which linearization does not have.
 
-In ``mu = z + y`` the plastic displacement ``y`` changes by one kick in every half-cycle whose amplitude
-exceeds the yield displacement. Linearization keeps the mean of the kicks for a given amplitude, which
-alternates in sign and cancels. It loses their scatter, which makes ``y`` a random walk that only the
-hardening draws back. The derivation is in ``docs/drift.md``, to whose equations the numbers (1) to (8)
-refer.
+In ``mu = z + y`` the plastic displacement ``y`` changes by one increment in every half-cycle whose
+amplitude exceeds the yield displacement. Linearization keeps the mean of the increments for a given
+amplitude, which alternates in sign and cancels. It loses their scatter, which makes ``y`` a random walk
+that only the hardening draws back. The derivation is in ``docs/drift.md``, to whose equations the
+numbers (1) to (8) refer.
 """
 
 from __future__ import annotations
@@ -74,17 +74,19 @@ def drift_of(system: EquivalentSystem, latent: Array, ground: Filter) -> Drift:
     cycles = half_cycles(system, ground)
     sv, sz, r = latent
     slip = slip_quadrant(sz, r)
-    kick = 2 * sv * slip.first * cycles.time  # mean size over all half-cycles, also without yielding
-    orders = kick**2 * _orders(sz)
+    increment = (
+        2 * sv * slip.first * cycles.time
+    )  # mean size over all half-cycles, also without yielding
+    orders = increment**2 * _orders(sz)
     orders[:-1] *= _sums_of_powers(cycles.memory)
     total = sum(orders)  # row by row, so that rounding does not depend on the number of cells
     intensity = total / cycles.time
     rate = _relaxation(system, latent, slip)
     grown = -np.expm1(-2 * rate * MOTION * 2 * np.pi / np.sqrt(system.stiffness))
     variance = grown * (system.coupling / system.stiffness) ** 2 * intensity / (2 * rate)
-    still = variance == 0
-    shares = np.where(still, 0.0, orders / total)
-    return Drift(variance, np.where(still, 1.0, rate), shares)
+    without_drift = variance == 0
+    shares = np.where(without_drift, 0.0, orders / total)
+    return Drift(variance, np.where(without_drift, 1.0, rate), shares)
 
 
 def _relaxation(system: EquivalentSystem, latent: Array, slip: SlipQuadrant) -> Array:
@@ -98,7 +100,7 @@ def _relaxation(system: EquivalentSystem, latent: Array, slip: SlipQuadrant) -> 
 
 
 def _orders(sz: Array) -> Array:
-    """Variance of the kick sizes by Laguerre order, over the square of their mean: ``c_j^2`` of eq. (2).
+    """Variance of the sizes of increments by Laguerre order, over their squared mean: eq. (2).
 
     The amplitudes ``a`` are Rayleigh distributed, so that ``E = a^2/(2 sz^2)`` is exponentially
     distributed. Its part above the threshold of yielding has the same exponential distribution, and the
@@ -296,15 +298,15 @@ class DriftingSide(NamedTuple):
 
     motion: Motion
     rate: Array  # relaxation rate of the drift [1/s]
-    kicks: Array  # (ORDERS + 1, n) square roots of the intensities of the drift by order
+    increments: Array  # (ORDERS + 1, n) square roots of the intensities of the drift by order
     noisy: Any = 1.0  # variance of the velocity under white noise of the intensity 1
     variance: Any = 1.0  # of the displacement with its drift
 
     @classmethod
-    def of(cls, motion: Motion, rate: Array, kicks: Array) -> DriftingSide:
+    def of(cls, motion: Motion, rate: Array, increments: Array) -> DriftingSide:
         """A structure, whose variances are its covariances with itself by the formulas of pairs."""
         noisy = velocity_covariance(motion, motion, residues(motion, motion))
-        side = cls(motion, rate, kicks, noisy)
+        side = cls(motion, rate, increments, noisy)
         return side._replace(variance=drifting_correlation(side, side))
 
 
@@ -314,7 +316,7 @@ def at_unit_intensity(side: DriftingSide, intensity: Array) -> DriftingSide:
     size = np.sqrt(intensity)
     free = {name: getattr(motion, name) / intensity for name in ("free_2", "free_1", "free_0")}
     return DriftingSide(
-        motion._replace(**free), side.rate, side.kicks / size, side.noisy, side.variance / intensity
+        motion._replace(**free), side.rate, side.increments / size, side.noisy, side.variance / intensity
     )
 
 
@@ -329,7 +331,7 @@ def drift_covariance(coherence: Array, first: DriftingSide, second: DriftingSide
     total = np.zeros_like(coherence)
     for order in range(ORDERS, -1, -1):
         total *= square
-        total += first.kicks[order] * second.kicks[order]
+        total += first.increments[order] * second.increments[order]
     return coherence * total / (first.rate + second.rate)
 
 

@@ -82,11 +82,11 @@ class Filter:
     def clough_penzien(self, frequency: Entry, damping: Entry) -> Filter:
         """The Kanai-Tajimi ground through a high-pass oscillator of ``wf`` [rad/s] and ``xif``."""
         layer = (frequency**2, 2 * damping * frequency)
-        still = (0.0, 0.0)
+        zeros = (0.0, 0.0)
         output = (*self.output, -layer[0], -layer[1])
-        matrix = (*((*row, *still) for row in self.matrix), (*still, 0.0, 1.0), output)
+        matrix = (*((*row, *zeros) for row in self.matrix), (*zeros, 0.0, 1.0), output)
         states = (*self.states, "xf", "xf_rate")
-        noise = (*self.noise, *still)
+        noise = (*self.noise, *zeros)
         return Filter(self.intensity, states, matrix, noise, output, (*self.oscillators, *layer))
 
     def at(self, cells: Any) -> Self:

@@ -144,10 +144,10 @@ def clough_penzien(system: Any, ground: Any) -> tuple[Signal, tuple[Pair, Pair],
     _, ends = _driven(alone, soil, noise)
     _, with_rate, _ = driven_rows(alone, soil, ends)
     # Covariance of the ground acceleration with the displacement of the high-pass oscillator.
-    still = -(stiffness * with_rate[0] + damping * with_rate[1]) / layer_damping
+    of_ground = -(stiffness * with_rate[0] + damping * with_rate[1]) / layer_damping
     moved = _apply(soil, with_rate)
     (mu, v, y), ends = _driven(system, soil, (-moved[0], -moved[1]))
-    of_layer = _sylvester(system, layer, (0.0, mu), (still, v), (0.0, y))
+    of_layer = _sylvester(system, layer, (0.0, mu), (of_ground, v), (0.0, y))
     w2, d, h, p, k = system
     (_, mu_rate), (v_place, v_rate), _ = of_layer
     drive = (1 - p) * v_place, (1 - p) * v_rate + (mu - y)

@@ -75,7 +75,7 @@ class StructureRows(NamedTuple):
 
     displacement: Array  # standard deviation of the fast part [m]; in tables over the level
     velocity: Array  # standard deviation [m/s]; in tables over the level
-    kick: Array  # root of the intensity of the drift, eq. (3) [m/s^0.5]
+    increment: Array  # root of the intensity of the drift, eq. (3) [m/s^0.5]
     relaxation: Array  # rate of the drift, eq. (4) [1/s]
     correction: Array  # factor on displacements, from the map of simulations
     growth: Array  # rate at which the squared level follows that of the motion, eq. (14) [1/s]
@@ -217,8 +217,8 @@ def moving(
     rows = rows._replace(
         displacement=size * rows.displacement,
         velocity=size * rows.velocity,
-        kick=rows.correction * rows.kick,
+        increment=rows.correction * rows.increment,
         slow_push=envelope * rows.correction * rows.slow_push,
     )
-    drift = grown(rows.kick**2, 2 * rows.relaxation, step)
+    drift = grown(rows.increment**2, 2 * rows.relaxation, step)
     return StructureInTime(square, rows, drift, grown(rows.slow_push**2, 2 * rows.slow_rate, step))

@@ -69,8 +69,8 @@ def drifting_side(values: Mapping[str, Array]) -> DriftingSide:
     forcing = Forcing(*values["forcing"])
     with np.errstate(all="ignore"):  # failed cells are NaN
         rate = values["drift_rate"]
-        kicks = values["drift_std"] * np.sqrt(2 * rate * values["drift_shares"])
-        return DriftingSide.of(motion_of(system, forcing), rate, kicks)
+        increments = values["drift_std"] * np.sqrt(2 * rate * values["drift_shares"])
+        return DriftingSide.of(motion_of(system, forcing), rate, increments)
 
 
 def solved_references(

@@ -281,9 +281,9 @@ def _solved(
     # A reduction factor is used as it is, so that equal structures have exactly equal ratios.
     ratio = np.where(by_factor, cells.strength / cells.peak_factor, std / uy)
     system = elastic
-    still = np.ones(n, bool)
+    elastic_cells = np.ones(n, bool)
     drift = no_drift(n)
-    ended = FixedPoint(np.empty((3, n)), np.zeros(n, np.int32), np.zeros(n), still)
+    ended = FixedPoint(np.empty((3, n)), np.zeros(n, np.int32), np.zeros(n), elastic_cells)
     if law is not None:
         problem = _problem(cells, law, ground, tolerance, uy)
         start = np.array([np.sqrt(own.v_v), std, 0.1 * uy]) / uy
@@ -292,13 +292,13 @@ def _solved(
         yielding = EquivalentSystem(
             *problem.structure, *law.closure(latent, law.parameters).coefficients
         )
-        still = np.abs(yielding.slip) < ELASTIC
-        still &= np.abs(yielding.relaxation) < ELASTIC * w
-        system = choose(still, elastic, yielding)
+        elastic_cells = np.abs(yielding.slip) < ELASTIC
+        elastic_cells &= np.abs(yielding.relaxation) < ELASTIC * w
+        system = choose(elastic_cells, elastic, yielding)
         if law.drifts:
-            drift = choose(still, drift, drift_of(yielding, latent, soil))
-    values, physical = _response(system, still, drift, soil, uy)
-    status = np.where(still, labels.ELASTIC_LIMIT, labels.CONVERGED)
+            drift = choose(elastic_cells, drift, drift_of(yielding, latent, soil))
+    values, physical = _response(system, elastic_cells, drift, soil, uy)
+    status = np.where(elastic_cells, labels.ELASTIC_LIMIT, labels.CONVERGED)
     status = np.where(physical, status, labels.NOT_PHYSICAL)
     lost = np.where(ratio > STRONG, labels.TOO_STRONG, labels.NOT_CONVERGED)
     status = np.where(ended.converged, status, lost).astype(np.int8)

@@ -213,13 +213,13 @@ def solve_system(
     rule = tolerance.max_iterations, tolerance.rtol
     solved, changes = solve_springs(problem, elastic, one_solution, *rule, depth, relaxation)
     slip, k, dashpots = linear_for(problem, solved.unknowns)
-    still = (np.abs(slip) < ELASTIC) & (np.abs(k) < ELASTIC * problem.frequency)
-    linear = EquivalentCoefficients(np.where(still, 0.0, slip), np.where(still, 0.0, k), dashpots)
+    idle = (np.abs(slip) < ELASTIC) & (np.abs(k) < ELASTIC * problem.frequency)
+    linear = EquivalentCoefficients(np.where(idle, 0.0, slip), np.where(idle, 0.0, k), dashpots)
     demand = np.exp(elastic[m : 2 * m].max(axis=0, initial=-np.inf))
     failed = np.where(demand > STRONG, labels.TOO_STRONG, labels.NOT_CONVERGED)
     failed = np.where(np.isnan(demand), labels.NOT_PHYSICAL, failed)
-    calm = np.where(still.all(axis=1), labels.ELASTIC_LIMIT, labels.CONVERGED)
-    status = np.where(solved.converged, calm, failed).astype(np.int8)
+    solved_status = np.where(idle.all(axis=1), labels.ELASTIC_LIMIT, labels.CONVERGED)
+    status = np.where(solved.converged, solved_status, failed).astype(np.int8)
     return SystemSolution(linear, changes, solved.iterations, status)
 
 
@@ -322,8 +322,8 @@ def _results(system: Arrangement, problem: Springs, linear: EquivalentCoefficien
     if system.ties:
         results["link_force_std"] = link_forces(problem, linear, motion)
     if any(tie.link.damping_exponent is not None for tie in system.ties):
-        still = (linear.dashpots == 0) & (problem.dashpots > 0)
-        results["equivalent_damping_constant"] = np.where(still, np.nan, linear.dashpots)
+        at_rest = (linear.dashpots == 0) & (problem.dashpots > 0)
+        results["equivalent_damping_constant"] = np.where(at_rest, np.nan, linear.dashpots)
     return results
 
 
