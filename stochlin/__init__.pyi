@@ -59,6 +59,7 @@ from .applications.separation.code_gaps import code_gaps as code_gaps
 from .applications.sensitivity.sensitivity import sensitivity as sensitivity
 from .models.uncertain import Uncertain as Uncertain
 from .applications.cases.reading.case import read_case as read_case
+from .applications.cases.separation import separation_case as separation_case
 from .solver.tables.dictionaries import as_dictionary as as_dictionary
 from . import rules as rules
 

@@ -31,6 +31,8 @@ from stochlin.applications.sites.simulated_spectra import (
 )
 from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.kernels.simulation.stepping import whole_groups
+from stochlin.messages import brief
+from stochlin.models.arguments import checked
 from stochlin.models.grounds import OF_SPECTRUM
 from stochlin.models.plausible import unquestioned
 from stochlin.solver.simulation.prepared import FiniteMotion
@@ -80,6 +82,53 @@ class CaseAnswer:
             table = table.merge(self.risk).assign_attrs(self.risk.attrs)
         table = table.assign_attrs(title=f"{self.case.title}: {table.attrs['title']}")
         return table if samples else table.drop_dims(set(table.dims) - {"rule"})
+
+
+@checked
+def separation_case(case: Case, progress: Progress | None = None) -> xr.Dataset:
+    """Gap of the buildings of a case by simulation and by every rule, as ``stochlin gap`` answers it.
+
+    Parameters
+    ----------
+    case : Case
+        A case as from `stochlin.read_case`, of two buildings, or of one beside its property line.
+    progress : callable, optional
+        Called with the share of the work that is done.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``rule`` the variables of `stochlin.separation`, such as ``gap`` [m] and ``verdict``, with
+        the codes, the records and the scatter of the case; those of `stochlin.existing_gap` with
+        ``existing_`` before their names, if the case has an existing gap, and those of
+        `stochlin.pounding_risk` with ``risk_``, if it has a hazard.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If ``case`` is no case, has more than two buildings, or for an error of these functions; the
+        message names the file, or the dictionary.
+    ArithmeticError
+        If there is no solution.
+
+    References
+    ----------
+    Valles-Mattox and Reinhorn (1996), eq. (3); the coordinate ``reference`` for each rule.
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> building = {"period": "0.6 s", "damping": 0.05, "elastic": True}
+    >>> content = {"site": {"ground": "firm", "pga": "0.3 g"}, "motion": {"duration": "10 s"}}
+    >>> content |= {"building_1": building, "building_2": building | {"period": "1 s"}}
+    >>> content |= {"separation": {"confidence": 0.9}, "simulation": {"paths": 128}}
+    >>> table = sl.separation_case(sl.read_case(content))
+    >>> bool(table.gap.sel(rule="srss") > 0)
+    True
+    """
+    if not isinstance(case, Case):
+        raise TypeError(f"case = {brief(case)}; allowed: the result of read_case")
+    return answer_case(case, progress).table()
 
 
 @unquestioned()

@@ -27,6 +27,7 @@ def first_sections(answer: CaseAnswer) -> list[ViewSection]:
     """Doubts, the answer with its picture, and cautions."""
     first, *others = texts(words.first_lines(answer))
     sections = [
+        ViewSection("", [doubt(answer.case.doubts)], on_screen=False),  # printed as warnings there
         ViewSection("", [doubt(doubts(answer.shaking))]),
         ViewSection("", [TextBlock(answer.case.title, "title")], on_screen=False),
         ViewSection("", [replace(first, look="answer"), pictures.elevation_picture(answer), *others]),

@@ -41,6 +41,10 @@ if TYPE_CHECKING:
 ALIKE = 0.05  # gap over peak of buildings that move alike
 MUCH = 10.0  # ductility that is doubtful
 SHARE = "no_pounding_probability"
+ONE_MASS = (
+    "A building that is described by its period moves as one mass: its displacement counts at any "
+    "height. Roofs of equal storeys move farther, up to 1.5 times; describe the storeys for that."
+)
 LINE = (
     "Nothing beyond the property line is in the model: two neighbours that each stay on their own side "
     "cannot meet; for a neighbour nearer to the line, compute the gap between both buildings."
@@ -365,7 +369,7 @@ def _strength(limits: xr.Dataset, table: xr.Dataset) -> list[tuple[str, ...]]:
 def _limit(what: str, bound: str, value: float, low: float, high: float) -> tuple[str, ...]:
     """A row for a limit of a change, of which all or no values may be sufficient."""
     if np.isnan(value):
-        return what, "no value tried", ""
+        return what, "no tried value is enough", ""
     if value == 0 or np.isinf(value):
         return what, "every value tried", ""
     return what, f"{bound} {value:.3g}", f"{low:.3g} to {high:.3g}" if low < high else ""
@@ -376,12 +380,14 @@ def method(case: Case) -> list[str]:
     scatter = case.site.scatter
     spread = f"; a scatter of {scatter:g} about it is in the answer" if scatter else ""
     known = " that are not uncertain here" if case.uncertain else ""
+    by_one_mass = any(not building.has_storeys for building in case.buildings)
     return [
         f"{case.simulated.motions} motions of a stationary random process with an envelope "
         f"({site_in_words(case)}); the interval covers their sampling only. The strength of the next "
         f"earthquake is the largest unknown{spread}.",
         "Left out: modes beyond the models, torsion, soil under the foundations, loss of strength, "
         f"errors of the parameters{known}; load factors and least distances of codes.",
+        *([ONE_MASS] if by_one_mass else []),
         *([LINE] if case.alone else []),
     ]
 

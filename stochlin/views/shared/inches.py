@@ -20,6 +20,7 @@ NUMBER = r"\d+(?:\.\d+)?"
 LENGTHS = re.compile(rf"(?<![\w.])((?:{NUMBER} (?:to|and) )?{NUMBER})[ {SPACE}](cm|m)(?![\w/²³^])")
 IN_CM = "[cm]"
 IN_INCHES = "[in]"
+BELOW = "alone"  # name of a row that has the unit of the row above
 
 
 def inches(metres: float) -> str:
@@ -64,20 +65,25 @@ def _of_block(case: Case, block: Block) -> Block:
 
 
 def _of_table(case: Case, table: TableBlock) -> TableBlock:
-    """A table with a column in inches after each in centimetres, and such a row after each row."""
+    """A table with a column in inches after each in centimetres, and such rows after these rows."""
     heads = [
         twice for head in table.heads for twice in _twice(head, head, head.replace(IN_CM, IN_INCHES))
     ]
     rows: list[Row] = []
+    group: list[Row] = []  # in inches, below those in centimetres
     for row in table.rows:
         first = with_inches(case, row.cells[0])
         cells = zip(table.heads, [first, *row.cells[1:]], strict=True)
         both = [twice for head, cell in cells for twice in _twice(head, cell, _in_inches(cell))]
+        below = bool(group) and first.strip() == BELOW
+        if not below:
+            rows += group
+            group = []
         rows.append(replace(row, cells=both))
-        if IN_CM in first:
+        if IN_CM in first or below:
             values = (_in_inches(cell) for cell in row.cells[1:])
-            rows.append(replace(row, cells=[first.replace(IN_CM, IN_INCHES), *values]))
-    return replace(table, heads=heads, rows=rows)
+            group.append(replace(row, cells=[first.replace(IN_CM, IN_INCHES), *values]))
+    return replace(table, heads=heads, rows=[*rows, *group])
 
 
 def _twice(head: str, cell: str, converted: str) -> list[str]:

@@ -6,6 +6,7 @@ import inspect
 import math
 import os
 import re
+import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import MISSING, dataclass, field, replace
 from functools import cached_property
@@ -370,6 +371,7 @@ class Case:
     codes: tuple[str, ...] = field(compare=False)
     contact: Contact | None = field(compare=False)
     measures: Mapping[str, Measure] = field(compare=False)
+    doubts: tuple[str, ...] = field(compare=False, default=())  # on what the file says
 
     @property
     def title(self) -> str:
@@ -511,8 +513,21 @@ def check_together(buildings: Sequence[Building], site: CaseSite) -> None:
             site.form.table.warn("records" if site.form.records else "suite", f"is doubtful: {what}")
 
 
-@unquestioned()
 def case_of(table: TomlTable) -> Case:
+    """The case of a file, with what was doubted while it was read."""
+    caught: list[warnings.WarningMessage] = []
+    try:
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            case = _case_of(table)
+    finally:  # also where the file is refused
+        for warning in caught:
+            warnings.warn_explicit(warning.message, warning.category, warning.filename, warning.lineno)
+    return replace(case, doubts=tuple(str(warning.message) for warning in caught))
+
+
+@unquestioned()
+def _case_of(table: TomlTable) -> Case:
     """The case of a file."""
     whole = table.read(WholeCase)
     site = read_site(whole.site, whole.motion)
