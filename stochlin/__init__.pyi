@@ -115,6 +115,7 @@ from .applications.risk.risk import (
 from .applications.pounding.pounding import pound as pound
 from .applications.cases.pounding import pound_case as pound_case
 from .applications.pounding.estimates import pounding_estimate as pounding_estimate
+from .models.walls import Wall as Wall
 from .models.contacts.elements import (
     LinearSpring as LinearSpring,
     Kelvin as Kelvin,

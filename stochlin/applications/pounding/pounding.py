@@ -16,9 +16,9 @@ from stochlin.applications.pounding.rows import (
     Standing,
     build_row,
     check_contact,
-    checked_buildings,
     checked_gaps,
     checked_links,
+    checked_row,
 )
 from stochlin.applications.pounding.runs import STEPS_PER_CONTACT, failure, paces_of, responses, runs_of
 from stochlin.applications.records.cells import RECORD, RecordedMotions, Records, checked_motions
@@ -30,6 +30,7 @@ from stochlin.models.arguments import Quantiles, Whole, checked
 from stochlin.models.links import Link
 from stochlin.models.plausible import PLAUSIBLE
 from stochlin.models.structures import AnyStructure
+from stochlin.models.walls import Wall
 from stochlin.solver.simulation.results.peaks import LINK_PEAKS
 from stochlin.solver.simulation.statistics import (
     Columns,
@@ -70,7 +71,7 @@ STATISTICS = (
 
 @checked
 def pound(
-    structures: Sequence[AnyStructure],
+    structures: Sequence[AnyStructure | Wall],
     gaps: npt.ArrayLike = (),
     contact: BetweenBuildings | None = None,
     motion: Records | None = None,
@@ -88,14 +89,15 @@ def pound(
 
     Parameters
     ----------
-    structures : list of Bilinear, BoucWen or Hysteretic with a mass, and of ShearBuilding
+    structures : list of Bilinear, BoucWen or Hysteretic with a mass, of ShearBuilding, and of Wall
         Buildings from left to right, or one building, with any hysteresis law. They can meet at every
         floor of either building up to the lower roof: slab to slab where the floors are within 0.05 m of
         the same level, otherwise slab to column of the neighbour, between two of its floors. An
-        oscillator meets the roof of a shear building.
+        oscillator meets the roof of a shear building. The first and the last may be a rigid `Wall`,
+        which is not counted in the numbers of structures.
     gaps : list of float
-        Gaps between neighbours [m], not negative. For two structures one number is enough. One building
-        alone has no gap.
+        Gaps between neighbours [m], also to walls, not negative. For two structures one number is
+        enough. One building alone has no gap.
     contact : Contact
         Contact between all neighbours, for instance `Kelvin` or `Stereomechanical`. It is not required
         for one building alone.
@@ -128,7 +130,9 @@ def pound(
         ``contact_force`` [N]. Over ``time``: ``contact_stored_energy`` and ``contact_lost_energy`` [J],
         and ``energy_balance_error`` [-], the energy that the time steps did not account for over the
         largest input energy so far. With links also ``link_force`` [N] over ``time`` and ``link``, and
-        ``link_stored_energy`` and ``link_lost_energy`` [J] over ``time``.
+        ``link_stored_energy`` and ``link_lost_energy`` [J] over ``time``. With walls fixed in space also
+        ``wall_displacement`` [m], relative to the ground, and ``wall_energy`` [J], their work on the
+        buildings.
 
         Over ``impact``: ``impact_time`` [s], ``impact_contact``, ``approach_velocity`` [m/s],
         ``largest_force`` [N] (NaN for a `Stereomechanical` contact), ``impact_duration`` [s] and
@@ -151,8 +155,8 @@ def pound(
         `Stereomechanical` contact. Also ``contact_energy`` [J], the energy lost in the contact. Over
         ``structure``: ``energy_received`` [J] from all impacts.
 
-        Coordinates of ``contact`` are the structures and floors that meet, the ``level`` [m] and the
-        ``kind``, slab to slab or slab to column. If a slab meets a column, there are also the
+        Coordinates of ``contact`` are the structures and floors that meet, 0 for a wall, the ``level``
+        [m] and the ``kind``, for instance slab to column. If a column is met, there are also the
         coordinates ``column``, the side of the column, ``storey``, that of the column, and ``share``, by
         which the displacement of the floor above counts in that of the column; and the variables
         ``column_force`` [N], the largest force on the columns of this storey, and
@@ -176,12 +180,12 @@ def pound(
     Raises
     ------
     ValueError, TypeError
-        If there is no structure, or a structure has an array as parameter or no mass; if
-        the contact is missing for several structures, or is `Stereomechanical` where a slab meets a
-        column; if a gap is negative, or the number of gaps or links is wrong; if a link names a floor or
-        structure that does not exist; if the output step is not positive or is given with several
-        motions; if there is no motion, or a motion is not a record, has NaN or only zeros; or if the
-        computation would take too long.
+        If there is no structure, or a structure has an array as parameter or no mass; if a wall is not
+        at an end of the row, or has heights above the roof; if the contact is missing for several
+        structures, or is `Stereomechanical` where a column is met; if a gap is negative, or the number
+        of gaps or links is wrong; if a link names a floor or structure that does not exist; if the
+        output step is not positive or is given with several motions; if there is no motion, or a motion
+        is not a record, has NaN or only zeros; or if the computation would take too long.
     ArithmeticError
         If the response is no longer finite, since a law runs away. Also if a structure with a negative
         stiffness after yielding falls, as in `simulate`. With several motions the results of such a
@@ -250,21 +254,22 @@ def pound(
     >>> many.impacts.dims, float(many.pounding_probability[0])
     (('path', 'contact'), 0.3125)
     """
-    row_of = checked_buildings(structures)
-    spaces = checked_gaps(gaps, len(row_of))
-    if len(row_of) > 1:
+    neighbours = checked_row(structures)
+    buildings = neighbours.buildings
+    spaces = checked_gaps(gaps, neighbours.gaps)
+    if spaces.size:
         check_contact("contact", contact)
     levels = np.asarray(quantiles, float)
     motions, over, names = checked_ensemble(motion)
-    links = checked_links(link, len(row_of))
-    standing = build_row(row_of, spaces, contact, links)
+    links = checked_links(link, len(buildings))
+    standing = build_row(neighbours, spaces, contact, links)
     paces = paces_of(standing, contact, motions.grounds, steps_per_contact)
     if progress is not None:
         progress(0.0)
     table = response_table(standing, motions, over, paces, progress)
     table = table.merge(contacts(standing.places, links))
     table = table.assign(gap=("contact", standing.row.contacts.gap))
-    if len(row_of) == 1:
+    if not spaces.size:
         table = table.drop_dims(OF_CONTACTS, errors="ignore")
     else:
         table = table.merge(between_neighbours(table))
@@ -283,10 +288,11 @@ def pound(
         if over == PATH:
             described = f"{len(motions.grounds)} simulated motions"
     table = labels.label(table).assign_attrs(motion=described.removeprefix("record: "))
-    models = labels.named_models(row_of, links=links)
+    models = labels.named_models(buildings, links=links)
     title = "A building alone in a motion"
-    if len(row_of) > 1:
+    if spaces.size:
         title = "Pounding of buildings in a row"
+        models |= {f"wall_{side}": wall for side, wall in neighbours.walls.items()}
         models["contact"] = contact
         table = table.assign_attrs(gaps=spaces.tolist())
     return labels.with_run_information(table, title, f"pound({call})", models, REFERENCES)
@@ -382,7 +388,8 @@ def between_neighbours(table: xr.Dataset) -> xr.Dataset:
     """The variables of `BETWEEN`, of all contacts between two neighbours together."""
     by_gap = table[[*BETWEEN]].groupby("left")
     joined = by_gap.sum(skipna=False).assign(hardest_force=by_gap.max(skipna=False).hardest_force)
-    names = [f"{left} | {left + 1}" for left in joined.left.values]
+    right_of = dict(zip(table.left.values, table.right.values, strict=True))
+    names = [f"{left or 'wall'} | {right_of[left] or 'wall'}" for left in joined.left.values]
     joined = joined.rename({name: f"{name}_between" for name in BETWEEN} | {"left": NEIGHBOURS})
     coordinate = NEIGHBOURS, names, {"long_name": "both sides of the gap"}
     return joined.assign_coords({NEIGHBOURS: coordinate}).transpose(..., NEIGHBOURS)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from stochlin.applications.pounding.rows import COLUMN, SIDES, SLABS, Meeting, Standing
+from stochlin.applications.pounding.rows import SIDES, Meeting, Standing
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.pounding.run import RowResponse
 from stochlin.kernels.records.runs import SampledMotion
@@ -92,16 +92,19 @@ def _course(standing: Standing, response: RowResponse, ground: SampledMotion) ->
         "acceleration": (FLOOR, _products(sped, system.shapes) + carried),
         "storey_shear": (FLOOR, shear),
         "base_shear": (STRUCTURE, shear[:, standing.first[:-1]]),
-        "input_energy": (STRUCTURE, of_structures(history.coordinates.input_energy.T)),
-        "kinetic_energy": (STRUCTURE, of_structures(0.5 * system.mass * v**2)),
+        "input_energy": (STRUCTURE, of_structures(history.coordinates.input_energy.T[:, :n])),
+        "kinetic_energy": (STRUCTURE, of_structures(0.5 * row.parts.mass * v[:, :n] ** 2)),
         "elastic_energy": (STRUCTURE, of_structures(stored[:, :n])),
-        "viscous_energy": (STRUCTURE, of_structures(history.coordinates.viscous_energy.T)),
+        "viscous_energy": (STRUCTURE, of_structures(history.coordinates.viscous_energy.T[:, :n])),
         "hysteretic_energy": (STRUCTURE, of_structures(history.elements.dissipated[:n].T)),
         "contact_force": (CONTACT, pushed),
         "contact_stored_energy": (OF_ROW, squeezed),
         "contact_lost_energy": (OF_ROW, history.contacts.dissipated.sum(axis=0)),
         "energy_balance_error": (OF_ROW, imbalance),
     }
+    if row.contacts.of_wall.any():
+        values["wall_displacement"] = OF_ROW, q[:, n]
+        values["wall_energy"] = OF_ROW, history.coordinates.input_energy[n]
     if row.parts.spring.size:
         linear = force[:, row.parts.spring] + row.parts.constant * rate[:, row.parts.spring]
         power = np.where(row.parts.dashpot >= 0, drag[:, row.parts.dashpot], 0.0)
@@ -181,11 +184,14 @@ def contacts(places: Sequence[Meeting], links: Sequence[Link | None]) -> xr.Data
     columns: dict[str, tuple[Sequence[Any], str]] = {
         "contact": (range(1, len(places) + 1), "contact"),
         "left": ([m.building + 1 for m in places], "structure on the left"),
-        "right": ([m.building + 2 for m in places], "structure on the right"),
+        "right": (
+            [0 if m.wall == "right" else m.building + 2 for m in places],
+            "structure on the right",
+        ),
     }
     if np.isfinite([m.level for m in places]).any():
         columns |= {
-            "kind": ([COLUMN if m.struck else SLABS for m in places], "what meets"),
+            "kind": ([m.kind for m in places], "what meets"),
             "level": ([m.level for m in places], "level of the contact above the ground"),
             "floor_left": ([m.floor_left + 1 for m in places], "floor on the left"),
             "floor_right": ([m.floor_right + 1 for m in places], "floor on the right"),
@@ -277,11 +283,11 @@ def _tallies(standing: Standing, response: RowResponse) -> Quantities:
         without = np.nan if name in unknown else 0.0
         values[name] = CONTACT, np.array([of_impacts[at].max(initial=without) for at in hit])
     values["contact_energy"] = CONTACT, hit @ impacts["dissipated"]
-    received = np.zeros(standing.first.size - 1)
-    left = np.array([m.building for m in standing.places], np.int64)
+    received = np.zeros(standing.first.size + 1)  # also of a wall on the left and on the right
+    left = np.array([m.building + 1 for m in standing.places], np.int64)
     for side, energy in enumerate(energy_transferred(response).T):
         np.add.at(received, left[where] + side, energy)
-    values["energy_received"] = STRUCTURE, received
+    values["energy_received"] = STRUCTURE, received[1:-1]
     return values
 
 

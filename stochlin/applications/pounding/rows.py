@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from typing import Annotated, NamedTuple
 
@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from stochlin.applications.records.cells import check_structure
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.systems import System
 from stochlin.kernels.pounding.run import BuildingRow
 from stochlin.kernels.simulation.contacts import Contacts, ForceLaw
 from stochlin.messages import brief
@@ -28,21 +29,25 @@ from stochlin.models.systems import (
     shares_at,
     slabs_on_columns,
 )
+from stochlin.models.walls import SPACE, Wall
 from stochlin.solver.simulation.connected_structures import modes_of, row_of
 from stochlin.solver.tables.checks import check_scalars
 
 NUMBERS = "numbers, since a history is of one row"
 SLABS = "slab to slab"
 COLUMN = "slab to column"
+WALL = "slab to wall"
+WALL_COLUMN = "wall to column"
 SIDES = "left", "right"  # sides of a contact
 
 
 class Meeting(NamedTuple):
     """A contact between two neighbours: the building on its left, both floors and their level [m].
 
-    Buildings and floors are counted from 0. Where a slab meets a column, the floor on the side of the
-    column is the one above the level. The displacement of the column is ``share`` times that of this
-    floor plus ``1 - share`` times that of the floor below or the ground.
+    Buildings and floors are counted from 0; before the first building, and in place of the floor of a
+    wall, stands -1. Where a slab meets a column, the floor on the side of the column is the one above
+    the level. The displacement of the column is ``share`` times that of this floor plus ``1 - share``
+    times that of the floor below or the ground.
     """
 
     building: int
@@ -51,9 +56,19 @@ class Meeting(NamedTuple):
     level: float  # NaN between structures of one degree of freedom
     struck: str = ""  # side of the column: "left", "right", or empty for slab to slab
     share: float = 1.0
+    wall: str = ""  # side of a wall: "left", "right", or empty between two buildings
+
+    @property
+    def kind(self) -> str:
+        """What meets, in words."""
+        if self.wall:
+            return WALL_COLUMN if self.struck else WALL
+        return COLUMN if self.struck else SLABS
 
     def shares(self, side: str) -> dict[int, float]:
         """Shares of the floors in the displacement of what meets on one side, by their numbers."""
+        if self.wall == side:
+            return {}
         floor = self.floor_left if side == SIDES[0] else self.floor_right
         if self.struck != side:
             return {floor: 1.0}
@@ -65,6 +80,18 @@ class Meeting(NamedTuple):
         return self.floor_left if self.struck == "left" else self.floor_right
 
 
+class Neighbours(NamedTuple):
+    """Buildings from left to right, and the walls beside them."""
+
+    buildings: list[AnyStructure]
+    walls: dict[str, Wall]  # by their side of the row, "left" or "right"
+
+    @property
+    def gaps(self) -> int:
+        """Number of gaps."""
+        return len(self.buildings) + len(self.walls) - 1
+
+
 class Standing(NamedTuple):
     """Buildings in a row, and each of them alone, as kernels take them."""
 
@@ -73,6 +100,7 @@ class Standing(NamedTuple):
     arrangement: Arrangement
     places: list[Meeting]
     reduced: Array  # (c,) [kg]: reduced mass of both sides of each contact
+    system: System  # of the buildings with their links, without walls
 
     @property
     def first(self) -> Array:
@@ -85,25 +113,36 @@ class Standing(NamedTuple):
         return min(float(modes_of(stack.system)[0].max()) for stack in self.arrangement.stacks)
 
 
-def checked_buildings(structures: Sequence[AnyStructure]) -> list[AnyStructure]:
-    """The structures as a list, after a check that each has what time steps need."""
+def checked_row(structures: Sequence[AnyStructure | Wall]) -> Neighbours:
+    """The buildings and walls, after a check that each building has what time steps need."""
     if not isinstance(structures, Sequence) or not structures:
         raise ValueError(f"structures = {brief(structures)}; allowed: a list, from left to right")
+    walls: dict[str, Wall] = {}
+    buildings: list[AnyStructure] = []
     for number, structure in enumerate(structures, start=1):
         role = f"structures, number {number}"
+        if isinstance(structure, Wall):
+            if 1 < number < len(structures) or len(structures) == 1:
+                what = "a wall" if len(structures) > 1 else "a wall alone"
+                raise ValueError(f"{role} is {what}; allowed: a wall first or last, beside a building")
+            walls[SIDES[number > 1]] = structure
+            continue
         check_structure(role, structure)
         check_scalars(structure, role, NUMBERS)
         check_mass(structure, role)
-    return list(structures)
+        buildings.append(structure)
+    if not buildings:
+        raise ValueError("structures has walls alone; allowed: at least one building between them")
+    return Neighbours(buildings, walls)
 
 
 def checked_gaps(gaps: npt.ArrayLike, count: int) -> Array:
-    """Gaps [m] between ``count`` structures as an array, checked; one number is enough for two."""
-    allowed = f"one number between each two neighbours, {count - 1} in all"
-    if count == 1:
+    """So many gaps [m] as an array, checked; a number is enough for a single one."""
+    allowed = f"one number between each two neighbours, {count} in all"
+    if count == 0:
         allowed = "none for one building alone, gaps=(), or a second structure"
     values = np.atleast_1d(as_numbers("gaps", gaps, allowed))
-    if values.ndim != 1 or values.size != count - 1:
+    if values.ndim != 1 or values.size != count:
         raise ValueError(f"gaps = {brief(gaps)}; allowed: {allowed}")
     bad = np.flatnonzero(~(np.isfinite(values) & (values >= 0)))
     if bad.size:
@@ -133,12 +172,14 @@ def checked_links(link: Link | Sequence[Link | None] | None, count: int) -> tupl
     return links
 
 
-def meetings(levels: Sequence[Array]) -> list[Meeting]:
-    """Contacts of structures in a row, with floors at these levels [m]; NaN for an oscillator.
+def meetings(levels: Sequence[Array], walls: Mapping[str, Wall]) -> list[Meeting]:
+    """Contacts of buildings in a row, with floors at these levels [m]; NaN for an oscillator.
 
     They are sorted by level from the ground up, and from left to right at the same level.
     """
     contacts: list[Meeting] = []
+    for side, wall in walls.items():
+        contacts += _on_wall(wall, side, levels)
     for b, (left, right) in enumerate(pairwise(levels)):
         if np.isnan(left).any() or np.isnan(right).any():  # an oscillator meets the roof
             level = np.fmax(left[-1], right[-1])
@@ -149,35 +190,92 @@ def meetings(levels: Sequence[Array]) -> list[Meeting]:
 
 
 def build_row(
-    structures: Sequence[AnyStructure],
-    gaps: Array,
-    contact: Contact | None,
-    links: Sequence[Link | None],
+    neighbours: Neighbours, gaps: Array, contact: Contact | None, links: Sequence[Link | None]
 ) -> Standing:
     """The row of buildings as kernels take it, with its contacts, and the buildings alone."""
-    system = arrangement_of(structures, links)
-    places = meetings([stack.levels for stack in system.stacks])
+    system = arrangement_of(neighbours.buildings, links)
+    places = meetings([stack.levels for stack in system.stacks], neighbours.walls)
     columns = [m for m in places if m.struck]
     if contact is not None and not isinstance(contact, Element) and columns:
         column = columns[0]
         what = f"contact = {contact.describe()}: velocities jump where slabs meet"
         place = f"of structures {column.building + 1} and {column.building + 2} a floor meets a column"
+        if column.wall:
+            place = "a wall meets a column"
         raise ValueError(f"{what}, and {place} at {column.level:g} m; allowed: a contact with a force")
     left, right = (floors @ system.storeys.shapes for floors in _sides(places, system))
     mass = system.storeys.mass
     reduced = 1.0 / ((left + right) ** 2 @ (1.0 / mass))
-    space = np.array([gaps[m.building] for m in places], float)
+    before = int(SIDES[0] in neighbours.walls)  # gaps before the first building
+    space = np.array([gaps[m.building + before] for m in places], float)
+    in_space = any(wall.fixed == SPACE for wall in neighbours.walls.values())
+    if in_space:
+        left, right = (
+            np.column_stack([weights, _of_wall(places, neighbours.walls, side)])
+            for side, weights in zip(SIDES, (left, right), strict=True)
+        )
+    laws = [ForceLaw()] * len(places)
+    restitution: float | None = None
     if isinstance(contact, Element):
         laws = [contact.force_law(float(m)) for m in reduced]
-        contacts = Contacts.of(laws, mass.size, left, right, space)
     else:
-        e = 1.0 if contact is None else float(contact.e)
-        contacts = Contacts.of([ForceLaw()] * len(places), mass.size, left, right, space, e)
+        restitution = 1.0 if contact is None else float(contact.e)
+    coordinates = mass.size + in_space
+    contacts = Contacts.of(laws, coordinates, left, right, space, restitution, in_space)
     own = tuple(tie for tie in system.ties if tie.link.within_one)
-    row = alone = row_of(system, contacts)
+    row = row_of(system, contacts)
+    of_links = row.elements.system
+    row = alone = beside_wall(row) if in_space else row
     if own != system.ties:
         alone = row_of(system._replace(ties=own), Contacts.of([], mass.size))
-    return Standing(row, alone, system, places, reduced)
+    return Standing(row, alone, system, places, reduced, of_links)
+
+
+def _of_wall(places: Sequence[Meeting], walls: Mapping[str, Wall], side: str) -> Array:
+    """Weights (c,) of the displacement of walls that are fixed in space, on one side of contacts."""
+    weight = 1.0 if side == SIDES[0] else -1.0
+    in_space = [m.wall == side and walls[side].fixed == SPACE for m in places]
+    return np.where(in_space, weight, 0.0)
+
+
+def beside_wall(row: BuildingRow) -> BuildingRow:
+    """A row with a last coordinate for walls fixed in space.
+
+    No spring holds it, so that it moves against the ground by as much as the ground moves.
+    """
+    wall = System(
+        mass=np.ones(1),
+        damping=np.zeros((1, 1)),
+        extensions=np.zeros((0, 1)),
+        shapes=np.zeros((0, 1)),
+        post=np.zeros(0),
+        couple=np.zeros(0),
+        strength=np.zeros(0),
+    )
+    system = System.beside([row.elements.system, wall])
+    return row._replace(elements=row.elements._replace(system=system))
+
+
+def _on_wall(wall: Wall, side: str, levels: Sequence[Array]) -> list[Meeting]:
+    """Contacts of the building at one end of the row with the wall on this side of it."""
+    building = -1 if side == SIDES[0] else len(levels) - 1
+    floors = levels[0] if side == SIDES[0] else levels[-1]
+    other = SIDES[side == SIDES[0]]
+    heights = floors.tolist() if wall.heights is None else wall.heights
+    if wall.heights is not None and np.isnan(floors).any():
+        what = f"{wall.describe()} stands beside an oscillator, which has no heights"
+        raise ValueError(f"{what}; allowed: a wall without heights, or a building with storeys")
+    contacts = []
+    for height in heights:
+        floor = int(np.searchsorted(floors, height - LEVEL))  # the first one that is not below
+        if floor == floors.size:
+            what = f"{wall.describe()} is above the roof of its building at {floors[-1]:g} m"
+            raise ValueError(f"{what}; allowed: heights up to the roof")
+        struck = other if floors[floor] - height >= LEVEL else ""
+        share = float(shares_at(floors, height)[floor]) if struck else 1.0
+        sides = (-1, floor) if side == SIDES[0] else (floor, -1)
+        contacts.append(Meeting(building, *sides, float(height), struck, share, side))
+    return contacts
 
 
 def _facing(b: int, left: Array, right: Array) -> list[Meeting]:

@@ -41,7 +41,7 @@ def paces_of(
     Raises a ValueError if the motions would take too much time or memory.
     """
     systems = [stack.system for stack in standing.arrangement.stacks]
-    shortest = min(map(shortest_mode, [standing.row.elements.system, *systems]))
+    shortest = min(map(shortest_mode, [standing.system, *systems]))
     longest = min(standing.shortest / OF_FIRST, shortest / OF_SHORTEST) / steps_per_contact
     masses = standing.reduced.tolist()
     half = [_half_period(contact, mass) for mass in masses if isinstance(contact, Element)]
@@ -154,7 +154,8 @@ def failure(standing: Standing, response: RowResponse) -> str:
     if failed == np.inf:
         return ""
     system = standing.arrangement
-    drifts = system.drifts @ system.displacements @ response.end.coordinates.q
+    moved = response.end.coordinates.q[: standing.row.parts.mass.size]  # without walls
+    drifts = system.drifts @ system.displacements @ moved
     fallen = np.flatnonzero(system.fallen(drifts, system.limits))
     if fallen.size:
         return (

@@ -149,6 +149,7 @@ def _watch_contact(steps, j, time, before, change, state, lane):
     _dissipate(state, j, (total - elastic) * change, lane)
     right = steps.contacts.right
     impacts.work_on_right[j, lane] -= force * row_product(right, j, state.coordinates.dq, lane)
+    _add_work_of_wall(steps.contacts, j, force, state.coordinates, state.coordinates.dq, lane)
     now = force_at(law, after, 2.0 * change / dt - rate, v0)
     _watch_force(impacts, j, now, dt * min(1.0, after / change) if before < 0.0 else dt, lane)
     fall = 2.0 * (rate - change / dt)  # of the rate in the step
@@ -159,6 +160,15 @@ def _watch_contact(steps, j, time, before, change, state, lane):
         left = separation_margin(law, after, change / dt)
         within = margin / (margin - left) if left < 0.0 < margin else 1.0
         impacts.end[j, lane] = time + dt * within
+
+
+@called_often
+def _add_work_of_wall(contacts, j, push, coordinates, moved, lane):
+    """Add the work of a wall, a force times a way, or an impulse times a velocity."""
+    weight = contacts.of_wall[j]
+    if weight != 0.0:
+        wall = coordinates.q.shape[0] - 1
+        coordinates.input_energy[wall, lane] += push * weight * moved[wall, lane]
 
 
 @called_often
@@ -176,7 +186,7 @@ def strike_all(steps, parts, time, near, count, state, table):
     coordinates = state.coordinates
     for lane in range(count):
         rounding = 0.0
-        for k in range(parts.mass.size):
+        for k in range(coordinates.q.shape[0]):
             rounding = max(rounding, ROUNDING * abs(coordinates.v[k, lane]))
             change = coordinates.v[k, lane] - coordinates.dq[k, lane] / steps.dt
             state.blows.acceleration[k, lane] = 2.0 * change / steps.dt
@@ -204,6 +214,7 @@ def _watch_sticking(steps, j, time, motion, state, lane, table):
     impacts.end[j, lane] = time + steps.dt
     moved = row_product(steps.contacts.right, j, coordinates.dq, lane)
     impacts.work_on_right[j, lane] -= force * moved
+    _add_work_of_wall(steps.contacts, j, force, coordinates, coordinates.dq, lane)
     _dissipate(state, j, force * row_product(steps.contacts.rows, j, coordinates.dq, lane), lane)
     if force == 0.0 and row_product(steps.contacts.rows, j, coordinates.v, lane) < 0.0:
         state.contacts.sticks[j, lane] = 0.0
@@ -242,7 +253,9 @@ def _mobility(rows, mass, j):
     """Change of the rate of penetration of contact ``j`` by a unit impulse [1/kg]."""
     total = 0.0
     for place in range(rows.shape[1]):
-        total += rows[j, place]["weight"] ** 2 / mass[rows[j, place]["column"]]
+        k = rows[j, place]["column"]
+        if k < mass.size:  # not a wall
+            total += rows[j, place]["weight"] ** 2 / mass[k]
     return total
 
 
@@ -281,13 +294,16 @@ def _blow(steps, parts, j, rate, pressed, time, state, lane):
         blows.shift[k, lane] = 0.0
     for place in range(rows.shape[1]):
         k = rows[j, place]["column"]
-        jump = -rows[j, place]["weight"] * impulse / parts.mass[k]
-        coordinates.v[k, lane] += jump
-        blows.shift[k, lane] = jump * since
+        if k < parts.mass.size:  # not a wall
+            jump = -rows[j, place]["weight"] * impulse / parts.mass[k]
+            coordinates.v[k, lane] += jump
+            blows.shift[k, lane] = jump * since
     after = row_product(right, j, coordinates.v, lane)
     velocity_of_right = 0.5 * (before + after) - since * gain_of_right
     _displace(steps, parts, state, lane)
     impacts.work_on_right[j, lane] -= impulse * velocity_of_right
+    _add_work_of_wall(steps.contacts, j, impulse, coordinates, coordinates.v, lane)
+    _add_work_of_wall(steps.contacts, j, -impulse * since, coordinates, blows.acceleration, lane)
     _dissipate(state, j, 0.5 * (1.0 - e) * (1.0 + e) * rate * rate / mobility, lane)
     state.contacts.sticks[j, lane] = 1.0 if e == 0.0 else 0.0
     return e == 0.0

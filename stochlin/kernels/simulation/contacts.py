@@ -61,6 +61,7 @@ class Contacts(NamedTuple):
     weights: Array  # (c, n)
     rows: Array  # the same, by `rows_of`
     right: Array  # that part of it which belongs to the structure on the right
+    of_wall: Array  # (c,): that of the last coordinate if it is a wall, which no force moves; else 0
     gap: Array  # (c,) [m]
     law: Array  # (c,): a `law_table`
     jumps: bool  # impacts are stereomechanical: velocities jump, and ``law`` has no use
@@ -75,10 +76,12 @@ class Contacts(NamedTuple):
         right: Array | None = None,
         gap: Array | None = None,
         restitution: float | None = None,
+        wall: bool = False,
     ) -> Contacts:
         """Contacts with these laws, or stereomechanical ones, between so many coordinates.
 
-        ``left`` and ``right`` (c, n) are the parts of the weights that belong to either side.
+        ``left`` and ``right`` (c, n) are the parts of the weights that belong to either side. The last
+        coordinate may be that of a ``wall``.
         """
         no_weights = np.zeros((len(laws), coordinates))
         on_left = no_weights if left is None else left
@@ -88,6 +91,7 @@ class Contacts(NamedTuple):
             weights=weights,
             rows=rows_of(weights),
             right=rows_of(on_right),
+            of_wall=weights[:, -1].copy() if wall else np.zeros(len(laws)),
             gap=np.zeros(len(laws)) if gap is None else gap,
             law=law_table(laws),
             jumps=restitution is not None,

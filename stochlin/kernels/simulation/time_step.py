@@ -91,7 +91,8 @@ def steps_of(elements: Elements, dt: float, contacts: Contacts | None = None) ->
     contacts = Contacts.of([], system.mass.size) if contacts is None else contacts
     mass = np.diag(system.mass)
     b = system.extensions
-    w = contacts.weights
+    w = contacts.weights.copy()
+    w[:, -1] -= contacts.of_wall
     resisting = 2 / dt * mass + system.damping + 0.5 * dt * system.stiffness
     couple = system.couple
     viscous = elements.kind == VISCOUS
