@@ -34,6 +34,7 @@ from .solver.linearization.systems.systems import linearize_system as linearize_
 from .solver.linearization.linearization import linearize as linearize
 from .solver.correlation.correlation import correlate as correlate
 from .solver.simulation.simulation import simulate as simulate
+from .models.start import Start as Start
 from .solver.correlation.amplification import amplification as amplification
 
 # More of the response

@@ -64,7 +64,10 @@ TAKEN: dict[str, set[str]] = {
     "truth": {"elastic", "floors_align", "p_delta", "same_property", "same_system", "skip_unreadable"},
     "infinite": {"exceedance.gap"},
     "minus infinity": {"exceedance.gap"},
-    "negative": {"critical_gap.rho", "exceedance.gap"},
+    "negative": {
+        *("critical_gap.rho", "exceedance.gap"),
+        *("Start.displacement", "Start.velocity", "Start.ground_velocity"),
+    },
     "zero": {
         *("component", "hardening", "peak_1", "peak_2", "BoucWen.gamma", "Flag.beta"),
         *("BoucWenBaberNoori.pinching_start", "BoucWenBaberNoori.pinching_spread", "critical_gap.rho"),

@@ -20,7 +20,14 @@ from stochlin.applications.pounding.rows import (
     checked_links,
     checked_row,
 )
-from stochlin.applications.pounding.runs import STEPS_PER_CONTACT, failure, paces_of, responses, runs_of
+from stochlin.applications.pounding.runs import (
+    STEPS_PER_CONTACT,
+    failure,
+    paces_of,
+    responses,
+    runs_of,
+    starts_of,
+)
 from stochlin.applications.records.cells import RECORD, RecordedMotions, Records, checked_motions
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
@@ -29,9 +36,11 @@ from stochlin.messages import ImplausibleInput
 from stochlin.models.arguments import Quantiles, Whole, checked
 from stochlin.models.links import Link
 from stochlin.models.plausible import PLAUSIBLE
+from stochlin.models.start import Start
 from stochlin.models.structures import AnyStructure
 from stochlin.models.walls import Wall
 from stochlin.solver.simulation.results.peaks import LINK_PEAKS
+from stochlin.solver.simulation.start_values import END_STATE, AnyStart, as_end_state
 from stochlin.solver.simulation.statistics import (
     Columns,
     keeping_apart,
@@ -77,11 +86,12 @@ def pound(
     motion: Records | None = None,
     *,
     link: Link | Sequence[Link | None] | None = None,
+    start: AnyStart | None = None,
     quantiles: Quantiles = (0.5, 0.84, 0.95),
     steps_per_contact: Annotated[int, Whole(FEWEST_STEPS, MOST_STEPS)] = STEPS_PER_CONTACT,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Response of a row of buildings from rest, with all impacts, in one motion or in many.
+    """Response of a row of buildings, with all impacts, in one motion or in many.
 
     For one motion the result has response histories, for several motions a summary of each motion, with
     means and quantiles. One building alone has no impacts; its displacements, forces and energies are
@@ -111,6 +121,9 @@ def pound(
         at the same level. Without ``structures`` a list has one link for each two
         neighbours, or None. A link that names one structure twice is a device inside it and also acts
         in the response of this building alone.
+    start : Start or xarray.DataArray, optional
+        Displacements and velocities at the start, from rest by default; or the ``end_state`` of the
+        result for a motion before, of the same arguments, which then goes on.
     quantiles : sequence of float
         Probabilities, between 0 and 1, of the quantiles over several motions.
     steps_per_contact : int
@@ -145,6 +158,10 @@ def pound(
         with the ending ``_alone``. With links also, over ``link``, ``peak_link_force``
         [N], ``peak_link_stroke`` [m], the largest absolute extension, and ``link_energy`` [J], which the
         link dissipates.
+
+        For one motion ``end_state`` over ``state``, from which ``start`` goes on. Histories, energies
+        and peaks of the second of two motions are then those of one motion of both, with the same bits;
+        its impacts begin with one that was going on.
 
         For one motion ``step_error`` [-]: the largest relative change of a peak displacement or of the
         largest force of a contact, from steps twice as long. About a third of it remains.
@@ -185,7 +202,8 @@ def pound(
         structures, or is `Stereomechanical` where a column is met; if a gap is negative, or the number
         of gaps or links is wrong; if a link names a floor or structure that does not exist; if the
         output step is not positive or is given with several motions; if there is no motion, or a motion
-        is not a record, has NaN or only zeros; or if the computation would take too long.
+        is not a record, has NaN, or from rest only zeros; if the start has another number of values,
+        yields or overlaps; or if the computation would take too long.
     ArithmeticError
         If the response is no longer finite, since a law runs away. Also if a structure with a negative
         stiffness after yielding falls, as in `simulate`. With several motions the results of such a
@@ -260,13 +278,14 @@ def pound(
     if spaces.size:
         check_contact("contact", contact)
     levels = np.asarray(quantiles, float)
-    motions, over, names = checked_ensemble(motion)
+    motions, over, names = checked_ensemble(motion, may_be_still=start is not None)
     links = checked_links(link, len(buildings))
     standing = build_row(neighbours, spaces, contact, links)
     paces = paces_of(standing, contact, motions.grounds, steps_per_contact)
     if progress is not None:
         progress(0.0)
-    table = response_table(standing, motions, over, paces, progress)
+    starts = starts_of(standing, start)
+    table = response_table(standing, motions, over, paces, starts, progress)
     table = table.merge(contacts(standing.places, links))
     table = table.assign(gap=("contact", standing.row.contacts.gap))
     if not spaces.size:
@@ -295,10 +314,14 @@ def pound(
         models |= {f"wall_{side}": wall for side, wall in neighbours.walls.items()}
         models["contact"] = contact
         table = table.assign_attrs(gaps=spaces.tolist())
+    if isinstance(start, Start):
+        models["start"] = start
     return labels.with_run_information(table, title, f"pound({call})", models, REFERENCES)
 
 
-def checked_ensemble(motion: Any) -> tuple[RecordedMotions, str, xr.DataArray | None]:
+def checked_ensemble(
+    motion: Any, may_be_still: bool
+) -> tuple[RecordedMotions, str, xr.DataArray | None]:
     """One motion or several, checked, their dimension, and the coordinate along it if there is one.
 
     An array over ``path`` and ``time`` has one motion a path. One motion has no names, and adds no
@@ -306,12 +329,16 @@ def checked_ensemble(motion: Any) -> tuple[RecordedMotions, str, xr.DataArray | 
     """
     try:
         if not isinstance(motion, xr.DataArray):
-            motions = checked_motions(motion)
+            motions = checked_motions(motion, may_be_still)
             return motions, RECORD, xr.DataArray(motions.names, dims=RECORD)
         if PATH not in motion.dims:
-            return checked_motions(motion), PATH, None
+            return checked_motions(motion, may_be_still), PATH, None
         paths = {f"path {n}": motion.isel({PATH: n}, drop=True) for n in range(motion.sizes[PATH])}
-        return checked_motions(paths), PATH, motion[PATH] if PATH in motion.coords else None
+        return (
+            checked_motions(paths, may_be_still),
+            PATH,
+            motion[PATH] if PATH in motion.coords else None,
+        )
     except (TypeError, ValueError) as error:
         raise type(error)(f"motion: {error}") from error
 
@@ -321,6 +348,7 @@ def response_table(
     motions: RecordedMotions,
     over: str,
     paces: Sequence[StepCounts],
+    starts: Sequence[Array | None],
     progress: Progress | None,
 ) -> xr.Dataset:
     """Summary of each motion, or summary and histories of a single one.
@@ -332,7 +360,7 @@ def response_table(
     runs = [
         run
         for ground, pace in zip(motions.grounds, paces, strict=True)
-        for run in runs_of(standing, ground, pace)[:size]
+        for run in runs_of(standing, ground, pace, starts)[:size]
     ]
     outcomes = responses(runs, standing, single, progress)
     of_motions = [outcomes[begin : begin + size] for begin in range(0, len(outcomes), size)]
@@ -351,8 +379,12 @@ def response_table(
     }
     table = xr.Dataset(labelled(columns, standing, over), coords=floor_coords(standing))
     if single:
-        courses = histories(standing, outcomes[0], motions.grounds[0], motions.records[0]["time"])
-        return courses.assign(table.isel({over: 0}).drop_vars("energy_balance_error").data_vars)
+        [ground] = motions.grounds
+        courses = histories(standing, outcomes[0], ground, motions.records[0]["time"])
+        courses = courses.assign(table.isel({over: 0}).drop_vars("energy_balance_error").data_vars)
+        seconds = ground.dt * (ground.acceleration.size - 1)
+        ends = [response.end_after(seconds) for response in outcomes]
+        return courses.assign({END_STATE: as_end_state(np.concatenate(ends))})
     good = xr.DataArray([not reason for reason in reasons], dims=over)
     table = table.where(good)
     table["status"] = labels.status_where(good, labels.NOT_CONVERGED)

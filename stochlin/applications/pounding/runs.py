@@ -8,13 +8,21 @@ from typing import NamedTuple
 import numpy as np
 
 from stochlin.applications.pounding.rows import Standing
+from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, cores, in_order
 from stochlin.kernels.pounding import run as kernel
 from stochlin.kernels.pounding.run import RowResponse
 from stochlin.kernels.records.runs import SampledMotion
 from stochlin.models.contacts.elements import Contact, Element
+from stochlin.models.start import Start
 from stochlin.solver.simulation.connected_structures import shortest_mode
 from stochlin.solver.simulation.finite_motions import names_of_laws
+from stochlin.solver.simulation.start_values import (
+    AnyStart,
+    checked_end_state,
+    first_block,
+    start_values,
+)
 from stochlin.solver.tables.checks import check_work
 
 STEPS_PER_CONTACT = 16  # default number of steps in half a period of a contact
@@ -27,6 +35,7 @@ LANES = 64  # motions that are stepped together
 FEW = 4  # motions that take hardly more time than one
 OPERATIONS = 60.0  # in a step for each floor, as many as it has numbers, and those with other floors
 SLOW = 1e-3  # approach velocity that counts as zero over max |a| T/(2 pi)
+OVERLAP = 1e-12  # [m]: of floors at the start, as rounding leaves it
 NEAR = 0.03  # share of the steps that are taken for divided near contact
 
 
@@ -93,17 +102,48 @@ class RowRun(NamedTuple):
     row: kernel.BuildingRow
     ground: SampledMotion
     pace: kernel.StepCounts
+    start: Array | None = None  # block (rows,) at its beginning, if it does not begin from rest
     meets: bool = True  # whether contacts act
 
 
-def runs_of(standing: Standing, ground: SampledMotion, pace: kernel.StepCounts) -> list[RowRun]:
+def runs_of(
+    standing: Standing,
+    ground: SampledMotion,
+    pace: kernel.StepCounts,
+    starts: Sequence[Array | None],
+) -> list[RowRun]:
     """The row in a motion, each building alone, and the row in steps twice as long."""
     coarser = pace._replace(cuts=pace.cuts // 2)
     return [
-        RowRun(standing.row, ground, pace),
-        RowRun(standing.alone, ground, pace, meets=False),
-        RowRun(standing.row, ground, coarser),
+        RowRun(standing.row, ground, pace, starts[0]),
+        RowRun(standing.alone, ground, pace, starts[1], meets=False),
+        RowRun(standing.row, ground, coarser, starts[2]),
     ]
+
+
+def starts_of(standing: Standing, start: AnyStart | None) -> list[Array | None]:
+    """Blocks (rows,) with which the runs of `runs_of` begin; None from rest."""
+    rows = [standing.row, standing.alone, standing.row]
+    if start is None:
+        return [None] * len(rows)
+    if isinstance(start, Start):
+        values = start_values(standing.arrangement, start)
+        _check_contacts(standing, values)
+        return [first_block(row, values, start.ground_velocity) for row in rows]
+    sizes = [len(row.at_rest(1).block) for row in rows]
+    return [*np.split(checked_end_state(start, sum(sizes)), np.cumsum(sizes)[:-1])]
+
+
+def _check_contacts(standing: Standing, values: Array) -> None:
+    """Raise a ValueError if floors overlap at the start."""
+    contacts = standing.row.contacts
+    weights = contacts.weights[:, : values.shape[1]]  # walls start at their places
+    depth = weights @ values[0] - contacts.gap
+    worst = int(depth.argmax()) if depth.size else 0
+    if depth.size and depth[worst] > OVERLAP:
+        what = f"start: the gap of contact {worst + 1} is {-depth[worst]:g} m"
+        rate = f"and closes at {weights[worst] @ values[1]:g} m/s"
+        raise ValueError(f"{what} {rate}; allowed: gaps of 0 or more at the start")
 
 
 def responses(
@@ -116,7 +156,9 @@ def responses(
     def of_batch(batch: list[int]) -> list[RowResponse]:
         first = runs[batch[0]]
         motions = _motions([runs[n] for n in batch], standing.shortest)
-        return kernel.run(first.row, motions, first.pace, keep and 0 in batch)
+        blocks = [block for n in batch if (block := runs[n].start) is not None]
+        start = np.stack(blocks, axis=1) if blocks else None
+        return kernel.run(first.row, motions, first.pace, keep and 0 in batch, start)
 
     done = in_order(lambda number: of_batch(batches[number]), len(batches), progress)
     for batch, several in zip(batches, done, strict=True):
@@ -128,8 +170,8 @@ def _batches(runs: Sequence[RowRun]) -> Iterator[list[int]]:
     """Numbers of runs that are stepped together: of one row and time step, the shortest first."""
     alike: dict[tuple[int, float, kernel.StepCounts], list[int]] = {}
     for number in np.argsort([len(run.ground.acceleration) for run in runs], kind="stable"):
-        row, ground, pace, _ = runs[number]
-        alike.setdefault((id(row), ground.dt, pace), []).append(int(number))
+        run = runs[number]
+        alike.setdefault((id(run.row), run.ground.dt, run.pace), []).append(int(number))
     for numbers in alike.values():
         size = min(LANES, max(FEW, -(-len(numbers) // cores())))
         for begin in range(0, len(numbers), size):

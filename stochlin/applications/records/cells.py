@@ -87,10 +87,13 @@ class RecordedMotions(NamedTuple):
         return xr.concat(tables, names, data_vars="all", coords="minimal", compat="override")
 
 
-def checked_motions(record: Records) -> RecordedMotions:
-    """The records, checked, with names: in a list sources if they are labels and differ, or numbers."""
+def checked_motions(record: Records, may_be_still: bool = False) -> RecordedMotions:
+    """The records, checked, with names: in a list sources if they are labels and differ, or numbers.
+
+    A ground that ``may_be_still`` has zeros alone.
+    """
     if isinstance(record, xr.DataArray):
-        return RecordedMotions([record], [SampledMotion(*checked_record(record))], None)
+        return RecordedMotions([record], [SampledMotion(*checked_record(record, may_be_still))], None)
     if isinstance(record, Mapping):
         names = [str(name) for name in record]
         records = list(record.values())
@@ -107,7 +110,7 @@ def checked_motions(record: Records) -> RecordedMotions:
     for name, each in zip(names, records, strict=True):
         check_label("the name of a record", name)
         try:
-            grounds.append(SampledMotion(*checked_record(each)))
+            grounds.append(SampledMotion(*checked_record(each, may_be_still)))
         except (TypeError, ValueError) as error:
             raise type(error)(f"record {name}: {error}") from error
     return RecordedMotions(records, grounds, names)

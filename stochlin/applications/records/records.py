@@ -264,12 +264,15 @@ def checked_array(array: xr.DataArray, role: str, dim: str) -> tuple[Array, Arra
     return array[dim].to_numpy().astype(float), array.to_numpy().astype(float)
 
 
-def checked_record(record: xr.DataArray) -> tuple[npt.NDArray[np.float64], float]:
+def checked_record(
+    record: xr.DataArray, may_be_still: bool = False
+) -> tuple[npt.NDArray[np.float64], float]:
     """Values [m/s^2] and time step [s] of a record, checked.
 
     A record is a DataArray over an evenly spaced ``time`` [s], with the attribute ``units`` m/s^2, and
     with at least 16 finite samples that are not all zero, of at most 1e9 m/s^2, and a time step from
-    1e-9 to 1e9 s. Otherwise a TypeError or ValueError is raised.
+    1e-9 to 1e9 s. Otherwise a TypeError or ValueError is raised. A ground that ``may_be_still``
+    has zeros alone.
     """
     time, values = checked_array(record, "record", "time")
     if values.size < MINIMUM_SAMPLES:
@@ -277,7 +280,7 @@ def checked_record(record: xr.DataArray) -> tuple[npt.NDArray[np.float64], float
     if not np.isfinite(values).all():
         i = int(np.argmin(np.isfinite(values)))
         raise ValueError(f"record is {values[i]} at {time[i]:g} s; allowed: finite values")
-    if not values.any():
+    if not (may_be_still or values.any()):
         raise ValueError("record holds only zeros; allowed: some motion, so check which column it is")
     i = int(np.argmax(np.abs(values)))
     if np.abs(values[i]) > LARGEST_ACCELERATION:

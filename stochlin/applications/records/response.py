@@ -19,12 +19,22 @@ from stochlin.applications.records.stepped import stepped_history
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.records import oscillator as recorded
+from stochlin.kernels.records.oscillator import INPUT
+from stochlin.kernels.records.oscillator import STATE as STATE_SIZE
 from stochlin.kernels.records.runs import peaks_on_records, response
 from stochlin.models.arguments import Whole, checked
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import Parameter
+from stochlin.models.start import Start
 from stochlin.models.structures import AnyStructure
 from stochlin.models.systems import arrangement_of
+from stochlin.solver.simulation.start_values import (
+    END_STATE,
+    AnyStart,
+    as_end_state,
+    checked_end_state,
+    start_values,
+)
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_scalars
 
@@ -195,8 +205,9 @@ def respond(
     record: xr.DataArray,
     *,
     refine: Annotated[int, Whole(1)] = 1,
+    start: AnyStart | None = None,
 ) -> xr.Dataset:
-    """Response history of one structure to a record, from rest.
+    """Response history of one structure to a record.
 
     Parameters
     ----------
@@ -207,13 +218,17 @@ def respond(
     refine : int
         Number of output times in each interval of the record. The response at the times of the record
         does not depend on it.
+    start : Start or xarray.DataArray, optional
+        Displacements and velocities at the start, from rest by default; or the ``end_state`` of the
+        result for a record before, which then goes on.
 
     Returns
     -------
     xarray.Dataset
         Over ``time`` [s]: ``displacement`` [m] and ``velocity`` [m/s], relative to the ground;
         ``radius`` [m], ``sqrt(u^2 + (u'/w)^2)`` of eq. (1); and energies per unit mass [m^2/s^2]:
-        ``input_energy_per_mass``, ``-Int a_g u' dt`` up to this time; ``viscous_energy_per_mass`` and
+        ``input_energy_per_mass``, ``-Int a_g u' dt`` up to this time with the energy at
+        the start; ``viscous_energy_per_mass`` and
         ``hysteretic_energy_per_mass``, dissipated up to this time; ``kinetic_energy_per_mass``,
         ``u'^2/2``; and ``elastic_energy_per_mass``, which unloading would release. The last four add up
         to the first. If the structure can yield, also ``z`` [-], the hysteretic displacement over
@@ -227,11 +242,15 @@ def respond(
         the structure falls (see `simulate`), histories are NaN from then on, and the attribute
         ``collapse_s`` is the time.
 
+        Over ``state``, ``end_state``, from which ``start`` goes on. The histories of two records are
+        then those of one record of both. They have the same bits for `Bilinear`, and with ``refine`` of
+        1 for all structures if their time steps are the same.
+
     Raises
     ------
     ValueError, TypeError
-        If the structure has arrays or a reduction factor, the record is not valid, or ``refine`` is not
-        a whole number from 1.
+        If the structure has arrays or a reduction factor, the record is not valid, ``refine`` is not a
+        whole number from 1, or the start has another number of values, or yields.
     ArithmeticError
         If the response is not finite, as with a law whose states run away.
 
@@ -260,15 +279,15 @@ def respond(
     check_scalars(structure, "structure", SCALARS)
     if not isinstance(record, xr.DataArray):
         raise TypeError(f"record is a {type(record).__name__}; allowed: one xarray.DataArray")
-    motions = checked_motions(record)
+    motions = checked_motions(record, may_be_still=start is not None)
     [ground] = motions.grounds
     intervals = ground.acceleration.size - 1
     time = float(record["time"][0]) + ground.dt / refine * np.arange(refine * intervals + 1)
     time[::refine] = record["time"]
     if isinstance(structure, Bilinear):
-        table = _exact_history(structure, motions, int(refine))
+        table = _exact_history(structure, motions, int(refine), start)
     else:
-        table = stepped_history(structure, ground, int(refine))
+        table = stepped_history(structure, ground, int(refine), start)
     table = table.assign_coords(time=("time", time, {"units": "s", "long_name": "time"}))
     call = f"respond(refine={refine})"
     table = _until_fall(table, structure)
@@ -297,10 +316,19 @@ def _energies(parameters: Array, states: Array) -> tuple[Array, ...]:
     return put_in, put_in - hysteretic - kinetic - elastic, hysteretic, kinetic, elastic
 
 
-def _exact_history(structure: Bilinear, motions: RecordedMotions, refine: int) -> xr.Dataset:
+def _exact_history(
+    structure: Bilinear, motions: RecordedMotions, refine: int, start: AnyStart | None
+) -> xr.Dataset:
     """The response history of a bilinear oscillator for `respond`; without times."""
     [[parameters]] = RecordCells.of(motions, structure).sides
-    states = response(motions.grounds[0], parameters, refine)
+    first = np.zeros(STATE_SIZE)
+    if isinstance(start, Start):
+        [u], [v] = start_values(arrangement_of([structure]), start)
+        first[:3] = u, v, u
+        first[INPUT] = 0.5 * (v**2 + (parameters[0] * u) ** 2)
+    elif start is not None:
+        first = checked_end_state(start, STATE_SIZE)
+    states = response(motions.grounds[0], parameters, refine, first)
     displacement, velocity, strain = states.T[:3]
     columns = {
         "displacement": displacement,
@@ -310,7 +338,8 @@ def _exact_history(structure: Bilinear, motions: RecordedMotions, refine: int) -
     }
     if structure.yields:
         columns["z"] = strain / parameters[3]
-    return xr.Dataset({name: ("time", values) for name, values in columns.items()})
+    table = xr.Dataset({name: ("time", values) for name, values in columns.items()})
+    return table.assign({END_STATE: as_end_state(states[-1])})
 
 
 def _with_information(

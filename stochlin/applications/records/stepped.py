@@ -12,14 +12,23 @@ import xarray as xr
 from stochlin.applications.records.cells import OUT_OF_RANGE, RecordedMotions
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.kernels.pounding.run import GroundMotions, StepCounts, run
+from stochlin.kernels.pounding.run import BuildingRow, GroundMotions, StepCounts, run
 from stochlin.kernels.records.runs import SampledMotion
 from stochlin.kernels.simulation.contacts import Contacts
 from stochlin.messages import DoubtfulInput
+from stochlin.models.start import Start
 from stochlin.models.structures import AnyStructure
 from stochlin.models.systems import Arrangement, arrangement_of
 from stochlin.solver.simulation.connected_structures import SteppedGroup, connected_groups, row_of
 from stochlin.solver.simulation.finite_motions import runs_away
+from stochlin.solver.simulation.start_values import (
+    END_STATE,
+    AnyStart,
+    as_end_state,
+    checked_end_state,
+    first_block,
+    start_values,
+)
 from stochlin.solver.simulation.structures_in_motion import apart, at_height, pairs_of
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_work
@@ -113,27 +122,29 @@ def _within(limits: Array, values: Array) -> Array:
     return values if most == np.inf else np.clip(np.nan_to_num(values, nan=most), -most, most)
 
 
-def stepped_history(structure: AnyStructure, ground: SampledMotion, refine: int) -> xr.Dataset:
+def stepped_history(
+    structure: AnyStructure, ground: SampledMotion, refine: int, start: AnyStart | None
+) -> xr.Dataset:
     """The response history for `respond`, with ``refine`` points in an interval; without times."""
     system = arrangement_of([structure])
-    samples = np.arange(ground.acceleration.size)
-    between = np.arange(refine * samples[-1] + 1) / refine
-    finer = SampledMotion(np.interp(between, samples, ground.acceleration), ground.dt / refine)
+    finer = _refined(ground, refine)
     row = row_of(system, Contacts.of([], system.storeys.mass.size), all_states=True)
-    intervals = np.array([between.size - 1])
+    size = finer.acceleration.size
+    intervals = np.array([size - 1])
     none = np.zeros(1)
     motion = GroundMotions(finer.acceleration[:, None], finer.dt, intervals, none, none)
     connected = connected_groups(system)
-    cuts = _first_cuts(connected, finer)
-    steps = float(cuts) * between.size
-    numbers = 2 * len(row.at_rest(0).block) * between.size
+    first, cuts = _begun(row, system, start)
+    cuts = cuts or _first_cuts(connected, finer)
+    steps = float(cuts) * size
+    numbers = 2 * len(first) * size
     seconds = SECONDS * 2.0**3 * steps * system.storeys.mass.size  # where they are halved twice
     check_work(_size(connected, finer), TOO_LARGE, numbers=numbers, seconds=seconds)
     falls = np.isfinite(system.limits).any()
 
     def followed(cuts: int) -> SteppedResponse:
         """The history in such steps, which is NaN after a fall."""
-        [response] = run(row, motion, StepCounts(cuts, 1), keep=True)
+        [response] = run(row, motion, StepCounts(cuts, 1), keep=True, start=first)
         history = response.history
         moved = _within(system.limits, history.coordinates.q.T @ system.storeys.shapes.T)
         z = history.elements.z.T / system.storeys.strength
@@ -175,7 +186,26 @@ def stepped_history(structure: AnyStructure, ground: SampledMotion, refine: int)
         table = table.assign_coords({**floor_coordinates(system), **element_coordinates(system)})
     if structure.yields:
         table["z"] = over(ELEMENT, system.of_elements(z / system.storeys.strength, 0.0, np.nan))
-    return table.assign(step_error=converged.error)
+    last = np.append(converged.cuts, converged.values.block[:, -1])
+    return table.assign({"step_error": converged.error, END_STATE: as_end_state(last)})
+
+
+def _refined(ground: SampledMotion, refine: int) -> SampledMotion:
+    """The same motion with ``refine`` samples in place of each interval."""
+    samples = np.arange(ground.acceleration.size)
+    between = np.arange(refine * samples[-1] + 1) / refine
+    return SampledMotion(np.interp(between, samples, ground.acceleration), ground.dt / refine)
+
+
+def _begun(row: BuildingRow, system: Arrangement, start: AnyStart | None) -> tuple[Array, int]:
+    """The block (rows, 1) of a motion at its start, and half its steps in an interval, if known."""
+    block = row.at_rest(1).block
+    if start is None:
+        return block, 0
+    if isinstance(start, Start):
+        return first_block(row, start_values(system, start), start.ground_velocity)[:, None], 0
+    cuts, *before = checked_end_state(start, 1 + len(block))
+    return np.reshape(before, (-1, 1)), int(cuts) // 2
 
 
 def stepped_gap(

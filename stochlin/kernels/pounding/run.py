@@ -25,7 +25,8 @@ from stochlin.kernels.pounding.impacts import (
 )
 from stochlin.kernels.simulation.account import Parts, balance, watch, watch_linked
 from stochlin.kernels.simulation.contacts import Contacts, stored_in
-from stochlin.kernels.simulation.row_products import fill, products
+from stochlin.kernels.simulation.laws import VISCOUS
+from stochlin.kernels.simulation.row_products import fill, products, times_rows
 from stochlin.kernels.simulation.state import Elements, State, copy
 from stochlin.kernels.simulation.time_step import Steps, step_of, steps_of
 
@@ -42,6 +43,30 @@ class BuildingRow(NamedTuple):
         """Motions before their beginning."""
         sizes = self.contacts.gap.size, len(self.parts.watched), self.parts.spring.size
         return State.at_rest([self.elements], lanes, *sizes)
+
+    def from_start(self, q: Array, v: Array) -> Array:
+        """The block (rows,) of a motion that starts with these displacements [m] and velocities [m/s].
+
+        Its springs have not slipped, and its contacts are open. Their energy counts as put in.
+        """
+        state = self.at_rest(1)
+        system = self.elements.system
+        masses = self.parts.mass.size
+        springs = self.elements.kind != VISCOUS
+        extension = np.where(springs, system.extensions @ q, 0.0)
+        coordinates = state.coordinates
+        coordinates.q[:, 0] = q
+        coordinates.v[:, 0] = v
+        coordinates.input_energy[:masses, 0] = 0.5 * self.parts.mass * v[:masses] ** 2
+        owner = (system.extensions != 0).argmax(axis=1)
+        np.add.at(coordinates.input_energy[:, 0], owner, 0.5 * system.elastic * extension**2)
+        state.elements.z[:, 0] = extension
+        moved = times_rows(self.parts.watched, q)
+        state.peaks.highest[:, 0] = np.maximum(moved, 0.0)
+        state.peaks.lowest[:, 0] = np.minimum(moved, 0.0)
+        shear = times_rows(self.parts.shear_of_q, q) + times_rows(self.parts.shear_of_z, extension)
+        state.peaks.shear[: shear.size, 0] = np.abs(shear)
+        return state.block[:, 0].copy()
 
 
 class StepCounts(NamedTuple):
@@ -74,6 +99,13 @@ class RowResponse(NamedTuple):
     def peaks(self) -> Array:
         """Largest absolute displacement of each floor [m]."""
         return self.end.largest[: self.floors]
+
+    def end_after(self, seconds: float) -> Array:
+        """The block (rows,) at the end of a motion of this length, with times of impacts from there."""
+        impacts = self.end.impacts
+        impacts.begin[...] -= seconds
+        impacts.end[...] -= seconds
+        return self.end.block.copy()
 
 
 class StepFunctions(NamedTuple):
@@ -270,11 +302,21 @@ def follow(
 
 
 def run(
-    row: BuildingRow, ground: GroundMotions, pace: StepCounts, keep: bool = False
+    row: BuildingRow,
+    ground: GroundMotions,
+    pace: StepCounts,
+    keep: bool = False,
+    start: Array | None = None,
 ) -> list[RowResponse]:
-    """Responses of a row of buildings to motions from rest; with the states of the first motion."""
+    """Responses of a row of buildings to motions; with the states of the first motion.
+
+    They begin from rest, or from ``start`` (rows, lanes): blocks of `BuildingRow.from_start`, or of
+    the ends of other motions.
+    """
     samples, lanes = ground.acceleration.shape
     state = row.at_rest(lanes)
+    if start is not None:
+        state.block[:] = start
     history = row.at_rest(samples if keep else 0)
     impacts = follow(row, state, ground, pace, history.block)
     floors = len(row.parts.shear_of_q)

@@ -206,6 +206,15 @@ def _oscillator(parameters, step):
     return Oscillator(damping, stiffness, uy, h, whole), each
 
 
+@compiled
+def _branch(o, state):
+    """The branch on which a state is: that where the structure yields if it is at yield and goes on."""
+    y = state[2]
+    if abs(y) == o.uy and y * state[1] > 0:
+        return 1 if y > 0 else -1
+    return 0
+
+
 @called_once
 def _respond(ground, dt, structures, refine, results, path):
     """The response of one cell of `run`: ``structures`` (sides, 4), ``results`` (sides, columns)."""
@@ -214,8 +223,8 @@ def _respond(ground, dt, structures, refine, results, path):
     step = dt / refine
     first, each_of_first = _oscillator(structures[0], step)
     second, each_of_second = _oscillator(structures[sides - 1], step)
-    branch_of_first = 0
-    branch_of_second = 0
+    branch_of_first = _branch(first, results[0, PEAKS:])
+    branch_of_second = _branch(second, results[sides - 1, PEAKS:])
     apart = 0.0
     difference = 0.0
     speed = 0.0
@@ -261,14 +270,14 @@ def _respond(ground, dt, structures, refine, results, path):
 
 @entry
 def run(ground, dt, cells, refine, results, path):
-    """Responses of cells of one or two structures from rest to ``ground`` (samples,) [m/s^2].
+    """Responses of cells of one or two structures to ``ground`` (samples,) [m/s^2].
 
     ``dt`` [s] is the time step of the ground. The parameters in ``cells`` (n, sides, 4) are the circular
     frequency ``w`` [rad/s], damping ratio, hardening ratio, and yield displacement [m] or infinity.
-    Peaks and last states are written to ``results`` (n, sides, PEAKS + STATE), zero before. Each
-    interval of the ground has ``refine`` (n,) times, at which the two structures of a cell are compared.
-    The states of the first structure at these times are written to ``path`` (times, STATE), zero before,
-    unless it is empty.
+    Peaks and last states are written to ``results`` (n, sides, PEAKS + STATE), which has the states at
+    the start, and zeros. Each interval of the ground has ``refine`` (n,) times, at which the two
+    structures of a cell are compared. The states of the first structure at these times are written to
+    ``path`` (times, STATE), but for that at the start, unless it is empty.
     """
     for cell in range(len(cells)):
         _respond(ground, dt, cells[cell], refine[cell], results[cell], path)

@@ -37,10 +37,12 @@ def work_of(ground: SampledMotion, *sides: Array) -> Array:
     return len(sides) * (len(ground.acceleration) * sub_steps(ground, *sides) + EACH)
 
 
-def response(ground: SampledMotion, parameters: Array, refine: int) -> Array:
-    """States (times, STATE) of one structure, as in `run`."""
+def response(ground: SampledMotion, parameters: Array, refine: int, start: Array) -> Array:
+    """States (times, STATE) of one structure from that at the start, as in `run`."""
     path = np.zeros((refine * (len(ground.acceleration) - 1) + 1, STATE))
+    path[0] = start
     results = np.zeros((1, 1, PEAKS + STATE))
+    results[0, 0, PEAKS:] = start
     run(*ground, parameters.reshape(1, 1, -1), np.array([refine]), results, path)
     return path
 

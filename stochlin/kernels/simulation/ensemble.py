@@ -19,8 +19,10 @@ import numpy as np
 
 from stochlin.kernels.basics.arrays import Array, zeros_on_a_line
 from stochlin.kernels.basics.parallel import Progress, in_order
+from stochlin.kernels.simulation.laws import VISCOUS
 from stochlin.kernels.simulation.links import LinkPeaks, watch_links
 from stochlin.kernels.simulation.normal_numbers import fill_normal, generator_state
+from stochlin.kernels.simulation.row_products import times_rows
 from stochlin.kernels.simulation.state import Elements, State
 from stochlin.kernels.simulation.stepping import (
     LANES,
@@ -60,6 +62,16 @@ class SteppedOscillators(NamedTuple):
         """The state before a motion: ``u``, ``v`` and ``z`` (n, lanes)."""
         return tuple(zeros_on_a_line(3, self.size, lanes))
 
+    def begin(self, state: Any, start: Array) -> None:
+        """Begin motions with displacements and velocities (2, n), where nothing has yielded."""
+        u, v, z = state
+        u[:] = z[:] = start[0][:, None]
+        v[:] = start[1][:, None]
+
+    def shown(self, start: Array) -> Array:
+        """What is watched (2, w) of displacements and velocities (2, n)."""
+        return start
+
     def block(self, dt: float, group: int = 0) -> Block:
         """The function for blocks of time steps of length ``dt`` [s].
 
@@ -98,6 +110,18 @@ class SteppedStructures:
     def at_rest(self, lanes: int = LANES, group: int = 0) -> Any:
         """The state before a motion of this group."""
         return State.at_rest(self._of(group) or [self.elements], lanes)
+
+    def begin(self, state: State, start: Array) -> None:
+        """Begin motions with values (2, n) of the coordinates, as in `Oscillators`."""
+        coordinates = state.coordinates
+        coordinates.q[:], coordinates.v[:] = start[..., None]
+        springs = self.elements.kind != VISCOUS
+        extension = np.where(springs, self.elements.system.extensions @ start[0], 0.0)
+        state.elements.z[:] = extension[:, None]
+
+    def shown(self, start: Array) -> Array:
+        """What is watched (2, w) of values of the coordinates (2, n)."""
+        return start @ self.elements.system.shapes.T
 
     def _of(self, group: int) -> Sequence[Elements]:
         """The samples of a group."""
@@ -174,11 +198,18 @@ class Ensemble(NamedTuple):
     ground: AnyGround
     root: Array  # matrix with root root' = stationary covariance of the filter's states
     plan: Plan
+    starts: Sequence[Array] = ()  # for each part what `begin` takes, unless motions are from rest
 
     @property
     def size(self) -> int:
         """Number of displacements of all parts."""
         return sum(part.size for part in self.parts)
+
+    def at_start(self, rows: Array) -> Array:
+        """Linear functions (m, n) of displacements at the start, and their change in a step (2, m)."""
+        pairs = zip(self.parts, self.starts, strict=True)
+        u, v = np.concatenate([part.shown(values) for part, values in pairs], axis=1)
+        return np.array([times_rows(rows, u), self.plan.dt * times_rows(rows, v)])
 
     def over_groups(
         self, task: Callable[[MotionGroup], Any], progress: Progress | None = None
@@ -246,6 +277,8 @@ class MotionGroup:
         self.q = zeros_on_a_line(len(root), LANES)
         self.q[:] = root @ start if root.ndim == 2 else (root * start).sum(axis=1)
         self.states = [part.at_rest(LANES, group) for part in ensemble.parts]
+        for part, state, values in zip(ensemble.parts, self.states, ensemble.starts, strict=False):
+            part.begin(state, values)
         self.xi, self.f = zeros_on_a_line(2, plan.every * plan.samples, LANES)
         self.out = zeros_on_a_line(plan.samples, ensemble.size, LANES)
         self.blocks = [part.block(plan.dt, group) for part in ensemble.parts]
@@ -351,7 +384,7 @@ def plastic_displacements(ensemble: Ensemble, stride: int) -> Array:
 def finite_extremes(
     ensemble: Ensemble, rows: Array, envelope: Array, progress: Progress | None, links: Links
 ) -> Extremes:
-    """Extremes of linear functions (m, n) of the displacements, and of links, in motions from rest.
+    """Extremes of linear functions (m, n) of the displacements, and of links.
 
     The motions are under an ``envelope`` (steps,).
 
@@ -362,6 +395,13 @@ def finite_extremes(
         """The extremes in one group of motions."""
         begin, way, highest, lowest = np.zeros((4, len(rows), LANES))
         peaks = LinkPeaks(*np.zeros((6, len(links.parameters), LANES)))
+        if ensemble.starts:
+            begin[:], way[:] = ensemble.at_start(rows)[..., None]
+            highest[:] = np.maximum(begin, 0.0)
+            lowest[:] = np.minimum(begin, 0.0)
+            peaks.extension[:], peaks.way[:] = ensemble.at_start(links.extensions)[..., None]
+            peaks.elastic[:] = peaks.extension
+            peaks.stroke[:] = np.abs(peaks.extension)
         for out in motion.under(envelope):
             keep_extremes(out, rows, begin, way, highest, lowest)
             if links.parameters.size:

@@ -17,6 +17,12 @@ def rows_of(matrix: Array) -> Array:
     return rows
 
 
+def times_rows(rows: Array, values: Array) -> Array:
+    """The matrix of `rows_of` times a vector (n,)."""
+    product: Array = (rows["weight"] * values[rows["column"]]).sum(axis=1)
+    return product
+
+
 @called_often
 def times_row(rows, i, values, out, lanes):
     """Write row ``i`` of `rows_of` times the values (n, lanes) to ``out`` (lanes,)."""

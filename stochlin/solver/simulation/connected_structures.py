@@ -126,7 +126,7 @@ def _connected(system: Arrangement, members: Array, samples: Sequence[Arrangemen
     elements, law = elements_of(system, members)
     whole = elements.system
     watched = _watched(system, members)
-    coordinates = _numbers(system.first_coordinate, members)
+    coordinates = numbers_of(system.first_coordinate, members)
 
     def shown(elements: Elements) -> Elements:
         """The elements with the displacements that are watched."""
@@ -145,15 +145,15 @@ def _connected(system: Arrangement, members: Array, samples: Sequence[Arrangemen
     )
 
 
-def _numbers(first: Array, members: Array) -> Array:
+def numbers_of(first: Array, members: Array) -> Array:
     """Numbers of the floors or coordinates of the structures ``members``; ``first`` is that of each."""
     return np.concatenate([np.arange(first[m], first[m + 1]) for m in members])
 
 
 def _watched(system: Arrangement, members: Array) -> Array:
     """Numbers of the displacements of the structures ``members``: their floors and yielding modes."""
-    own = np.isin(system.yielding_modes, _numbers(system.first_coordinate, members))
-    return np.append(_numbers(system.first, members), int(system.first[-1]) + np.flatnonzero(own))
+    own = np.isin(system.yielding_modes, numbers_of(system.first_coordinate, members))
+    return np.append(numbers_of(system.first, members), int(system.first[-1]) + np.flatnonzero(own))
 
 
 def elements_of(system: Arrangement, members: Array, all_states: bool = False) -> tuple[Elements, Any]:
@@ -164,7 +164,7 @@ def elements_of(system: Arrangement, members: Array, all_states: bool = False) -
     as a linear one, which is faster, but for ``all_states``: its ``z`` then follows its law.
     """
     first = system.first_coordinate
-    coordinates = _numbers(first, members)
+    coordinates = numbers_of(first, members)
     n = coordinates.size
     springs = np.flatnonzero(np.abs(system.extensions[:, coordinates]).any(axis=1))
     drifts = system.extensions[np.ix_(springs, coordinates)]

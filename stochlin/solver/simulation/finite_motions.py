@@ -12,6 +12,7 @@ from stochlin.kernels.basics.parallel import Progress, cores
 from stochlin.kernels.simulation.ensemble import Extremes, Links, finite_extremes
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.models.envelopes import Envelope, envelope_at
+from stochlin.models.start import Start
 from stochlin.models.structures import AnyStructure
 from stochlin.models.systems import Arrangement, Stack
 from stochlin.solver.simulation.ensembles import SimulationRun, seconds_of
@@ -42,12 +43,15 @@ def check_motion(
     duration: float | None,
     envelope: Envelope | None,
     scatter: float,
+    start: Start | None,
     structures: Mapping[str, AnyStructure],
 ) -> None:
     """Raise if the duration does not go with the other arguments, or a structure has a longer period."""
     if duration is None:
         if envelope is not None:
             raise ValueError("envelope is given without a duration; allowed: both, or neither")
+        if start is not None:
+            raise ValueError("start is given without a duration; allowed: both, or neither")
         if scatter:
             raise ValueError(f"scatter = {scatter:g} is given without a duration; give one")
         return

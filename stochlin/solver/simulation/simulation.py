@@ -21,6 +21,7 @@ from stochlin.models.arguments import (
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground, scatter_of
 from stochlin.models.links import Link
+from stochlin.models.start import Start
 from stochlin.models.structures import AnyStructure
 from stochlin.models.uncertain import median_of
 from stochlin.solver.simulation.ensembles import check_memory
@@ -51,12 +52,13 @@ def simulate(
     scatter: Scatter | None = None,
     quantiles: Quantiles = (0.5, 0.84, 0.95),
     link: Link | Sequence[Link | None] | None = None,
+    start: Start | None = None,
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Response of structures on one ground by nonlinear simulation.
 
     Without a duration the result has the stationary second moments of the displacements; with a
-    duration, the peaks in finite motions from rest. All structures are subjected to the same motions, so
+    duration, the peaks in finite motions. All structures are subjected to the same motions, so
     that the result has each pair of them.
 
     Parameters
@@ -92,6 +94,8 @@ def simulate(
     link : Link or list of Link and None, optional
         Links from each structure to the next, or between the structures that the ``structures`` of a
         link name, which may be one structure; linked oscillators need a mass.
+    start : Start, optional
+        Displacements and velocities at the start of all finite motions, from rest by default.
     progress : callable, optional
         Called with the share of the work that is done.
 
@@ -168,7 +172,7 @@ def simulate(
     roles = checked_structures(structures, ground)
     if scatter is None:
         scatter = 0.0 if duration is None else scatter_of(ground, None)
-    check_motion(duration, envelope, scatter, roles)
+    check_motion(duration, envelope, scatter, start, roles)
     check_memory(sum(structure.floor_count for structure in roles.values()), paths)
     moving = structures_in_motion(
         structures,
@@ -181,7 +185,7 @@ def simulate(
         scatter=scatter,
     )
     if duration is not None:
-        table = labelled_motions(moving, duration, envelope, quantiles, progress)
+        table = labelled_motions(moving.starting(start), duration, envelope, quantiles, progress)
         state = "finite motions"
         more = f", duration={duration}"
     else:
@@ -191,6 +195,7 @@ def simulate(
         more = ""
     lone = isinstance(link, Link)
     models = labels.named_models(structures, ground, () if lone else moving.links)
+    models |= {"start": start} if start is not None else {}
     return labels.with_run_information(
         table,
         f"Simulation of {len(structures)} structures in {state}, {median_of(ground).name} ground",

@@ -15,6 +15,7 @@ from stochlin.messages import brief
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
 from stochlin.models.parameters import expect
+from stochlin.models.start import Start
 from stochlin.models.structures import AnyStructure, Structure
 from stochlin.models.systems import (
     Arrangement,
@@ -32,10 +33,12 @@ from stochlin.solver.linearization.systems.systems import linearize_system
 from stochlin.solver.simulation.connected_structures import (
     SteppedGroup,
     connected_groups,
+    numbers_of,
     stepped_groups,
     unlinked_oscillators,
 )
 from stochlin.solver.simulation.ensembles import SimulationRun, drift_time_of, prepare
+from stochlin.solver.simulation.start_values import start_values
 from stochlin.solver.tables.checks import check_scalars
 from stochlin.solver.tables.labels import (
     ELEMENT,
@@ -163,6 +166,19 @@ class StructuresInMotion(NamedTuple):
         if not self.system.has_storeys:
             return {STRUCTURE: self.system.floors}
         return {**floor_coordinates(self.system), **element_coordinates(self.system)}
+
+    def starting(self, start: Start | None) -> StructuresInMotion:
+        """The same structures in motions that begin with these values, or from rest."""
+        if start is None:
+            return self
+        values = start_values(self.system, start)
+        owners = [np.unique(self.system.owners[group.watched]) for group in self.groups]
+        starts = [
+            values[:, numbers_of(self.system.first_coordinate, members)] / group.scale
+            for group, members in zip(self.groups, owners, strict=True)
+        ]
+        run = self.run._replace(ensemble=self.run.ensemble._replace(starts=starts))
+        return self._replace(run=run)
 
     def input_factors(self) -> dict[str, xr.DataArray]:
         """Variable ``input_factor`` of a dataset with all samples."""

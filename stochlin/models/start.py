@@ -1,0 +1,68 @@
+"""Start values of motions: displacements and velocities of all coordinates."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from stochlin.kernels.basics.arrays import Array
+from stochlin.messages import brief, listed
+from stochlin.models.parameters import Model, Parameter, Range, parameter
+
+ANY = Range(-np.inf)
+
+
+@dataclass(frozen=True)
+class Start(Model):
+    """Displacements and velocities at the start of a motion, in place of rest.
+
+    Parameters
+    ----------
+    displacement, velocity : float or array
+        Displacement [m] and velocity [m/s], relative to the ground, of each coordinate: of the floors of
+        all buildings from left to right, each from the ground up; in place of the floors of a
+        `ModalBuilding` of its modes. By default 0 of all.
+    ground_velocity : float
+        Velocity of the ground [m/s], which matters for a `Wall` that is fixed in space.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If a value is not a finite number, is in another unit by its attribute, or is an array of
+        several dimensions.
+
+    References
+    ----------
+    Chopra, A. K. (2012), Dynamics of Structures, 4th ed., section 2.1.
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> sl.Start(velocity=[0.0, 1.0]).describe()
+    'Start (velocity 0 to 1 m/s)'
+    """
+
+    displacement: Parameter = parameter("m", "displacement at the start", ANY, 0.0)
+    velocity: Parameter = parameter("m/s", "velocity at the start", ANY, 0.0)
+    ground_velocity: float = parameter("m/s", "velocity of the ground", ANY, 0.0, scalar=True)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name, values in self.arrays().items():
+            if values.ndim > 1 or not np.isfinite(values.values).all():
+                what = f"Start: {name} = {brief(values.values.tolist())}"
+                raise ValueError(f"{what}; allowed: a list of finite numbers, in {self.units(name)}")
+
+    def of(self, coordinates: Sequence[str]) -> Array:
+        """Displacements and velocities (2, n) of the coordinates with these names."""
+        columns = []
+        for name in ("displacement", "velocity"):
+            values = self.arrays()[name].values
+            single = values.size == 1 and (len(coordinates) == 1 or not values.any())
+            if not single and values.shape != (len(coordinates),):
+                what = f"start: {name} has {values.size} values"
+                raise ValueError(f"{what}; allowed: {len(coordinates)}, of {listed(coordinates)}")
+            columns.append(np.broadcast_to(values.ravel(), len(coordinates)))
+        return np.array(columns, float)

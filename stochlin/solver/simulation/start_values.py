@@ -1,0 +1,65 @@
+"""Start values of motions, checked for the structures that move."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import numpy as np
+import xarray as xr
+
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.pounding.run import BuildingRow
+from stochlin.messages import brief
+from stochlin.models.start import Start
+from stochlin.models.systems import Arrangement
+
+END_STATE = "end_state"
+STATE = "state"
+ROUNDING = 1e-9  # of extensions at yield
+
+
+def check_start(name: str, start: object) -> None:
+    """Raise a TypeError unless motions can begin from this."""
+    if start is not None and not isinstance(start, (Start, xr.DataArray)):
+        allowed = f"a Start, or the {END_STATE} of the motion before"
+        raise TypeError(f"{name} = {brief(start)}; allowed: {allowed}")
+
+
+AnyStart = Annotated[Start | xr.DataArray, check_start]
+
+
+def start_values(system: Arrangement, start: Start) -> Array:
+    """Displacements and velocities (2, n) of the coordinates, checked: no element may yield by them."""
+    values = start.of(system.coordinates)
+    links = [tie.link.parts[2] for tie in system.ties]
+    strength = np.concatenate([system.storeys.strength, links])
+    extension = np.abs(system.extensions @ values[0])
+    beyond = np.flatnonzero(extension > strength * (1 + ROUNDING))
+    if beyond.size:
+        element = beyond[0]
+        what = f"start: the drift of {system.springs[element]} is {extension[element]:g} m"
+        allowed = f"up to {strength[element]:g} m, at which it yields, or the {END_STATE} of a motion"
+        raise ValueError(f"{what}; allowed: {allowed}")
+    return values
+
+
+def first_block(row: BuildingRow, values: Array, ground_velocity: float) -> Array:
+    """The block (rows,) of a motion of a row of buildings that starts with these values."""
+    walls = row.elements.system.mass.size - row.parts.mass.size
+    q, v = np.pad(values, ((0, 0), (0, walls)))
+    v[row.parts.mass.size :] = -ground_velocity
+    return row.from_start(q, v)
+
+
+def as_end_state(values: Array) -> xr.DataArray:
+    """The state at the end of a motion, as a result has it."""
+    return xr.DataArray(values, dims=STATE)
+
+
+def checked_end_state(start: xr.DataArray, size: int) -> Array:
+    """So many numbers of the end of a motion; raises a ValueError unless they are those of one."""
+    if start.dims != (STATE,) or start.size != size or start.dtype.kind != "f":
+        what = f"start is an array {dict(start.sizes)} of {start.dtype}"
+        allowed = f"the {END_STATE}, {size} numbers, of a motion of the same structures"
+        raise ValueError(f"{what}; allowed: {allowed}, or a Start")
+    return start.to_numpy()
