@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from cases import with_slow
-from motions import finer, shaking
+from motions import finer, needs_records, recorded, shaking
 
 import stochlin as sl
 
@@ -102,3 +102,25 @@ def test_a_touch_that_others_press_for_has_its_approach_velocity():
         )
         first.append(float(table.approach_velocity[np.argmax(table.impact_contact.values == 2)]))
     assert first[:2] == pytest.approx([first[2]] * 2, rel=0.12)  # measured: 10 and .5 %
+
+
+@needs_records
+@pytest.mark.extreme
+def test_peaks_of_five_storeys_on_el_centro_are_within_a_thousandth():
+    # Chopra (2012), Dynamics of Structures, example 13.2.6: 100 kips/g, 31.54 kips/in, 12 ft, 5 %.
+    kip, inch = 4448.2216, 0.0254
+    chain = sl.ShearBuilding(
+        [100 * kip / 9.80665] * 5, [31.54 * kip / inch] * 5, [12 * 12 * inch] * 5, 0.05
+    )
+    assert float(chain.periods()[-1]) == pytest.approx(0.297, abs=5e-4)
+    record = recorded("El Centro")[::2]  # in steps of 0.02 s
+    usual = sl.pound([chain], motion=record)
+    fine = sl.pound([chain], motion=record, steps_per_contact=256)
+    for name in ("peak", "peak_storey_shear", "peak_base_shear", "peak_acceleration"):
+        np.testing.assert_allclose(usual[name], fine[name], rtol=1e-3, err_msg=name)
+        sampled = {"peak": "displacement"}.get(name, name.removeprefix("peak_"))
+        assert (abs(usual[sampled]).max("time") <= usual[name] * (1 + 1e-3)).all()
+    coarse = sl.pound([chain], motion=record, steps_per_contact=8)
+    drifts = abs(coarse.peak_storey_shear / usual.peak_storey_shear - 1).max()
+    accelerations = abs(coarse.peak_acceleration / usual.peak_acceleration - 1).max()
+    assert float(usual.step_error) == pytest.approx(float(max(drifts, accelerations)), rel=1e-6)

@@ -163,8 +163,9 @@ def pound(
         and peaks of the second of two motions are then those of one motion of both, with the same bits;
         its impacts begin with one that was going on.
 
-        For one motion ``step_error`` [-]: the largest relative change of a peak displacement or of the
-        largest force of a contact, from steps twice as long. About a third of it remains.
+        For one motion ``step_error`` [-]: the largest relative change from steps twice as long of a peak
+        displacement, drift, storey shear or acceleration, or of the largest force of a contact. About a
+        third of it remains. Histories are sampled: their largest values are below the peaks.
 
         Over ``contact``: ``gap`` [m], the number of ``impacts``, ``hardest_force`` [N],
         ``fastest_approach`` [m/s], ``longest_impact`` [s] and ``deepest_compression`` [m], all 0
@@ -224,7 +225,7 @@ def pound(
     Displacements are positive to the right; structure 2 stands to the right of structure 1. The time
     steps are those of the trapezoidal rule, which is of second order, with contacts as elements that
     only push. There are at least ``12.5 steps_per_contact`` steps in the shortest of the first periods
-    and ``2.5 steps_per_contact`` in the shortest period of a mode with 1 % of the mass. While a contact
+    and ``5 steps_per_contact`` in the shortest period of a mode with 1 % of the mass. While a contact
     is closed, or may become so, they are divided further, so that ``steps_per_contact`` of them are in
     half a period of every contact with the reduced mass of its floors; for a Hertz element it is that of
     an approach at 1 m/s. A contact force is the mean over the step, in which the penetration grows

@@ -225,18 +225,37 @@ def summary(
 
 
 def _step_error(standing: Standing, response: RowResponse, finer: RowResponse) -> float:
-    """Largest relative change of a peak displacement or largest force from steps twice as long [-].
+    """Largest relative change of a peak or largest force from steps twice as long [-].
 
     The steps are of second order, so that the error that remains in the finer response is about a third
-    of the change. A peak counts beside the largest of its structure.
+    of the change. A displacement counts beside the largest of its structure, all else beside itself.
     """
     whole = np.maximum.reduceat(finer.peaks, standing.first[:-1])
     largest = np.repeat(whole, np.diff(standing.first))
     moved = np.abs(response.peaks - finer.peaks) / np.where(largest > 0, largest, 1.0)
-    hardest, more = (_tallies(standing, each)["hardest_force"][1] for each in (response, finer))
-    hits = (hardest > 0) & (more > 0)
-    changes = np.abs(hardest[hits] - more[hits]) / more[hits]
-    return float(max(moved.max(), changes.max(initial=0.0)))
+    pairs = zip(_own_peaks(standing, response), _own_peaks(standing, finer), strict=True)
+    changes = [_largest_change(coarse, fine) for coarse, fine in pairs]
+    return float(max(moved.max(), *changes))
+
+
+def _own_peaks(standing: Standing, response: RowResponse) -> list[Array]:
+    """Peaks of drifts, storey shears and accelerations, and largest forces of contacts."""
+    floors = response.floors
+    peaks = response.end.peaks
+    by_modes = [np.full(stack.coordinates, stack.by_modes) for stack in standing.arrangement.stacks]
+    extensions = response.end.largest[floors : floors + standing.row.parts.mass.size]
+    return [
+        np.where(np.concatenate(by_modes), 0.0, extensions),
+        peaks.shear[:floors],
+        peaks.acceleration[:floors],
+        _tallies(standing, response)["hardest_force"][1],
+    ]
+
+
+def _largest_change(coarse: Array, fine: Array) -> float:
+    """Largest relative change of values that are known and positive in both."""
+    both = (coarse > 0) & (fine > 0)
+    return float((np.abs(coarse[both] - fine[both]) / fine[both]).max(initial=0.0))
 
 
 def _peaks(standing: Standing, response: RowResponse, alone: RowResponse) -> Quantities:

@@ -27,7 +27,7 @@ from stochlin.solver.tables.checks import check_work
 
 STEPS_PER_CONTACT = 16  # default number of steps in half a period of a contact
 STEPS_AT_BLOWS = 16  # near a stereomechanical contact, in place of one step
-OF_SHORTEST = 2.5  # steps in the shortest period, for each of them
+OF_SHORTEST = 5.0  # steps in the shortest period, for each of them
 OF_FIRST = 12.5  # the same in the first period
 TYPICAL = 1.0  # [m/s]: rate of penetration for which the half-period of a Hertz contact is taken
 ON_GRID = 1e-9  # share of a time step within which an output time counts as a sample of the record
