@@ -14,7 +14,7 @@ from stochlin.models.parameters import Model
 
 GROUND: Final = "ground"
 SPACE: Final = "space"
-HEIGHTS = "heights above the ground, 0 < height, finite, in metres, each once"
+LEVELS = "levels above the ground, 0 < level, finite, in metres, each once"
 
 
 @dataclass(frozen=True)
@@ -28,49 +28,47 @@ class Wall(Model):
     fixed : {"ground", "space"}
         What the wall moves with. A wall that is fixed to the ground has no displacement relative to it;
         one that is fixed in space has that of the ground with the opposite sign.
-    heights : sequence of float, optional
-        Heights above the ground at which the wall touches the building [m], as a rigid slab does. A
-        height within 0.05 m of a floor meets its slab, any other the column of the storey. By default
+    levels : sequence of float, optional
+        Levels above the ground at which the wall touches the building [m], as a rigid slab does. A
+        level within 0.05 m of a floor meets its slab, any other the column of the storey. By default
         the wall is plane and meets the slabs of all floors.
 
     Raises
     ------
     ValueError, TypeError
-        If ``fixed`` is another word, or ``heights`` are not positive numbers that differ.
+        If ``fixed`` is another word, or ``levels`` are not positive numbers that differ.
 
     References
     ----------
-    Anagnostopoulos, S. A. (1988), Earthquake Eng. Struct. Dyn. 16, for buildings in a row and stops at
-    its ends.
+    Anagnostopoulos, S. A. (1988), Earthquake Eng. Struct. Dyn. 16, for buildings in a row that
+    pound.
 
     Examples
     --------
     >>> import stochlin as sl
     >>> sl.Wall().describe()
     'Wall (fixed to the ground)'
-    >>> sl.Wall("space", heights=[1.75]).describe()
-    'Wall (fixed in space, heights 1.75 m)'
+    >>> sl.Wall("space", levels=[1.75]).describe()
+    'Wall (fixed in space, levels 1.75 m)'
     """
 
     fixed: Literal["ground", "space"] = GROUND
-    heights: Sequence[float] | None = None
+    levels: Sequence[float] | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
         check_fields(self, "Wall: ")
-        if self.heights is not None:
-            heights = as_numbers("Wall: heights", self.heights, HEIGHTS)
-            allowed = np.isfinite(heights) & (heights > 0)
-            if heights.ndim != 1 or not heights.size or not allowed.all():
-                raise ValueError(f"Wall: heights = {brief(self.heights)}; allowed: {HEIGHTS}")
-            levels = tuple(sorted(map(float, heights)))
-            if len({*levels}) < len(levels):
-                raise ValueError(f"Wall: heights = {brief(self.heights)}; allowed: {HEIGHTS}")
-            object.__setattr__(self, "heights", levels)
+        if self.levels is not None:
+            levels = as_numbers("Wall: levels", self.levels, LEVELS)
+            allowed = np.isfinite(levels) & (levels > 0)
+            several = levels.ndim == 1 and levels.size > 0 and np.unique(levels).size == levels.size
+            if not (several and allowed.all()):
+                raise ValueError(f"Wall: levels = {brief(self.levels)}; allowed: {LEVELS}")
+            object.__setattr__(self, "levels", tuple(sorted(map(float, levels))))
 
     def further(self) -> list[str]:
-        """What the wall moves with, and its heights."""
+        """What the wall moves with, and its levels."""
         place = "fixed to the ground" if self.fixed == GROUND else "fixed in space"
-        if self.heights is None:
+        if self.levels is None:
             return [place]
-        return [place, f"heights {', '.join(f'{height:g}' for height in self.heights)} m"]
+        return [place, f"levels {', '.join(f'{level:g}' for level in self.levels)} m"]

@@ -121,3 +121,31 @@ def test_motions_that_failed_are_said_loudly(tmp_path: Path) -> None:
 
 def test_a_case_without_records_is_refused(tmp_path: Path) -> None:
     assert "--motions 100 for simulated ones" in refused("pound", case_file(tmp_path))
+
+
+def test_buildings_stand_between_walls(tmp_path: Path) -> None:
+    walls = 'wall_left = { gap = "1 cm" }\nwall_right = { gap = "2 cm", fixed = "space" }\n'
+    path = case_file(tmp_path, ("Strong", 0.5), text=walls + example_case())
+    done = invoke("pound", path, "--out", tmp_path / "p.nc", "--picture", tmp_path / "p.png")
+    with xr.open_dataset(tmp_path / "p.nc") as table:
+        assert table.neighbours.values.tolist() == ["wall | 1", "1 | 2", "2 | wall"]
+        assert table.wall.values.tolist() == ["ground", "", "space"]
+        assert table.attrs["wall_right"] == "Wall (fixed in space)"
+        np.testing.assert_allclose(table.gap, [0.01, 0.05, 0.02])
+        moved = (table.displacement[:, 1] - table.wall_displacement).max()
+        assert float(table.least_clearance[2]) == pytest.approx(0.02 - float(moved), abs=1e-12)
+        assert float(table.least_clearance[0]) == pytest.approx(
+            0.01 + float(table.displacement[:, 0].min()), abs=1e-12
+        )
+    assert "Gap wall | 1, 1 cm" in done.output
+    assert "Gap 2 | wall, 2 cm" in done.output
+    many = answered("pound", path, "--motions", 8)
+    assert "building 1 hits the wall in" in " ".join(many.output.split())
+
+
+def test_a_wall_has_no_mass(tmp_path: Path) -> None:
+    text = 'wall_left = { gap = "1 cm", mass = "5 t" }\n' + example_case()
+    path = case_file(tmp_path, ("Strong", 0.5), text=text)
+    said = refused("pound", path)
+    assert "wall_left.mass = '5 t' is not a key" in said
+    assert "of a wall, which has no mass; allowed: gap, fixed, levels" in said

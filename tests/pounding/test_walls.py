@@ -86,7 +86,7 @@ def test_a_plane_wall_meets_each_slab_and_an_edge_at_mid_storey_a_column():
     assert plane.level.values.tolist() == [3.5, 7.0, 10.5]
     assert plane.floor_left.values.tolist() == [1, 2, 3]
     assert plane.floor_right.values.tolist() == [0, 0, 0]
-    edges = sl.pound([TOWER, sl.Wall(heights=[8.75, 7.02])], 0.004, contact, motion)
+    edges = sl.pound([TOWER, sl.Wall(levels=[8.75, 7.02])], 0.004, contact, motion)
     assert edges.kind.values.tolist() == ["slab to wall", "wall to column"]
     assert edges.column.values.tolist() == ["", "left"]
     assert edges.storey.values.tolist() == [0, 3]
@@ -100,7 +100,7 @@ def test_an_edge_at_mid_storey_hits_half_of_both_floors():
     # One contact at mid-height of the second storey: c = 2 xi sqrt(k m) with 1/m = (1/4 + 1/4)/m_floor.
     two = sl.ShearBuilding([2e5] * 2, [2e8, 2e8], [3.0, 3.0], 0.05)
     contact = sl.LinearSpring(1e8)
-    table = sl.pound([sl.Wall(heights=[4.5]), two], 0.002, contact, shaking(), steps_per_contact=128)
+    table = sl.pound([sl.Wall(levels=[4.5]), two], 0.002, contact, shaking(), steps_per_contact=128)
     middle = table.displacement.isel(structure=0).mean("floor")
     pressed = np.maximum(-middle - 0.002, 0.0)
     np.testing.assert_allclose(table.contact_force[:, 0], 1e8 * pressed, atol=1e-6 * 1e8)
@@ -114,8 +114,8 @@ def test_an_edge_at_mid_storey_hits_half_of_both_floors():
         ([sl.Wall(), sl.Wall()], [0.1], r"walls alone; allowed: at least one building"),
         ([sl.Wall(), SOFT], [0.1, 0.1], r"allowed: one number between each two neighbours, 1 in all"),
         ([sl.Wall(), SOFT], [-0.1], r"-0.1 between .* is out of range; allowed: 0 <= gap"),
-        ([SOFT, sl.Wall(heights=[3.0])], 0.1, r"an oscillator, which has no heights; allowed: a wall w"),
-        ([TOWER, sl.Wall(heights=[11.0])], 0.1, r"above the roof .* 10.5 m; allowed: heights up to the"),
+        ([SOFT, sl.Wall(levels=[3.0])], 0.1, r"an oscillator, which has no levels; allowed: a wall w"),
+        ([TOWER, sl.Wall(levels=[11.0])], 0.1, r"above the roof .* 10.5 m; allowed: levels up to the"),
     ],
 )
 def test_walls_that_cannot_stand_there_are_refused(row, gaps, said):
@@ -127,13 +127,13 @@ def test_velocities_do_not_jump_at_a_column():
     with pytest.raises(
         ValueError, match=r"a wall meets a column at 8.75 m; allowed: a contact with a f"
     ):
-        sl.pound([TOWER, sl.Wall(heights=[8.75])], 0.01, sl.Stereomechanical(0.5), shaking())
+        sl.pound([TOWER, sl.Wall(levels=[8.75])], 0.01, sl.Stereomechanical(0.5), shaking())
 
 
-@pytest.mark.parametrize("heights", [[], [0.0], [-1.0], [np.nan], [np.inf], [[1.0]], [2.0, 2.0], 3.0])
-def test_heights_of_walls_are_positive_and_differ(heights):
-    with pytest.raises(ValueError, match=r"Wall: heights = .*; allowed: heights above the ground"):
-        sl.Wall(heights=heights)
+@pytest.mark.parametrize("levels", [[], [0.0], [-1.0], [np.nan], [np.inf], [[1.0]], [2.0, 2.0], 3.0])
+def test_levels_of_walls_are_positive_and_differ(levels):
+    with pytest.raises(ValueError, match=r"Wall: levels = .*; allowed: levels above the ground"):
+        sl.Wall(levels=levels)
 
 
 def test_a_wall_has_no_mass():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Annotated, Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from stochlin.kernels.basics.parallel import Progress
 from stochlin.messages import brief
 from stochlin.models.arguments import Whole, checked
 from stochlin.models.systems import arrangement_of
+from stochlin.models.walls import SPACE
 from stochlin.solver.linearization.strength import strength_in_metres
 from stochlin.solver.simulation.ground_motions import simulated_motions
 from stochlin.solver.simulation.simulation import time_step
@@ -24,7 +26,7 @@ from stochlin.solver.tables import labels
 
 # Variables of the input energy, and of its parts at the end of a record.
 ENERGIES = {
-    "input": ("input_energy",),
+    "input": ("input_energy", "wall_energy"),
     "viscous": ("viscous_energy",),
     "hysteretic": ("hysteretic_energy",),
     "contacts": ("contact_lost_energy",),
@@ -120,15 +122,15 @@ def pound_case(
         shaken = dict(records)
         what = f"{len(records)} records"
         strength = xr.concat(strengths, "record", combine_attrs="drop")
-    gaps = list(case.wanted.existing)
+    row, gaps = _row(case, structures)
     steps = steps_per_contact
     with case.whole.table.naming("", ""), case.whole.table.asking("contact"):
-        table = pound(structures, gaps, case.contact, shaken, steps_per_contact=steps, progress=progress)
+        table = pound(row, gaps, case.contact, shaken, steps_per_contact=steps, progress=progress)
     table = _named(table.assign(strength.data_vars), case, structures)
     if {"contact", "time"} <= set(table.dims):
         left, right = (displacement_beside(table, side) for side in SIDES)
         table["least_clearance"] = table.gap - (left - right).max("time")
-    title = f"{case.title}: {'alone' if case.alone else 'pounding'} in {what}"
+    title = f"{case.title}: {'pounding' if gaps else 'alone'} in {what}"
     return labels.label(table).assign_attrs(about | {"case": case.title, "title": title})
 
 
@@ -139,19 +141,28 @@ def _simulated(case: Case, motions: int) -> xr.DataArray:
     return simulated_motions(case.site.ground, **motion | {"paths": motions, "step": step})
 
 
+def _row(case: Case, structures: Sequence[Any]) -> tuple[list[Any], list[float]]:
+    """The buildings with the walls beside them, and the gaps between all of these."""
+    left, right = ([wall] if wall else [] for wall in case.walls)
+    existing = [] if case.alone else case.wanted.existing
+    row = [*(each.wall() for each in left), *structures, *(each.wall() for each in right)]
+    return row, [*(each.gap for each in left), *existing, *(each.gap for each in right)]
+
+
 def _check(case: Case, simulated: bool = False) -> None:
     """Raise a ValueError if the case lacks motions, gaps or a contact."""
     alone = case.alone
+    free = alone and not any(case.walls)
     records = case.site.records or simulated
     needed = {
         "a record; write [[site.records]], or --motions 100 for simulated ones": records,
         'the existing gap; write existing = "5 cm" in [separation]': alone or case.wanted.existing,
-        "the contact between the buildings; write [contact] with its model": alone or case.contact,
+        "the contact between the buildings; write [contact] with its model": free or case.contact,
     }
     for what, known in needed.items():
         if not known:
             raise case.whole.table.error("", f"pounding needs {what}")
-    if not alone:
+    if not free:
         check_masses(case, "a contact")
 
 
@@ -177,21 +188,25 @@ def _named(table: xr.Dataset, case: Case, structures: list[Any]) -> xr.Dataset:
 
 def displacement_beside(table: xr.Dataset, side: str) -> xr.DataArray:
     """Displacement of the slab or column on a side of each contact [m], over time and contact."""
-    at = {"structure": table[side].drop_vars(table[side].coords)}
+    building = table[side].drop_vars(table[side].coords)  # 0 for a wall
+    at = {"structure": building.clip(min=1)}
     if "floor" in table.dims:
-        at["floor"] = table[f"floor_{side}"].drop_vars(table[f"floor_{side}"].coords)
+        at["floor"] = table[f"floor_{side}"].drop_vars(table[f"floor_{side}"].coords).clip(min=1)
     beside = table.displacement.sel(at)
     if "column" in table.coords:  # a column moves between its floors, or the ground and the first one
         share = table.share.where(table.column == side, 1.0)
         below = table.displacement.shift(floor=1, fill_value=0.0).sel(at)
         beside = share * beside + (1.0 - share) * below
+    if "wall" in table.coords:
+        moved = table.wall_displacement if "wall_displacement" in table else 0.0
+        beside = beside.where(building > 0, moved * (table.wall.drop_vars(table.wall.coords) == SPACE))
     of_floors = ["structure", "floor", "building", "storeys", "floor_level"]
     return beside.drop_vars(of_floors, errors="ignore")
 
 
 def energy_of(table: xr.Dataset, where: str) -> xr.DataArray:
     """Energy of one kind in `ENERGIES`, of all buildings together [J]."""
-    parts = [table[name] for name in ENERGIES[where]]
+    parts = [table[name] for name in ENERGIES[where] if name in table]
     totals = [part.sum("structure") if "structure" in part.dims else part for part in parts]
     return sum(totals[1:], totals[0])
 

@@ -178,7 +178,8 @@ def pound(
         coordinates ``column``, the side of the column, ``storey``, that of the column, and ``share``, by
         which the displacement of the floor above counts in that of the column; and the variables
         ``column_force`` [N], the largest force on the columns of this storey, and
-        ``column_force_share`` [-], this force over the shear of the storey at yield.
+        ``column_force_share`` [-], this force over the shear of the storey at yield. With walls there
+        is the coordinate ``wall``, ground or space.
 
         Over ``neighbours``, for all contacts across a gap together: ``impacts_between``,
         ``hardest_force_between`` [N] and ``contact_energy_between`` [J].
@@ -199,7 +200,7 @@ def pound(
     ------
     ValueError, TypeError
         If there is no structure, or a structure has an array as parameter or no mass; if a wall is not
-        at an end of the row, or has heights above the roof; if the contact is missing for several
+        at an end of the row, or has levels above the roof; if the contact is missing for several
         structures, or is `Stereomechanical` where a column is met; if a gap is negative, or the number
         of gaps or links is wrong; if a link names a floor or structure that does not exist; if the
         output step is not positive or is given with several motions; if there is no motion, or a motion

@@ -196,6 +196,8 @@ def contacts(places: Sequence[Meeting], links: Sequence[Link | None]) -> xr.Data
             "floor_left": ([m.floor_left + 1 for m in places], "floor on the left"),
             "floor_right": ([m.floor_right + 1 for m in places], "floor on the right"),
         }
+    if any(m.wall for m in places):
+        columns["wall"] = [m.fixed for m in places], "what the wall is fixed to"
     if any(m.struck for m in places):
         columns |= {
             "column": ([m.struck for m in places], "side whose column is met"),

@@ -57,6 +57,7 @@ class Meeting(NamedTuple):
     struck: str = ""  # side of the column: "left", "right", or empty for slab to slab
     share: float = 1.0
     wall: str = ""  # side of a wall: "left", "right", or empty between two buildings
+    fixed: str = ""  # what the wall is fixed to
 
     @property
     def kind(self) -> str:
@@ -211,7 +212,7 @@ def build_row(
     in_space = any(wall.fixed == SPACE for wall in neighbours.walls.values())
     if in_space:
         left, right = (
-            np.column_stack([weights, _of_wall(places, neighbours.walls, side)])
+            np.column_stack([weights, _of_wall(places, side)])
             for side, weights in zip(SIDES, (left, right), strict=True)
         )
     laws = [ForceLaw()] * len(places)
@@ -231,10 +232,10 @@ def build_row(
     return Standing(row, alone, system, places, reduced, of_links)
 
 
-def _of_wall(places: Sequence[Meeting], walls: Mapping[str, Wall], side: str) -> Array:
+def _of_wall(places: Sequence[Meeting], side: str) -> Array:
     """Weights (c,) of the displacement of walls that are fixed in space, on one side of contacts."""
     weight = 1.0 if side == SIDES[0] else -1.0
-    in_space = [m.wall == side and walls[side].fixed == SPACE for m in places]
+    in_space = [m.wall == side and m.fixed == SPACE for m in places]
     return np.where(in_space, weight, 0.0)
 
 
@@ -261,20 +262,20 @@ def _on_wall(wall: Wall, side: str, levels: Sequence[Array]) -> list[Meeting]:
     building = -1 if side == SIDES[0] else len(levels) - 1
     floors = levels[0] if side == SIDES[0] else levels[-1]
     other = SIDES[side == SIDES[0]]
-    heights = floors.tolist() if wall.heights is None else wall.heights
-    if wall.heights is not None and np.isnan(floors).any():
-        what = f"{wall.describe()} stands beside an oscillator, which has no heights"
-        raise ValueError(f"{what}; allowed: a wall without heights, or a building with storeys")
+    touched = floors.tolist() if wall.levels is None else wall.levels
+    if wall.levels is not None and np.isnan(floors).any():
+        what = f"{wall.describe()} stands beside an oscillator, which has no levels"
+        raise ValueError(f"{what}; allowed: a wall without levels, or a building with storeys")
     contacts = []
-    for height in heights:
-        floor = int(np.searchsorted(floors, height - LEVEL))  # the first one that is not below
+    for level in touched:
+        floor = int(np.searchsorted(floors, level - LEVEL))  # the first one that is not below
         if floor == floors.size:
             what = f"{wall.describe()} is above the roof of its building at {floors[-1]:g} m"
-            raise ValueError(f"{what}; allowed: heights up to the roof")
-        struck = other if floors[floor] - height >= LEVEL else ""
-        share = float(shares_at(floors, height)[floor]) if struck else 1.0
+            raise ValueError(f"{what}; allowed: levels up to the roof")
+        struck = other if floors[floor] - level >= LEVEL else ""
+        share = float(shares_at(floors, level)[floor]) if struck else 1.0
         sides = (-1, floor) if side == SIDES[0] else (floor, -1)
-        contacts.append(Meeting(building, *sides, float(height), struck, share, side))
+        contacts.append(Meeting(building, *sides, float(level), struck, share, side, wall.fixed))
     return contacts
 
 

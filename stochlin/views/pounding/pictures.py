@@ -125,7 +125,7 @@ def _sides(axes: Axes, dataset: xr.Dataset, number: int) -> None:
     right = right + CENTIMETRES * float(contact.gap)
     time = dataset.time.values
     axes.fill_between(time, left, np.maximum(left, right), color="0.9", lw=0, label="open")
-    names = dataset.building.values[[int(contact[side]) - 1 for side in ("left", "right")]]
+    names = [("wall", *dataset.building.values)[int(contact[side])] for side in ("left", "right")]
     for values, name, (color, dash) in zip((left, right), names, CURVES, strict=False):
         label = textwrap.fill(str(name), NAME)
         axes.plot(time, values, color=color, linestyle=dash, lw=0.9, label=label)

@@ -187,7 +187,7 @@ def _values(case: Case, table: xr.Dataset) -> ViewSection:
 
     rows: list[list[str]] = []
     for n, pair in enumerate(table.neighbours.values if meets else ()):
-        gap = 100 * float(table.gap.values[table.left.values == n + 1][0])
+        gap = 100 * float(table.gap.values[table.left.values == np.unique(table.left)[n]][0])
         rows.append([f"Gap {pair}, {gap:.3g} cm", *blank])
         rows += [row(f"  {name}", {"neighbours": n}, *each) for name, each in OF_GAPS.items()]
     for n, building in enumerate(table.building.values):
@@ -245,7 +245,10 @@ def _shares(table: xr.Dataset) -> str:
     for of_pair in along(table, "neighbours"):
         share, low, high = map(per_cent, with_interval(of_pair, "pounding_probability"))
         left, right = str(of_pair.neighbours.item()).split(" | ")
-        shares.append(f"buildings {left} and {right} hit in {share} of them ({low} to {high})")
+        both = f"buildings {left} and {right} hit"
+        if "wall" in (left, right):
+            both = f"building {right if left == 'wall' else left} hits the wall"
+        shares.append(f"{both} in {share} of them ({low} to {high})")
     return f"{'; '.join(shares)}."
 
 

@@ -16,6 +16,7 @@ from typing import Any
 
 from stochlin.applications.cases.reading.buildings import (
     FORMS,
+    HEIGHT,
     Building,
     SlabOnColumn,
     read_building,
@@ -62,6 +63,7 @@ from stochlin.models.rules.codes import (
 )
 from stochlin.models.rules.other_codes import other_code
 from stochlin.models.uncertain import UncertainModel
+from stochlin.models.walls import GROUND, SPACE, Wall
 
 IN_INCHES = re.compile(r"[\d.]+ *(?:in|ft)(?: *\+-.*)?", re.IGNORECASE)
 NUMBERED = re.compile(r"building_([1-9]\d{0,5})")
@@ -244,6 +246,20 @@ class OfContact(Form):
         return self.table.asked(self.table.made(CONTACTS[self.model], **self.more))
 
 
+class OfWall(Form):
+    """A rigid wall beside the first or last building."""
+
+    described_as = "a wall, which has no mass"
+
+    gap: float = key(GAP, "Gap to the building")
+    fixed: str = key(Word((GROUND, SPACE)), "What it is fixed to", GROUND)
+    levels: list[float] = key(ListOf(HEIGHT, "listed"), "Levels that it touches; else all floors", ())
+
+    def wall(self) -> Wall:
+        """The wall."""
+        return self.table.made(Wall, fixed=self.fixed, levels=self.levels or None)
+
+
 class OfLink(Form):
     """A link; ``more`` are its parameters."""
 
@@ -343,6 +359,8 @@ class WholeCase(Form):
     separation: Wanted = key(Inner((Wanted,)), "What is wanted")
     simulation: Simulated = key(Inner((Simulated,)), "Simulated motions", Simulated(table=NO_TABLE))
     contact: OfContact | None = key(Inner((OfContact,)), "Contact between the buildings", None)
+    wall_left: OfWall | None = key(Inner((OfWall,)), "Wall beside the first building", None)
+    wall_right: OfWall | None = key(Inner((OfWall,)), "Wall beside the last building", None)
     measures: TomlTable | None = key(Inner((), later=True), "Measures, each with its name", None)
 
     @classmethod
@@ -388,6 +406,11 @@ class Case:
     def in_inches(self) -> bool:
         """Whether the file has lengths in inches or feet."""
         return any(map(IN_INCHES.fullmatch, texts_within(self.whole.table.values)))
+
+    @property
+    def walls(self) -> tuple[OfWall | None, OfWall | None]:
+        """The walls on the left and on the right of the buildings, for `pound_case`."""
+        return self.whole.wall_left, self.whole.wall_right
 
     @property
     def files(self) -> list[Path]:
