@@ -81,9 +81,9 @@ def peak_factor(share: float) -> float:
     rate = np.array(m2 / m0)
 
     def within(level: float) -> float:
-        one = np.ones(1)
-        to_both = 0.5 * bandwidth**1.2 * one  # a clump has crossings to both sides
-        _, first = hazards(level * one, one, 0 * one, rate * one, to_both)
+        unit = np.ones(1)
+        to_both = 0.5 * bandwidth**1.2 * unit  # a clump has crossings to both sides
+        _, first = hazards(level * unit, unit, 0 * unit, rate * unit, to_both)
         return float((1 - np.exp(-0.5 * level**2)) * np.exp(-2 * STRONG * first[0]))
 
     return scipy.optimize.brentq(lambda level: within(level) - share, 1.0, 6.0, xtol=1e-12)
@@ -100,7 +100,7 @@ def rows() -> list[Row]:
     later = force.sel(time=slice(0.1, None))
     impulse = float(early.integrate("time"))
     step = "their time step"
-    made = [
+    numbers = [
         Row(case, "largest force [N]", 9950.0, float(hit.largest_force), "rounded"),
         Row(case, "contact [s]", 0.03126, float(hit.impact_duration), "rounded"),
         Row(case, "impulse [N s]", 198.05, impulse, step),
@@ -111,15 +111,15 @@ def rows() -> list[Row]:
     for time, published in zip(TIMES, IN_SPACE, strict=True):
         computed = 1e4 * float(x.sel(time=time, method="nearest"))
         cause = "their step of 0.25 ms"
-        made.append(Row("SDND102 a", f"at {time:g} s [0.1 mm]", published, computed, cause))
+        numbers.append(Row("SDND102 a", f"at {time:g} s [0.1 mm]", published, computed, cause))
     closed = "their closed form"
     spread = float(np.sqrt(moments()[0]))
-    made += [
+    numbers += [
         Row("SDLL104 a", "standard deviation", 5.5220842862, spread, "none"),
         Row("SDLL104 a", "median peak factor", 3.3761135643155, peak_factor(0.5), closed),
         Row("SDLL104 a", "95 % peak factor", 4.08151330093, peak_factor(0.95), closed),
     ]
-    return made
+    return numbers
 
 
 def markdown() -> str:

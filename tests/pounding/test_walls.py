@@ -51,13 +51,13 @@ def test_a_wall_far_away_changes_nothing():
 def test_a_wall_is_the_limit_of_ever_heavier_and_stiffer_buildings():
     motion, contact = shaking(), ELEMENTS[0]
     wall = sl.pound([SOFT, sl.Wall()], 0.01, contact, motion, steps_per_contact=64)
-    off = []
+    differences = []
     for mass in (1e8, 1e10):
         heavy = sl.Bilinear(0.002, 0.05, mass=mass)
         beside = sl.pound([SOFT, heavy], 0.01, contact, motion, steps_per_contact=64)
-        off.append(float(abs(beside.hardest_force[0] / wall.hardest_force[0] - 1)))
-    assert off[1] < off[0] < 0.03
-    assert off[1] < 2e-3
+        differences.append(float(abs(beside.hardest_force[0] / wall.hardest_force[0] - 1)))
+    assert differences[1] < differences[0] < 0.03
+    assert differences[1] < 2e-3
 
 
 @pytest.mark.parametrize("contact", ELEMENTS, ids=lambda c: type(c).__name__)
@@ -70,13 +70,13 @@ def test_energy_balances_for_three_buildings_between_two_walls(contact):
     assert table.left.values.tolist() == [0, 1, 2, 3]
     assert table.right.values.tolist() == [1, 2, 3, 0]
     last = table.isel(time=-1)
-    kept = ["kinetic_energy", "elastic_energy", "viscous_energy", "hysteretic_energy"]
-    held = sum(float(last[name].sum()) for name in kept)
-    held += float(last.contact_lost_energy + last.contact_stored_energy)
+    of_buildings = ["kinetic_energy", "elastic_energy", "viscous_energy", "hysteretic_energy"]
+    total = sum(float(last[name].sum()) for name in of_buildings)
+    total += float(last.contact_lost_energy + last.contact_stored_energy)
     put_in = float(last.input_energy.sum() + last.wall_energy)
-    assert held == pytest.approx(put_in, rel=1e-8)
-    given = table.energy_transferred.sum("side") + table.energy_lost
-    assert float(abs(given[:-1]).max()) < 1e-9 * put_in  # the last may go on
+    assert total == pytest.approx(put_in, rel=1e-8)
+    balance = table.energy_transferred.sum("side") + table.energy_lost
+    assert float(abs(balance[:-1]).max()) < 1e-9 * put_in  # the last may go on
 
 
 def test_a_plane_wall_meets_each_slab_and_an_edge_at_mid_storey_a_column():

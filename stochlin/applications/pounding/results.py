@@ -235,12 +235,12 @@ def _step_error(standing: Standing, response: RowResponse, finer: RowResponse) -
     whole = np.maximum.reduceat(finer.peaks, standing.first[:-1])
     largest = np.repeat(whole, np.diff(standing.first))
     moved = np.abs(response.peaks - finer.peaks) / np.where(largest > 0, largest, 1.0)
-    pairs = zip(_own_peaks(standing, response), _own_peaks(standing, finer), strict=True)
+    pairs = zip(_compared_peaks(standing, response), _compared_peaks(standing, finer), strict=True)
     changes = [_largest_change(coarse, fine) for coarse, fine in pairs]
     return float(max(moved.max(), *changes))
 
 
-def _own_peaks(standing: Standing, response: RowResponse) -> list[Array]:
+def _compared_peaks(standing: Standing, response: RowResponse) -> list[Array]:
     """Peaks of drifts, storey shears and accelerations, and largest forces of contacts."""
     floors = response.floors
     peaks = response.end.peaks
