@@ -107,7 +107,7 @@ def test_a_touch_that_others_press_for_has_its_approach_velocity():
 @needs_records
 @pytest.mark.extreme
 def test_peaks_of_five_storeys_on_el_centro_are_within_a_thousandth():
-    # Chopra (2012), Dynamics of Structures, example 13.2.6: 100 kips/g, 31.54 kips/in, 12 ft, 5 %.
+    # Five storeys of 100 kips/g, 31.54 kips/in and 12 ft, 5 %, as in books on dynamics of structures.
     kip, inch = 4448.2216, 0.0254
     chain = sl.ShearBuilding(
         [100 * kip / 9.80665] * 5, [31.54 * kip / inch] * 5, [12 * 12 * inch] * 5, 0.05
