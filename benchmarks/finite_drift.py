@@ -185,9 +185,9 @@ def ablation(pairs):
     """Errors of the gaps for 90 % (case,) without each of the parts."""
     found = {}
     for part, changes in LEFT_OUT.items():
-        with ExitStack() as stack:
+        with ExitStack() as stick:
             for module, name, other in changes:
-                stack.enter_context(patch.object(module, name, other))
+                stick.enter_context(patch.object(module, name, other))
             found[part] = errors(pairs, CONFIDENCES[MIDDLE : MIDDLE + 1]).error[:, 0]
     return found
 

@@ -41,7 +41,7 @@ class Start(Model):
     --------
     >>> import stochlin as sl
     >>> sl.Start(velocity=[0.0, 1.0]).describe()
-    'Start (velocity 0 to 1 m/s)'
+    'Start (velocity 0 to 1 m/s over case)'
     """
 
     displacement: Parameter = parameter("m", "displacement at the start", ANY, 0.0)

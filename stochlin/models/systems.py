@@ -30,8 +30,8 @@ from stochlin.models.structures import CURE, AnyStructure, Structure
 LEVEL = 0.05  # [m], floors whose heights differ by less are at the same level
 
 
-class Stack(NamedTuple):
-    """One structure as a stack of floors, with its elements: the storeys below them, or its modes.
+class StickModel(NamedTuple):
+    """One structure as a stick: its floors, with its elements, the storeys below them or its modes.
 
     Of an oscillator with arrays of cells (c,) as parameters, the system has the leading axis of the
     cells.
@@ -84,7 +84,7 @@ class Stack(NamedTuple):
         return np.stack([np.zeros(shape), *(np.broadcast_to(a, shape) for a in rows)], axis=-1)[..., 1:]
 
 
-class Tie(NamedTuple):
+class PlacedLink(NamedTuple):
     """A link and the numbers of the floors that it ties, counted from 0 through all structures."""
 
     floor: int
@@ -98,50 +98,50 @@ class Tie(NamedTuple):
         return f"link {self.number}"
 
 
-class Arrangement(NamedTuple):
+class Assembly(NamedTuple):
     """Structures on one ground, and the links between them."""
 
-    stacks: tuple[Stack, ...]
-    ties: tuple[Tie, ...]
+    sticks: tuple[StickModel, ...]
+    placed_links: tuple[PlacedLink, ...]
 
     @property
     def has_storeys(self) -> bool:
         """Whether there is a building with storeys."""
-        return not all(stack.is_oscillator for stack in self.stacks)
+        return not all(stick.is_oscillator for stick in self.sticks)
 
     @property
     def first(self) -> Array:
         """Number of the first floor of each structure, followed by the count of all floors (s + 1,)."""
-        return np.concatenate([[0], np.cumsum([stack.levels.size for stack in self.stacks])])
+        return np.concatenate([[0], np.cumsum([stick.levels.size for stick in self.sticks])])
 
     @property
     def first_coordinate(self) -> Array:
         """Number of the first coordinate of each structure, followed by the count of all (s + 1,)."""
-        return np.concatenate([[0], np.cumsum([stack.coordinates for stack in self.stacks])])
+        return np.concatenate([[0], np.cumsum([stick.coordinates for stick in self.sticks])])
 
     @property
     def floors(self) -> list[str]:
         """Names of the floors and the storeys below them; 2.3 is the third floor of structure 2."""
-        return [name for s, stack in enumerate(self.stacks, start=1) for name in stack.floors(s)]
+        return [name for s, stick in enumerate(self.sticks, start=1) for name in stick.floors(s)]
 
     @property
     def coordinates(self) -> list[str]:
         """Names of the coordinates and of their elements: floors and storeys, or modes."""
         return [
             name
-            for s, stack in enumerate(self.stacks, start=1)
-            for name in (numbered(f"mode {s}", stack.coordinates) if stack.by_modes else stack.floors(s))
+            for s, stick in enumerate(self.sticks, start=1)
+            for name in (numbered(f"mode {s}", stick.coordinates) if stick.by_modes else stick.floors(s))
         ]
 
     @property
     def shear_shares(self) -> Array:
         """Shares of the forces of the elements in the storey shears (f, n) [-]; NaN if not known."""
-        return scipy.linalg.block_diag(*(stack.shear_shares for stack in self.stacks))
+        return scipy.linalg.block_diag(*(stick.shear_shares for stick in self.sticks))
 
     @property
     def yielding_modes(self) -> Array:
         """Numbers of the coordinates that are modes which can yield."""
-        own = [stack.yields & stack.by_modes for stack in self.stacks]
+        own = [stick.yields & stick.by_modes for stick in self.sticks]
         return np.flatnonzero(np.concatenate(own))
 
     @property
@@ -154,20 +154,20 @@ class Arrangement(NamedTuple):
     def of_watched(self) -> Array:
         """Number of the element of each of the `watched`; -1 for storeys of a building by its modes."""
         storeys = [
-            np.full(stack.levels.size, -1) if stack.by_modes else begin + np.arange(stack.coordinates)
-            for begin, stack in zip(self.first_coordinate[:-1], self.stacks, strict=True)
+            np.full(stick.levels.size, -1) if stick.by_modes else begin + np.arange(stick.coordinates)
+            for begin, stick in zip(self.first_coordinate[:-1], self.sticks, strict=True)
         ]
         return np.concatenate([*storeys, self.yielding_modes])
 
     @property
     def springs(self) -> list[str]:
         """Names of the springs: the elements, and after them the links."""
-        return [*self.coordinates, *(tie.name for tie in self.ties)]
+        return [*self.coordinates, *(placed.name for placed in self.placed_links)]
 
     @property
     def yielding_links(self) -> Array:
         """Numbers of the links that yield among the springs."""
-        yields = [tie.link.yields for tie in self.ties]
+        yields = [placed.link.yields for placed in self.placed_links]
         return int(self.first_coordinate[-1]) + np.flatnonzero(yields)
 
     @property
@@ -179,27 +179,27 @@ class Arrangement(NamedTuple):
     @property
     def drifts(self) -> Array:
         """Matrix (w, w) from the `displacements` to drifts of storeys; modes stay as they are."""
-        counts = [stack.levels.size for stack in self.stacks]
+        counts = [stick.levels.size for stick in self.sticks]
         storeys = (np.eye(count) - np.eye(count, k=-1) for count in counts)
         return scipy.linalg.block_diag(*storeys, np.eye(self.yielding_modes.size))
 
     @property
     def owners(self) -> Array:
         """Number of the structure of each of the `watched`, from 0 (w,)."""
-        numbers = np.arange(len(self.stacks))
+        numbers = np.arange(len(self.sticks))
         of_modes = np.repeat(numbers, np.diff(self.first_coordinate))[self.yielding_modes]
         return np.concatenate([np.repeat(numbers, np.diff(self.first)), of_modes])
 
     @property
     def limits(self) -> Array:
-        """Drift of each of the `watched` at which its structure falls (w,) [m]; see `Stack.limits`."""
-        limits = np.concatenate([stack.limits for stack in self.stacks])
+        """Drift of each of the `watched` at which its structure falls (w,) [m]: `StickModel.limits`."""
+        limits = np.concatenate([stick.limits for stick in self.sticks])
         return self.of_elements(limits, np.inf, np.inf)
 
     def fallen(self, drifts: Array, limits: Array) -> Array:
         """Whether each structure has fallen (..., s), by drifts of the `watched` (..., w) [m]."""
         beyond = np.isfinite(limits) & ~(np.abs(drifts) <= limits)
-        own = (self.owners == n for n in range(len(self.stacks)))
+        own = (self.owners == n for n in range(len(self.sticks)))
         return np.stack([beyond[..., watched].any(axis=-1) for watched in own], axis=-1)
 
     @property
@@ -215,14 +215,14 @@ class Arrangement(NamedTuple):
 
         Storeys of a building by its modes have the value ``elastic``, or ``unknown`` if modes yield.
         """
-        weak = np.array([bool(stack.yields.any()) for stack in self.stacks])
+        weak = np.array([bool(stick.yields.any()) for stick in self.sticks])
         blank = np.where(weak[self.owners], unknown, elastic)
         return np.where(self.of_watched >= 0, values[..., self.of_watched], blank)
 
     @property
     def storeys(self) -> System:
         """All structures side by side, without the links."""
-        return System.beside([stack.system for stack in self.stacks])
+        return System.beside([stick.system for stick in self.sticks])
 
     @property
     def extensions(self) -> Array:
@@ -232,7 +232,9 @@ class Arrangement(NamedTuple):
         """
         _, _, storeys, shapes, *_ = self.storeys
         ground = np.zeros_like(shapes[0])
-        links = [shapes[t.floor] - (shapes[t.other] if t.other >= 0 else ground) for t in self.ties]
+        links = [
+            shapes[t.floor] - (shapes[t.other] if t.other >= 0 else ground) for t in self.placed_links
+        ]
         return np.concatenate([storeys, np.reshape(links, (-1, ground.size))])
 
 
@@ -247,15 +249,17 @@ def falls_at(post: Array, couple: Array, strength: Array) -> Array:
         return np.where((post < 0) & (couple > 0), couple * strength / -post, np.inf)
 
 
-def stack_of(structure: AnyStructure) -> Stack:
-    """A structure as a stack of floors; the parameters of an oscillator are numbers or arrays (c,).
+def stick_model_of(structure: AnyStructure) -> StickModel:
+    """A structure as a stick model; the parameters of an oscillator are numbers or arrays (c,).
 
     Its strength is given in metres. An oscillator without a mass is taken to have 1 kg.
     """
     if isinstance(structure, MultistoreyBuilding):
         by_modes = isinstance(structure, ModalBuilding)
         shares = structure.shear_shares()
-        return Stack(structure.system(), structure.levels(), structure.element_law, shares, by_modes)
+        return StickModel(
+            structure.system(), structure.levels(), structure.element_law, shares, by_modes
+        )
     assert isinstance(structure, Structure)
     values = {name: np.asarray(value) for name, value in structure.cells().items()}
     mass = values.get("mass", np.float64(1.0))
@@ -270,26 +274,26 @@ def stack_of(structure: AnyStructure) -> Stack:
     own, post, couple, limit, damping = wide
     unit = np.ones((1, 1))
     storey = System(own, damping[..., None], unit, unit, post, couple, limit)
-    return Stack(storey, np.full(1, np.nan), structure, np.ones((1, 1)))
+    return StickModel(storey, np.full(1, np.nan), structure, np.ones((1, 1)))
 
 
-def stacks_of(oscillators: Structure, dimension: str, count: int) -> list[Stack]:
-    """Stacks of ``count`` oscillators with parameters along ``dimension``."""
-    whole = stack_of(oscillators)
+def stick_models_of(oscillators: Structure, dimension: str, count: int) -> list[StickModel]:
+    """Stick models of ``count`` oscillators with parameters along ``dimension``."""
+    whole = stick_model_of(oscillators)
     own = bool(oscillators.own_parameters())
     wide = whole.system.over_cells(count)
     laws = (oscillators.isel({dimension: n}) if own else oscillators for n in range(count))
     return [whole._replace(system=wide.at(n), law=law) for n, law in enumerate(laws)]
 
 
-def check_stationary(system: Arrangement) -> None:
+def check_stationary(system: Assembly) -> None:
     """Raise a ValueError if a storey has no positive stiffness after yielding."""
-    for number, stack in enumerate(system.stacks, start=1):
-        weak = np.atleast_2d((stack.system.post <= 0) & (stack.system.couple > 0)).any(axis=0)
+    for number, stick in enumerate(system.sticks, start=1):
+        weak = np.atleast_2d((stick.system.post <= 0) & (stick.system.couple > 0)).any(axis=0)
         if not weak.any():
             continue
         storey = int(np.argmax(weak))
-        left = stack.system.post[..., storey].min()
+        left = stick.system.post[..., storey].min()
         what = f"structures, number {number}: storey {storey + 1} has no stiffness after yielding"
         cure = f"{CURE}; or give more hardening, or p_delta=False"
         raise ValueError(f"{what} ({left:.3g} N/m), whose drift has no stationary value; {cure}")
@@ -314,7 +318,7 @@ def weaker(structure: AnyStructure, factor: float) -> AnyStructure:
     return replace(structure, **{name: getattr(structure, name) / factor})
 
 
-def arrangement_of(structures: Sequence[AnyStructure], links: Sequence[Link | None] = ()) -> Arrangement:
+def assembly_of(structures: Sequence[AnyStructure], links: Sequence[Link | None] = ()) -> Assembly:
     """Structures, whose strengths are given in metres, and their links as one system.
 
     Raises
@@ -322,32 +326,32 @@ def arrangement_of(structures: Sequence[AnyStructure], links: Sequence[Link | No
     ValueError
         If a link names a structure or a floor that does not exist, or ties a structure without a mass.
     """
-    stacks = tuple(stack_of(structure) for structure in structures)
-    first = Arrangement(stacks, ()).first
-    ties = []
+    sticks = tuple(stick_model_of(structure) for structure in structures)
+    first = Assembly(sticks, ()).first
+    placed_links = []
     for number, link in enumerate(links, start=1):
         if link is None:
             continue
         left, right = link.structures or (number, number + 1)
-        if max(left, right) > len(stacks):
-            what = f"link {number}: ties the structures {left} and {right} of {len(stacks)}"
-            raise ValueError(f"{what}; allowed: structures = two of 1 to {len(stacks)}")
+        if max(left, right) > len(sticks):
+            what = f"link {number}: ties the structures {left} and {right} of {len(sticks)}"
+            raise ValueError(f"{what}; allowed: structures = two of 1 to {len(sticks)}")
         for each in (left, right):
             check_mass(structures[each - 1], f"structure {each}")
-        floors = link.floors or common_floors(stacks[left - 1], stacks[right - 1], number)
+        floors = link.floors or common_floors(sticks[left - 1], sticks[right - 1], number)
         for each, floor in zip((left, right), floors, strict=True):
-            highest = stacks[each - 1].levels.size
+            highest = sticks[each - 1].levels.size
             if floor > highest:
                 lowest = GROUND if link.within_one else 1
                 what = f"link {number}: floors = {link.floors}, structure {each} has {highest}"
                 raise ValueError(f"{what}; allowed: {lowest} to {highest}")
         on = int(first[left - 1]) + floors[0] - 1
         other = -1 if floors[1] == GROUND else int(first[right - 1]) + floors[1] - 1
-        ties.append(Tie(on, other, link, number))
-    return Arrangement(stacks, tuple(ties))
+        placed_links.append(PlacedLink(on, other, link, number))
+    return Assembly(sticks, tuple(placed_links))
 
 
-def common_floors(first: Stack, second: Stack, number: int) -> tuple[int, int]:
+def common_floors(first: StickModel, second: StickModel, number: int) -> tuple[int, int]:
     """Numbers, from 1, of the highest floors of two structures at the same level.
 
     An oscillator is taken to be at the level of the other structure's roof. ``number`` is that of the

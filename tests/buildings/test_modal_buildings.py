@@ -9,7 +9,7 @@ import xarray as xr
 
 import stochlin as sl
 from stochlin.messages import DoubtfulInput
-from stochlin.models.systems import stack_of
+from stochlin.models.systems import stick_model_of
 
 pytestmark = pytest.mark.invariant
 
@@ -153,7 +153,7 @@ def test_modes_yield_side_by_side(law: dict[str, Any]) -> None:
     oscillators += [sl.Bilinear(period, 0.05) for period in values["periods"][2:]]
     motion = RECORDS[0]
     table = sl.respond(building, motion)
-    moves = stack_of(building).system.shapes
+    moves = stick_model_of(building).system.shapes
     alone = np.stack([sl.respond(o, motion).displacement.values for o in oscillators], axis=1)
     size = np.abs(table.displacement.values).max()
     # Records are taken in steps that are halved until peaks move by less than 1e-4.

@@ -13,12 +13,12 @@ import stochlin as sl
 from stochlin.models.buildings.base import GRAVITY
 from stochlin.models.links import Link
 from stochlin.models.systems import (
-    arrangement_of,
+    assembly_of,
     check_links,
     check_stationary,
     common_floors,
     slabs_on_columns,
-    stack_of,
+    stick_model_of,
 )
 
 pytestmark = pytest.mark.invariant
@@ -123,10 +123,10 @@ def test_the_weight_may_eat_the_hardening_but_not_the_stiffness() -> None:
     weak = sl.ShearBuilding(**TWO, **STRENGTH | {"hardening": 0.9 * lost / 1e8}, p_delta=True)
     stiff = sl.ShearBuilding(**TWO, **STRENGTH | {"hardening": 1.1 * lost / 1e8}, p_delta=True)
     with pytest.raises(ValueError, match="number 2: storey 1 has no stiffness after yielding"):
-        check_stationary(arrangement_of([stiff, weak]))
-    assert stack_of(weak).system.post[0] == pytest.approx(-0.1 * lost, rel=1e-9)
+        check_stationary(assembly_of([stiff, weak]))
+    assert stick_model_of(weak).system.post[0] == pytest.approx(-0.1 * lost, rel=1e-9)
     elastic = sl.ShearBuilding(**TWO, p_delta=True)
-    check_stationary(arrangement_of([elastic]))
+    check_stationary(assembly_of([elastic]))
 
 
 # --- Regular buildings --------------------------------------------------------------------------------
@@ -202,7 +202,7 @@ def test_one_storey_is_the_oscillator(
     assert found.mass == pytest.approx(mass, rel=1e-14)
     assert found.yield_displacement == pytest.approx(drift, rel=1e-14)
     np.testing.assert_allclose(building.participation(), [1.0], rtol=1e-14)
-    one, other = stack_of(building), stack_of(found)
+    one, other = stick_model_of(building), stick_model_of(found)
     np.testing.assert_allclose(one.law_parameters, other.law_parameters, rtol=1e-13)
     for here, there in zip(one.system, other.system, strict=True):
         np.testing.assert_allclose(here, there, rtol=1e-13)
@@ -215,7 +215,7 @@ OSCILLATOR = sl.Bilinear(1.0, 0.05, 0.1, yield_displacement=0.02, mass=2e5)
 
 @given(st.lists(st.one_of(buildings(), st.just(OSCILLATOR)), min_size=1, max_size=4))
 def test_a_system_of_mixed_structures_has_their_modes(structures: list[Any]) -> None:
-    system = arrangement_of(structures)
+    system = assembly_of(structures)
     n = int(system.first[-1])
     t = np.eye(n)
     for begin, end in pairwise(system.first):
@@ -238,23 +238,23 @@ def test_a_system_of_mixed_structures_has_their_modes(structures: list[Any]) -> 
 
 def test_links_tie_floors_counted_through_all_structures() -> None:
     low, high = uniform(2, 1e5, 1e8), uniform(4, 1e5, 1e8)
-    system = arrangement_of([high, OSCILLATOR, low], [None, Link(1e6), Link(2e6, structures=(1, 3))])
-    assert [(tie.floor, tie.other, tie.link.stiffness) for tie in system.ties] == [
+    system = assembly_of([high, OSCILLATOR, low], [None, Link(1e6), Link(2e6, structures=(1, 3))])
+    assert [(placed.floor, placed.other, placed.link.stiffness) for placed in system.placed_links] == [
         (4, 6, 1e6),
         (1, 6, 2e6),
     ]
     given = Link(1e6, floors=(4, 1), structures=(1, 3))
-    (tie,) = arrangement_of([high, OSCILLATOR, low], [given]).ties
-    assert (tie.floor, tie.other) == (3, 5)
-    assert arrangement_of([high, low], [None]).ties == ()
+    (placed,) = assembly_of([high, OSCILLATOR, low], [given]).placed_links
+    assert (placed.floor, placed.other) == (3, 5)
+    assert assembly_of([high, low], [None]).placed_links == ()
     assert system.first.tolist() == [0, 4, 5, 7]
 
 
 def test_a_link_without_floors_is_at_the_highest_common_level() -> None:
     one = sl.ShearBuilding([1e5] * 3, [1e8] * 3, [4.0, 3.0, 3.0], 0.05)
     two = sl.ShearBuilding([1e5] * 4, [1e8] * 4, [3.5, 3.54, 3.5, 3.5], 0.05)
-    assert common_floors(stack_of(one), stack_of(two), 1) == (2, 2)
-    assert common_floors(stack_of(one), stack_of(OSCILLATOR), 1) == (3, 1)
+    assert common_floors(stick_model_of(one), stick_model_of(two), 1) == (2, 2)
+    assert common_floors(stick_model_of(one), stick_model_of(OSCILLATOR), 1) == (3, 1)
     assert slabs_on_columns(one.levels(), two.levels()) == [(1, 1), (0, 1), (0, 3)]
 
 
@@ -302,19 +302,17 @@ REFUSED = {
     r"floors = None inside structure \(2, 2\); allowed: \(upper": link(**ONE),
     r"floors = \(1, 1\) inside .*: \(upper, lower\)": link(**ONE, floors=(1, 1)),
     r"floors = \(1, -1\); allowed: two whole numbers from 0": link(**ONE, floors=(1, -1)),
-    r"link 1: floors = \(2, 1\), structure 1 has 1; allowed: 1 to": lambda: arrangement_of(
+    r"link 1: floors = \(2, 1\), structure 1 has 1; allowed: 1 to": lambda: assembly_of(
         [OSCILLATOR, LOW], [Link(1, floors=(2, 1))]
     ),
-    "structure 1: mass is not given; links and contacts need it, 0 < value": lambda: arrangement_of(
+    "structure 1: mass is not given; links and contacts need it, 0 < value": lambda: assembly_of(
         [MASSLESS, LOW], [Link(1)]
     ),
-    "link 1: no two floors are at one level; give floors=": lambda: arrangement_of(
-        [LOW, HIGH], [Link(1)]
-    ),
-    "ties the structures 1 and 3 of 2; allowed: structures = t": lambda: arrangement_of(
+    "link 1: no two floors are at one level; give floors=": lambda: assembly_of([LOW, HIGH], [Link(1)]),
+    "ties the structures 1 and 3 of 2; allowed: structures = t": lambda: assembly_of(
         [OSCILLATOR, LOW], [Link(1, structures=(1, 3))]
     ),
-    r"link 1: floors = \(3, 0\), structure 2 has 2; allowed: 0 to 2": lambda: arrangement_of(
+    r"link 1: floors = \(3, 0\), structure 2 has 2; allowed: 0 to 2": lambda: assembly_of(
         [OSCILLATOR, LOW], [Link(1, **UPSIDE)]
     ),
     "number 1 = 3 is of the wrong kind; allowed: Link": lambda: check_links("links", [3, None], 3),

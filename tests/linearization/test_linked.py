@@ -6,7 +6,7 @@ from scipy.integrate import solve_ivp
 
 import stochlin as sl
 from stochlin.kernels.simulation.stepping import LANES
-from stochlin.models.systems import arrangement_of
+from stochlin.models.systems import assembly_of
 from stochlin.solver.simulation.connected_structures import connected_groups
 
 pytestmark = [pytest.mark.oracle, pytest.mark.extreme]
@@ -70,7 +70,7 @@ def test_motion_of_the_pair_is_that_of_an_ode_solver(hardening):
         sl.Bilinear(period, 0.05, hardening, yield_displacement=uy, mass=mass)
         for period, uy, mass in ((0.6, 0.25, 1.0), (1.0, 0.4, 2.0))
     ]
-    system = arrangement_of(pair, [sl.Link(20.0, 1.0)])
+    system = assembly_of(pair, [sl.Link(20.0, 1.0)])
     mass, damping, _, _, post, couple, strength = system.storeys
 
     def force(t):

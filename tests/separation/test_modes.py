@@ -15,7 +15,7 @@ from stochlin.applications.separation.storeys import (
     weights_at,
 )
 from stochlin.messages import DoubtfulInput
-from stochlin.models.systems import arrangement_of
+from stochlin.models.systems import assembly_of
 
 pytestmark = pytest.mark.oracle
 
@@ -34,7 +34,7 @@ def by_codes(first, second, **options):
 
 def of_peaks(factor, first, second, ground):
     """Gap at each height if the peak of each mode is a factor times its standard deviation."""
-    system = arrangement_of([first, second])
+    system = assembly_of([first, second])
     modes, heights = modes_of(system), facing_heights(system)
     std = sl.linearize(oscillators_of(modes), ground).displacement_std.values
     peaks, rho = combine_modes(modes, factor * std, ground, weights_at(system, heights))
@@ -124,7 +124,7 @@ def test_dampers_add_to_the_damping_of_modes():
     """Dampers in proportion to the stiffness of the storeys add half of it times the frequency."""
     k = TALL.arrays()["stiffnesses"].values
     damped = sl.ShearBuilding([2e5, 2e5, 2e5, 1.5e5], k, [3.5] * 4, 0.05, dampers=0.002 * k)
-    modes = modes_of(arrangement_of([damped]))
+    modes = modes_of(assembly_of([damped]))
     np.testing.assert_allclose(modes.damping, 0.05 + 0.002 * np.pi / modes.period, rtol=1e-12)
     strong = sl.ShearBuilding([2e5, 2e5, 2e5, 1.5e5], k, [3.5] * 4, 0.05, dampers=0.1 * k)
     with pytest.raises(

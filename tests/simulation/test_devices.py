@@ -9,7 +9,7 @@ import stochlin as sl
 from stochlin.kernels.simulation.state import ElementStates, Iteration
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.kernels.simulation.time_step import _dashpot
-from stochlin.models.systems import arrangement_of
+from stochlin.models.systems import assembly_of
 from stochlin.solver.simulation.connected_structures import connected_groups
 
 pytestmark = pytest.mark.oracle
@@ -46,7 +46,7 @@ def stepped(part, seconds, steps):
 @pytest.mark.parametrize("exponent", [0.02, 0.2, 0.5, 1.0, 2.0])
 def test_what_the_ground_puts_in_is_stored_or_dissipated(exponent):
     """By the trapezoidal rule to the rounding of the passes, whatever the step."""
-    system = arrangement_of([TOWER], in_every_storey(2e6, exponent))
+    system = assembly_of([TOWER], in_every_storey(2e6, exponent))
     (frame,) = connected_groups(system)
     n, seconds, steps = 4, 2.0, 200
     dt = seconds / steps

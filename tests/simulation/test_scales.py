@@ -36,7 +36,7 @@ def test_masses_and_lengths_have_no_scale(link):
     strengths = {}
     if link.yields:
         strengths = {"yield_displacement": longer * link.yield_displacement}
-    tie = replace(
+    placed = replace(
         link,
         stiffness=heavier * link.stiffness,
         damping_constant=heavier * longer ** (1 - exponent) * link.damping_constant,
@@ -44,7 +44,7 @@ def test_masses_and_lengths_have_no_scale(link):
     )
     usual = sl.simulate([FRAME, LOW], BROAD, link=link, **MOTION)
     louder = replace(BROAD, intensity=longer**2 * BROAD.intensity)
-    other = sl.simulate([frame, low], louder, link=tie, **MOTION)
+    other = sl.simulate([frame, low], louder, link=placed, **MOTION)
     for name in ("peak", "peak_drift", "separation", "peak_link_stroke"):
         np.testing.assert_allclose(other[name], longer * usual[name], rtol=1e-6, err_msg=name)
     force, energy = other.peak_link_force, other.link_energy

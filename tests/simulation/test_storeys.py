@@ -5,7 +5,7 @@ import pytest
 import sympy
 
 import stochlin as sl
-from stochlin.models.systems import shares_at, stack_of
+from stochlin.models.systems import shares_at, stick_model_of
 from stochlin.solver.simulation.structures_in_motion import meeting_heights
 
 pytestmark = pytest.mark.oracle
@@ -84,18 +84,18 @@ def test_a_storey_that_its_weight_leaves_no_hardening_has_no_stationary_answer()
 
 
 def test_between_floors_nothing_is_larger_than_at_the_levels_of_both():
-    low = stack_of(two())
-    high = stack_of(sl.ShearBuilding([1e5] * 5, [1e8] * 5, [2.2] * 5, 0.05))
+    low = stick_model_of(two())
+    high = stick_model_of(sl.ShearBuilding([1e5] * 5, [1e8] * 5, [2.2] * 5, 0.05))
     heights = meeting_heights(low, high)
     np.testing.assert_allclose(heights, [2.2, 3.0, 4.4, 6.0])
     rng = np.random.default_rng(8)
     for _ in range(50):
-        motions = [rng.standard_normal(stack.system.mass.size) for stack in (low, high)]
+        motions = [rng.standard_normal(stick.system.mass.size) for stick in (low, high)]
 
         def apart(height, motions=motions):
             one, other = (
-                shares_at(stack.levels, height) @ motion
-                for stack, motion in zip((low, high), motions, strict=True)
+                shares_at(stick.levels, height) @ motion
+                for stick, motion in zip((low, high), motions, strict=True)
             )
             return one - other
 

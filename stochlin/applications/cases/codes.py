@@ -17,7 +17,7 @@ from stochlin.applications.sites.design_spectra import reduced_eurocode_8
 from stochlin.applications.sites.spectra import interpolated
 from stochlin.kernels.basics.arrays import Array
 from stochlin.models.rules.codes import BEHAVIOUR, IMPORTANCE, CodeRule, Site
-from stochlin.models.systems import arrangement_of
+from stochlin.models.systems import assembly_of
 from stochlin.solver.simulation.structures_in_motion import at_height
 from stochlin.solver.tables import labels
 
@@ -66,7 +66,7 @@ def _applied(case: Case, rule: CodeRule, table: xr.Dataset) -> Rule:
         if lacking := _beyond(case, building):
             return Rule(name, "code", nothing, missing=f"{building.name} lacks {lacking}")
     structures = [building.structure for building in buildings]
-    system = arrangement_of(structures)
+    system = assembly_of(structures)
     site = Site(0.0, None if case.alone else 0.0, **of_codes(case))
     if any(building.has_storeys for building in buildings):
         site = of_storeys(site, structures)

@@ -17,7 +17,7 @@ from stochlin.applications.pounding.runs import STEPS_PER_CONTACT
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.messages import brief
 from stochlin.models.arguments import Whole, checked
-from stochlin.models.systems import arrangement_of
+from stochlin.models.systems import assembly_of
 from stochlin.models.walls import SPACE
 from stochlin.solver.linearization.strength import strength_in_metres
 from stochlin.solver.simulation.ground_motions import simulated_motions
@@ -177,8 +177,8 @@ def _named(table: xr.Dataset, case: Case, structures: list[Any]) -> xr.Dataset:
         return table
     storeys = [building.floors for building in case.buildings]
     levels = np.full((table.sizes["structure"], table.sizes["floor"]), np.nan)
-    for row, stack in zip(levels, arrangement_of(structures).stacks, strict=True):
-        row[: stack.levels.size] = stack.levels
+    for row, stick in zip(levels, assembly_of(structures).sticks, strict=True):
+        row[: stick.levels.size] = stick.levels
     about = {"units": "m", "long_name": "height of the floor, not known of an oscillator"}
     return table.assign_coords(
         storeys=("structure", storeys, {"long_name": "number of storeys"}),

@@ -37,7 +37,7 @@ from stochlin.models.measures import Measure
 from stochlin.models.parameters import expect
 from stochlin.models.plausible import PLAUSIBLE
 from stochlin.models.structures import AnyStructure
-from stochlin.models.systems import Arrangement, arrangement_of
+from stochlin.models.systems import Assembly, assembly_of
 from stochlin.models.uncertain import applied, median_of
 from stochlin.solver.simulation.prepared import FiniteMotion, PreparedStructures
 from stochlin.solver.simulation.results.peaks import LINK_PEAKS
@@ -227,9 +227,9 @@ class MitigatedPair:
         first, second = map(median_of, self.changed(measure))
         return first, second
 
-    def system(self, measure: Measure) -> Arrangement:
+    def system(self, measure: Measure) -> Assembly:
         """The structures with the links of the measure, which have to fit."""
-        return arrangement_of(self.known(measure), measure.links)
+        return assembly_of(self.known(measure), measure.links)
 
     @cached_property
     def built(self) -> xr.Dataset:
@@ -360,12 +360,14 @@ def _of_dashpots(links: Sequence[Link]) -> float:
     return sum(link.numbers[3] for link in dashpots)
 
 
-def _devices(motions: xr.Dataset, system: Arrangement) -> xr.Dataset:
+def _devices(motions: xr.Dataset, system: Assembly) -> xr.Dataset:
     """Kind and place of each link, and means and 95 % quantiles of its force, stroke and energy."""
     floors = system.floors
-    ends = [(floors[t.floor], floors[t.other] if t.other >= 0 else "ground") for t in system.ties]
+    ends = [
+        (floors[t.floor], floors[t.other] if t.other >= 0 else "ground") for t in system.placed_links
+    ]
     columns: dict[str, Any] = {
-        "link_kind": ["damper" if tie.link.within_one else "link" for tie in system.ties],
+        "link_kind": ["damper" if placed.link.within_one else "link" for placed in system.placed_links],
         "link_place": [f"{low} to {high}" for low, high in ends],
     }
     columns |= {

@@ -46,7 +46,7 @@ def _by_floor(values: Array, standing: Standing, *over: str) -> xr.Variable:
     wide = np.full((*values.shape[:-1], sizes.size, sizes.max()), np.nan)
     for b, size in enumerate(sizes):
         wide[..., b, :size] = values[..., first[b] : first[b + 1]]
-    if not standing.arrangement.has_storeys:
+    if not standing.assembly.has_storeys:
         return xr.Variable((*over, STRUCTURE), wide[..., 0])
     return xr.Variable((*over, STRUCTURE, FLOOR), wide)
 
@@ -55,7 +55,7 @@ def floor_coords(standing: Standing) -> dict[str, Any]:
     """Coordinates of the numbers of the structures and, for shear buildings, of the floors."""
     sizes = np.diff(standing.first)
     coords = {STRUCTURE: (STRUCTURE, np.arange(1, sizes.size + 1), {"long_name": "structure"})}
-    if standing.arrangement.has_storeys:
+    if standing.assembly.has_storeys:
         coords[FLOOR] = (FLOOR, np.arange(1, sizes.max() + 1), {"long_name": "floor"})
     return coords
 
@@ -63,7 +63,7 @@ def floor_coords(standing: Standing) -> dict[str, Any]:
 def _course(standing: Standing, response: RowResponse, ground: SampledMotion) -> Quantities:
     """Displacements, velocities, accelerations, forces and energies in the history of a response."""
     row = standing.row
-    arrangement = standing.arrangement
+    assembly = standing.assembly
     system = row.elements.system
     n = row.parts.mass.size
     history = response.history
@@ -78,11 +78,11 @@ def _course(standing: Standing, response: RowResponse, ground: SampledMotion) ->
     drag = _drags(standing, rate)
     pushed, squeezed = _contact_forces(standing, response, q)
     load = _products(v, system.damping) + _products(force + drag, system.extensions.T)
-    shear = _products(force[:, :n], arrangement.shear_shares)
+    shear = _products(force[:, :n], assembly.shear_shares)
     largest_input = motion.largest_input
     imbalance = np.zeros_like(largest_input)
     np.divide(np.abs(motion.missing_energy), largest_input, out=imbalance, where=largest_input > 0)
-    of_structures = partial(np.add.reduceat, indices=arrangement.first_coordinate[:-1], axis=1)
+    of_structures = partial(np.add.reduceat, indices=assembly.first_coordinate[:-1], axis=1)
     # A floor moves with the ground as far as the modes of a building leave out mass.
     carried = np.multiply.outer(ground.acceleration, 1 - system.shapes.sum(axis=1))
     sped = -(load + _products(pushed, row.contacts.weights.T)) / system.mass
@@ -244,7 +244,7 @@ def _compared_peaks(standing: Standing, response: RowResponse) -> list[Array]:
     """Peaks of drifts, storey shears and accelerations, and largest forces of contacts."""
     floors = response.floors
     peaks = response.end.peaks
-    by_modes = [np.full(stack.coordinates, stack.by_modes) for stack in standing.arrangement.stacks]
+    by_modes = [np.full(stick.coordinates, stick.by_modes) for stick in standing.assembly.sticks]
     extensions = response.end.largest[floors : floors + standing.row.parts.mass.size]
     return [
         np.where(np.concatenate(by_modes), 0.0, extensions),
@@ -265,7 +265,7 @@ def _peaks(standing: Standing, response: RowResponse, alone: RowResponse) -> Qua
     values: Quantities = {}
     first = standing.first
     floors = response.floors
-    has_shear = np.isfinite(standing.arrangement.shear_shares).all(axis=1)
+    has_shear = np.isfinite(standing.assembly.shear_shares).all(axis=1)
     for ending, motion in (("", response), ("_alone", alone)):
         peaks = motion.end.peaks
         shear = np.where(has_shear, peaks.shear[:floors], np.nan)
@@ -320,12 +320,12 @@ def _columns(standing: Standing, hardest: Array) -> Quantities:
     struck = np.array([bool(m.struck) for m in standing.places])
     if not struck.any():
         return {}
-    storeys = standing.arrangement.storeys
+    storeys = standing.assembly.storeys
     floor = [
         standing.first[m.building + (m.struck != "left")] + m.storey if m.struck else 0
         for m in standing.places
     ]
-    strength = standing.arrangement.of_elements(storeys.elastic * storeys.strength, np.inf, np.inf)
+    strength = standing.assembly.of_elements(storeys.elastic * storeys.strength, np.inf, np.inf)
     force, strength = np.where(struck, hardest, np.nan), strength[floor]
     share = np.where(np.isfinite(strength), force / strength, np.nan)
     return {"column_force": (CONTACT, force), "column_force_share": (CONTACT, share)}

@@ -22,8 +22,8 @@ from stochlin.models.parameters import expect
 from stochlin.models.structures import AnyStructure
 from stochlin.models.systems import (
     LEVEL,
-    Arrangement,
-    arrangement_of,
+    Assembly,
+    assembly_of,
     check_links,
     check_mass,
     shares_at,
@@ -98,7 +98,7 @@ class Standing(NamedTuple):
 
     row: BuildingRow
     alone: BuildingRow  # the same without links between buildings; the row itself, if there are none
-    arrangement: Arrangement
+    assembly: Assembly
     places: list[Meeting]
     reduced: Array  # (c,) [kg]: reduced mass of both sides of each contact
     system: System  # of the buildings with their links, without walls
@@ -106,12 +106,12 @@ class Standing(NamedTuple):
     @property
     def first(self) -> Array:
         """Number of the first floor of each building, and of all floors (s + 1,)."""
-        return self.arrangement.first
+        return self.assembly.first
 
     @property
     def shortest(self) -> float:
         """Shortest of the first-mode periods of the structures [s]."""
-        return min(float(modes_of(stack.system)[0].max()) for stack in self.arrangement.stacks)
+        return min(float(modes_of(stick.system)[0].max()) for stick in self.assembly.sticks)
 
 
 def checked_row(structures: Sequence[AnyStructure | Wall]) -> Neighbours:
@@ -194,8 +194,8 @@ def build_row(
     neighbours: Neighbours, gaps: Array, contact: Contact | None, links: Sequence[Link | None]
 ) -> Standing:
     """The row of buildings as kernels take it, with its contacts, and the buildings alone."""
-    system = arrangement_of(neighbours.buildings, links)
-    places = meetings([stack.levels for stack in system.stacks], neighbours.walls)
+    system = assembly_of(neighbours.buildings, links)
+    places = meetings([stick.levels for stick in system.sticks], neighbours.walls)
     columns = [m for m in places if m.struck]
     if contact is not None and not isinstance(contact, Element) and columns:
         column = columns[0]
@@ -223,12 +223,12 @@ def build_row(
         restitution = 1.0 if contact is None else float(contact.e)
     coordinates = mass.size + in_space
     contacts = Contacts.of(laws, coordinates, left, right, space, restitution, in_space)
-    own = tuple(tie for tie in system.ties if tie.link.within_one)
+    own = tuple(placed for placed in system.placed_links if placed.link.within_one)
     row = row_of(system, contacts)
     of_links = row.elements.system
     row = alone = beside_wall(row) if in_space else row
-    if own != system.ties:
-        alone = row_of(system._replace(ties=own), Contacts.of([], mass.size))
+    if own != system.placed_links:
+        alone = row_of(system._replace(placed_links=own), Contacts.of([], mass.size))
     return Standing(row, alone, system, places, reduced, of_links)
 
 
@@ -296,7 +296,7 @@ def _facing(b: int, left: Array, right: Array) -> list[Meeting]:
     return contacts
 
 
-def _sides(places: Sequence[Meeting], system: Arrangement) -> tuple[Array, Array]:
+def _sides(places: Sequence[Meeting], system: Assembly) -> tuple[Array, Array]:
     """Weights (c, n) of the floors in the penetrations, those of the left and of the right side."""
     sides = np.zeros((2, len(places), int(system.first[-1])))
     for j, m in enumerate(places):

@@ -49,7 +49,7 @@ def paces_of(
 
     Raises a ValueError if the motions would take too much time or memory.
     """
-    systems = [stack.system for stack in standing.arrangement.stacks]
+    systems = [stick.system for stick in standing.assembly.sticks]
     shortest = min(map(shortest_mode, [standing.system, *systems]))
     longest = min(standing.shortest / OF_FIRST, shortest / OF_SHORTEST) / steps_per_contact
     masses = standing.reduced.tolist()
@@ -127,7 +127,7 @@ def starts_of(standing: Standing, start: AnyStart | None) -> list[Array | None]:
     if start is None:
         return [None] * len(rows)
     if isinstance(start, Start):
-        values = start_values(standing.arrangement, start)
+        values = start_values(standing.assembly, start)
         _check_contacts(standing, values)
         return [first_block(row, values, start.ground_velocity) for row in rows]
     sizes = [len(row.at_rest(1).block) for row in rows]
@@ -195,7 +195,7 @@ def failure(standing: Standing, response: RowResponse) -> str:
     failed = float(response.end.motions.failed)
     if failed == np.inf:
         return ""
-    system = standing.arrangement
+    system = standing.assembly
     moved = response.end.coordinates.q[: standing.row.parts.mass.size]  # without walls
     drifts = system.drifts @ system.displacements @ moved
     fallen = np.flatnonzero(system.fallen(drifts, system.limits))
@@ -207,7 +207,7 @@ def failure(standing: Standing, response: RowResponse) -> str:
         )
     return (
         f"pound: the response is no longer finite {failed:.4g} s after the beginning; the rates of the "
-        f"law {names_of_laws(system.stacks)} grow without end, or a structure, link or contact is too "
+        f"law {names_of_laws(system.sticks)} grow without end, or a structure, link or contact is too "
         "stiff for the time steps: give a law in which all states stay bounded, make it "
         "softer, or take more steps_per_contact"
     )

@@ -19,7 +19,7 @@ from stochlin.kernels.linearization.transient import TransientMoments
 from stochlin.kernels.probability import accumulated, exceeding, hazards
 from stochlin.models.parameters import Parameter
 from stochlin.models.structures import DRIFT, Gap
-from stochlin.models.systems import Arrangement
+from stochlin.models.systems import Assembly
 from stochlin.models.uncertain import median_of
 from stochlin.solver.correlation.levels import PairsInTime, lone_pair_in_time
 from stochlin.solver.linearization.levels import INSTANTS, EnvelopesInTime, strengths
@@ -69,7 +69,7 @@ class PairMoments(NamedTuple):
 
 
 def moments_of_pair(
-    system: Arrangement,
+    system: Assembly,
     problem: Springs,
     heights: Array,
     course: TimeGrid,
@@ -257,7 +257,7 @@ def by_formula(
     scaled = xr.DataArray(np.outer(intensities, factors**2).ravel(), dims=MOTION)
     ground = replace(ground, intensity=scaled)
     system, problem = problem_of(models_of(pair, ground), in_time=True)
-    heights = meeting_heights(*system.stacks)
+    heights = meeting_heights(*system.sticks)
     shortest = min(float(structure.first_period()) for structure in pair)
     moments = moments_of_pair(system, problem, heights, course, shortest, progress)
     return [

@@ -27,7 +27,7 @@ from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import Parameter
 from stochlin.models.start import Start
 from stochlin.models.structures import AnyStructure
-from stochlin.models.systems import arrangement_of
+from stochlin.models.systems import assembly_of
 from stochlin.solver.simulation.start_values import (
     END_STATE,
     AnyStart,
@@ -296,7 +296,7 @@ def respond(
 
 def _until_fall(table: xr.Dataset, structure: AnyStructure) -> xr.Dataset:
     """A history with NaN after the structure falls, and with the time at which it does, if it does."""
-    system = arrangement_of([structure])
+    system = assembly_of([structure])
     drifts = table.storey_drift if structure.has_storeys else table.displacement
     fallen = system.fallen(drifts.values.reshape(table.time.size, -1), system.limits)[:, 0]
     if not fallen.any():
@@ -323,7 +323,7 @@ def _exact_history(
     [[parameters]] = RecordCells.of(motions, structure).sides
     first = np.zeros(STATE_SIZE)
     if isinstance(start, Start):
-        [u], [v] = start_values(arrangement_of([structure]), start)
+        [u], [v] = start_values(assembly_of([structure]), start)
         first[:3] = u, v, u
         first[INPUT] = 0.5 * (v**2 + (parameters[0] * u) ** 2)
     elif start is not None:

@@ -18,7 +18,7 @@ from stochlin.kernels.simulation.contacts import Contacts
 from stochlin.messages import DoubtfulInput
 from stochlin.models.start import Start
 from stochlin.models.structures import AnyStructure
-from stochlin.models.systems import Arrangement, arrangement_of
+from stochlin.models.systems import Assembly, assembly_of
 from stochlin.solver.simulation.connected_structures import SteppedGroup, connected_groups, row_of
 from stochlin.solver.simulation.finite_motions import runs_away
 from stochlin.solver.simulation.start_values import (
@@ -63,7 +63,7 @@ class SteppedResponse(NamedTuple):
 
 
 def stepped_response(
-    system: Arrangement, connected: Sequence[SteppedGroup], ground: SampledMotion, functions: Array
+    system: Assembly, connected: Sequence[SteppedGroup], ground: SampledMotion, functions: Array
 ) -> SteppedResponse:
     """Functions (m, w) of all that is watched, from rest, in steps that `halved` finds.
 
@@ -83,7 +83,7 @@ def stepped_response(
 
 
 def halved(
-    system: Arrangement, followed: Callable[[int], SteppedResponse], cuts: int, most: int
+    system: Assembly, followed: Callable[[int], SteppedResponse], cuts: int, most: int
 ) -> SteppedResponse:
     """The response of a system with steps halved from ``cuts`` until it converges, or ``most`` times.
 
@@ -98,7 +98,7 @@ def halved(
             return response
         coarse = response
     if not np.isfinite(coarse.error):
-        raise ArithmeticError(f"the response is no longer finite; {runs_away(system.stacks)}")
+        raise ArithmeticError(f"the response is no longer finite; {runs_away(system.sticks)}")
     what = f"the response changes by {coarse.error:.2g} when the time step is halved for the last time"
     warnings.warn(f"{what}, more than {CLOSE:g}: see step_error", DoubtfulInput, stacklevel=4)
     return coarse
@@ -126,7 +126,7 @@ def stepped_history(
     structure: AnyStructure, ground: SampledMotion, refine: int, start: AnyStart | None
 ) -> xr.Dataset:
     """The response history for `respond`, with ``refine`` points in an interval; without times."""
-    system = arrangement_of([structure])
+    system = assembly_of([structure])
     finer = _refined(ground, refine)
     row = row_of(system, Contacts.of([], system.storeys.mass.size), all_states=True)
     size = finer.acceleration.size
@@ -171,7 +171,7 @@ def stepped_history(
         "kinetic": 0.5 * rate**2 @ mass,
         "elastic": 0.5 * (extension**2 @ storeys.post + z**2 @ storeys.couple),
     }
-    lone = system.stacks[0].is_oscillator
+    lone = system.sticks[0].is_oscillator
 
     def over(dimension: str, values: Array) -> tuple[Any, Array]:
         return ("time", values[:, 0]) if lone else (("time", dimension), values)
@@ -197,7 +197,7 @@ def _refined(ground: SampledMotion, refine: int) -> SampledMotion:
     return SampledMotion(np.interp(between, samples, ground.acceleration), ground.dt / refine)
 
 
-def _begun(row: BuildingRow, system: Arrangement, start: AnyStart | None) -> tuple[Array, int]:
+def _begun(row: BuildingRow, system: Assembly, start: AnyStart | None) -> tuple[Array, int]:
     """The block (rows, 1) of a motion at its start, and half its steps in an interval, if known."""
     block = row.at_rest(1).block
     if start is None:
@@ -212,7 +212,7 @@ def stepped_gap(
     structures: Sequence[AnyStructure], motions: RecordedMotions, progress: Progress | None = None
 ) -> xr.Dataset:
     """The result of `recorded_gap` for structures with scalar parameters, without labels."""
-    system = arrangement_of(structures)
+    system = assembly_of(structures)
     floors = np.eye(len(system.floors), len(system.watched))
     if len(structures) == 1:
         highest = floors[-1:]
@@ -252,7 +252,7 @@ def gap_columns(separation: Any, peaks: Sequence[Any], rho: Any | None) -> dict[
     return columns
 
 
-def _in_one(system: Arrangement, motion: SteppedResponse) -> xr.Dataset:
+def _in_one(system: Assembly, motion: SteppedResponse) -> xr.Dataset:
     """Results for one record.
 
     The functions in ``motion`` are the displacement of each structure at the highest level where they
@@ -260,7 +260,7 @@ def _in_one(system: Arrangement, motion: SteppedResponse) -> xr.Dataset:
     """
     n = len(system.watched)
     values = motion.values
-    count = len(system.stacks)
+    count = len(system.sticks)
     peaks, drifts = np.split(np.abs(values[:, : count + n]).max(axis=0), [count])
     at_height = np.maximum(values[:, count + n :].max(axis=0), 0.0)
     fallen = system.fallen(drifts, system.limits)
@@ -283,7 +283,7 @@ def _in_one(system: Arrangement, motion: SteppedResponse) -> xr.Dataset:
     table = xr.Dataset(columns).assign(step_error=motion.error, status=np.int8(status))
     if not system.has_storeys:
         return table
-    heights = system.stacks[0].levels if count == 1 else [pair.height for pair in pairs_of(system)]
+    heights = system.sticks[0].levels if count == 1 else [pair.height for pair in pairs_of(system)]
     attrs = {"units": "m", "long_name": "height above the ground"}
     return table.assign(
         separation_at_height=("height", at_height),

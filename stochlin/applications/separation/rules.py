@@ -32,7 +32,7 @@ from stochlin.models.rules.effective_properties import (
 )
 from stochlin.models.rules.peak_factors import PEAK_FACTORS, peak_factor_model
 from stochlin.models.structures import Structure
-from stochlin.models.systems import Arrangement
+from stochlin.models.systems import Assembly
 from stochlin.solver.correlation.equation_4 import rho_effective
 from stochlin.solver.correlation.levels import PairsInTime, lone_pair_in_time
 from stochlin.solver.linearization.equivalent_systems import Solved, solved_together
@@ -105,7 +105,7 @@ class PairInMotion:
         return any(structure.has_storeys for structure in self.structures)
 
     @property
-    def system(self) -> Arrangement:
+    def system(self) -> Assembly:
         """All structures as one system, without links."""
         return self.prepared.system
 

@@ -28,7 +28,7 @@ from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.links import Link
 from stochlin.models.rules.codes import Site
 from stochlin.models.structures import AnyStructure
-from stochlin.models.systems import LEVEL, Arrangement, arrangement_of, slabs_on_columns
+from stochlin.models.systems import LEVEL, Assembly, assembly_of, slabs_on_columns
 from stochlin.solver.correlation.correlation import correlate
 from stochlin.solver.linearization.systems.systems import linearized_motion
 from stochlin.solver.simulation.statistics import ABOVE_GROUND
@@ -40,14 +40,14 @@ OTHER = f"{MODE}_2"
 SAME_DAMPING = 0.01  # difference of damping ratios, as a share, up to which they are equal
 
 
-def facing_heights(system: Arrangement) -> Array:
+def facing_heights(system: Assembly) -> Array:
     """Heights [m] at which two structures could meet, or those of the floors of one; NaN if unknown."""
-    return meeting_heights(*system.stacks) if system.stacks[1:] else system.stacks[0].levels
+    return meeting_heights(*system.sticks) if system.sticks[1:] else system.sticks[0].levels
 
 
-def weights_at(system: Arrangement, heights: Array) -> list[Array]:
+def weights_at(system: Assembly, heights: Array) -> list[Array]:
     """Displacement of each structure at the heights, as weights of all floors (heights, floors)."""
-    numbers = range(len(system.stacks))
+    numbers = range(len(system.sticks))
     return [np.array([at_height(system, n, height) for height in heights]) for n in numbers]
 
 
@@ -56,8 +56,8 @@ def linearized_at_roof(
 ) -> tuple[float, float]:
     """Correlation [-], and standard deviation of ``u_1 - u_2`` [m], at the level of the lower roof."""
     motion = linearized_motion(structures, ground, links)
-    system = arrangement_of(structures)
-    height = meeting_heights(*system.stacks)[-1]
+    system = assembly_of(structures)
+    height = meeting_heights(*system.sticks)[-1]
     floors = system.storeys.shapes
     roof_1 = at_height(system, 0, height)[None] @ floors
     roof_2 = at_height(system, 1, height)[None] @ floors
@@ -125,12 +125,12 @@ def _check_floors(structures: Sequence[AnyStructure]) -> None:
         )
 
 
-def modes_of(system: Arrangement) -> Modes:
+def modes_of(system: Assembly) -> Modes:
     """The elastic modes of all structures of a system, structure by structure.
 
     Raises a ValueError for a mode that does not vibrate.
     """
-    period, damping, moves = zip(*(stack.system.modes() for stack in system.stacks), strict=True)
+    period, damping, moves = zip(*(stick.system.modes() for stick in system.sticks), strict=True)
     modes = Modes(np.concatenate(period), np.concatenate(damping), scipy.linalg.block_diag(*moves))
     worst = int(np.argmax(modes.damping))
     if modes.damping[worst] >= 1:
@@ -169,7 +169,7 @@ def spectral_peaks(
     """
     for n, structure in enumerate(structures, start=1):
         check_scalars(structure, f"modes_{n}", "numbers")
-    system = arrangement_of(structures)
+    system = assembly_of(structures)
     heights = facing_heights(system)
     modes = modes_of(system)
     displacements = spectral_displacements(modes, spectrum)

@@ -23,7 +23,7 @@ from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import Model
-from stochlin.models.systems import stack_of
+from stochlin.models.systems import stick_model_of
 from stochlin.solver.simulation.connected_structures import oscillator_groups
 from stochlin.solver.simulation.ensembles import prepare
 from stochlin.solver.simulation.finite_motions import extremes_of
@@ -194,9 +194,9 @@ def peak_accelerations(
     accelerations = np.empty((motions.paths, periods.size))
     order = np.argsort(periods)
     for mine in np.array_split(order, -(-periods.size // TOGETHER)):
-        stacks = [stack_of(Bilinear(float(t), damping)) for t in periods[mine]]
+        sticks = [stick_model_of(Bilinear(float(t), damping)) for t in periods[mine]]
         run = prepare(
-            oscillator_groups(stacks, np.arange(mine.size)),
+            oscillator_groups(sticks, np.arange(mine.size)),
             motions.ground,
             paths=motions.paths,
             seed=motions.seed,

@@ -12,7 +12,7 @@ from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.linearization.systems.springs import Springs
 from stochlin.kernels.linearization.transient import PHASE, TransientMoments, TransientSystems
 from stochlin.models.envelopes import Envelope, envelope_at
-from stochlin.models.systems import Arrangement
+from stochlin.models.systems import Assembly
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_duration, check_work
 
@@ -74,7 +74,7 @@ def course_of(envelope: Envelope | None, duration: float, shortest: float, point
 
 
 def solve_course(
-    system: Arrangement,
+    system: Assembly,
     problem: Springs,
     rows: Array,
     course: TimeGrid,
@@ -87,7 +87,7 @@ def solve_course(
     share of the duration that is done.
     """
     cells = problem.level.size
-    limits = [np.broadcast_to(s.limits, (cells, s.coordinates)) for s in system.stacks]
+    limits = [np.broadcast_to(s.limits, (cells, s.coordinates)) for s in system.sticks]
     systems = TransientSystems(
         problem,
         np.concatenate(limits, axis=1),

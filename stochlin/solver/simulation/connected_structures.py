@@ -25,7 +25,7 @@ from stochlin.kernels.simulation.laws import (
 )
 from stochlin.kernels.simulation.row_products import rows_of
 from stochlin.kernels.simulation.state import Elements
-from stochlin.models.systems import Arrangement, Stack
+from stochlin.models.systems import Assembly, StickModel
 
 # Least share of the mass in a mode that determines the time step. Higher modes are integrated stably.
 LEAST_SHARE = 0.01
@@ -38,43 +38,45 @@ class SteppedGroup(NamedTuple):
     """Structures that are stepped together: oscillators, linked structures, or one building."""
 
     part: SteppedOscillators | SteppedStructures
-    watched: Array  # (w,) numbers of the displacements in the system, as `Arrangement.displacements`
+    watched: Array  # (w,) numbers of the displacements in the system, as `Assembly.displacements`
     shortest: float  # [s], shortest elastic period that determines the time step
     slowest: float  # [s], longest decay time of the elastic vibrations
     period: Any  # [s], longest elastic period, or (n,) that of each oscillator
     scale: Any = 1.0  # the unit in which displacements are computed [m], or (w,) that of each
 
 
-def stepped_groups(system: Arrangement) -> list[SteppedGroup]:
+def stepped_groups(system: Assembly) -> list[SteppedGroup]:
     """All structures of a system, with the links between them."""
     alone = unlinked_oscillators(system)
-    groups = oscillator_groups([system.stacks[n] for n in alone], system.first[alone])
+    groups = oscillator_groups([system.sticks[n] for n in alone], system.first[alone])
     linked = (members for members in _tied(system) if members[0] not in alone)
     return [*groups, *(_connected(system, members) for members in linked)]
 
 
-def unlinked_oscillators(system: Arrangement) -> list[int]:
+def unlinked_oscillators(system: Assembly) -> list[int]:
     """Numbers of the oscillators that no link ties, from 0."""
-    tied = {floor for tie in system.ties for floor in (tie.floor, tie.other)}
-    floors = zip(system.stacks, system.first[:-1], strict=True)
-    return [n for n, (stack, floor) in enumerate(floors) if stack.is_oscillator and floor not in tied]
+    tied = {floor for placed in system.placed_links for floor in (placed.floor, placed.other)}
+    floors = zip(system.sticks, system.first[:-1], strict=True)
+    return [n for n, (stick, floor) in enumerate(floors) if stick.is_oscillator and floor not in tied]
 
 
-def oscillator_groups(stacks: Sequence[Stack], watched: Array) -> list[SteppedGroup]:
+def oscillator_groups(sticks: Sequence[StickModel], watched: Array) -> list[SteppedGroup]:
     """Oscillators without links; bilinear and elastic ones are stepped together."""
-    simple = [bool(stack.law.step() == BILINEAR or not stack.yields.any()) for stack in stacks]
+    simple = [bool(stick.law.step() == BILINEAR or not stick.yields.any()) for stick in sticks]
     groups = []
     if any(simple):
-        together = [stack for stack, it_is in zip(stacks, simple, strict=True) if it_is]
+        together = [stick for stick, it_is in zip(sticks, simple, strict=True) if it_is]
         groups.append(_simple_oscillators(together, watched[simple]))
-    for n, stack in enumerate(stacks):
+    for n, stick in enumerate(sticks):
         if not simple[n]:
-            alone = _connected(Arrangement((stack,), ()), np.zeros(1, int))
+            alone = _connected(Assembly((stick,), ()), np.zeros(1, int))
             groups.append(alone._replace(watched=watched[[n]]))
     return groups
 
 
-def connected_groups(system: Arrangement, samples: Sequence[Sequence[Stack]] = ()) -> list[SteppedGroup]:
+def connected_groups(
+    system: Assembly, samples: Sequence[Sequence[StickModel]] = ()
+) -> list[SteppedGroup]:
     """All structures of a system as masses with springs between them, also oscillators.
 
     With uncertain parameters, ``samples`` are the structures of each motion. The time step is then short
@@ -82,18 +84,18 @@ def connected_groups(system: Arrangement, samples: Sequence[Sequence[Stack]] = (
     """
     if samples:
         stiffest = (max(several, key=_stiffness) for several in zip(*samples, strict=True))
-        system = system._replace(stacks=tuple(stiffest))
-    systems = [system._replace(stacks=tuple(sample)) for sample in samples]
+        system = system._replace(sticks=tuple(stiffest))
+    systems = [system._replace(sticks=tuple(sample)) for sample in samples]
     return [_connected(system, members, systems) for members in _tied(system)]
 
 
-def _stiffness(stack: Stack) -> float:
-    return float((stack.system.elastic / stack.system.mass).max())
+def _stiffness(stick: StickModel) -> float:
+    return float((stick.system.elastic / stick.system.mass).max())
 
 
-def _simple_oscillators(stacks: Sequence[Stack], watched: Array) -> SteppedGroup:
+def _simple_oscillators(sticks: Sequence[StickModel], watched: Array) -> SteppedGroup:
     """Bilinear and elastic oscillators, in units of their yield displacements."""
-    systems = [stack.system for stack in stacks]
+    systems = [stick.system for stick in sticks]
     mass, damping, post, couple, strength = (
         np.concatenate([getattr(system, name).ravel() for system in systems])
         for name in ("mass", "damping", "post", "couple", "strength")
@@ -110,18 +112,18 @@ def _simple_oscillators(stacks: Sequence[Stack], watched: Array) -> SteppedGroup
     )
 
 
-def _tied(system: Arrangement) -> list[Array]:
+def _tied(system: Assembly) -> list[Array]:
     """Groups of linked structures, by their numbers from 0."""
-    count = len(system.stacks)
+    count = len(system.sticks)
     tied = np.zeros((count, count))
     owner = np.repeat(np.arange(count), np.diff(system.first))
-    for tie in system.ties:
-        tied[owner[tie.floor], owner[tie.floor if tie.other < 0 else tie.other]] = 1
+    for placed in system.placed_links:
+        tied[owner[placed.floor], owner[placed.floor if placed.other < 0 else placed.other]] = 1
     _, group = scipy.sparse.csgraph.connected_components(tied, directed=False)
     return [np.flatnonzero(group == number) for number in dict.fromkeys(group)]
 
 
-def _connected(system: Arrangement, members: Array, samples: Sequence[Arrangement] = ()) -> SteppedGroup:
+def _connected(system: Assembly, members: Array, samples: Sequence[Assembly] = ()) -> SteppedGroup:
     """The structures ``members`` (numbers from 0) and the links between them."""
     elements, law = elements_of(system, members)
     whole = elements.system
@@ -133,7 +135,7 @@ def _connected(system: Arrangement, members: Array, samples: Sequence[Arrangemen
         shapes = system.displacements[np.ix_(watched, coordinates)]
         return elements._replace(system=elements.system._replace(shapes=shapes))
 
-    systems = [whole, *(system.stacks[number].system for number in members)]
+    systems = [whole, *(system.sticks[number].system for number in members)]
     element = system.of_watched[watched][:, None] == coordinates
     each = [shown(elements_of(sample, members)[0]) for sample in samples]
     return SteppedGroup(
@@ -150,13 +152,13 @@ def numbers_of(first: Array, members: Array) -> Array:
     return np.concatenate([np.arange(first[m], first[m + 1]) for m in members])
 
 
-def _watched(system: Arrangement, members: Array) -> Array:
+def _watched(system: Assembly, members: Array) -> Array:
     """Numbers of the displacements of the structures ``members``: their floors and yielding modes."""
     own = np.isin(system.yielding_modes, numbers_of(system.first_coordinate, members))
     return np.append(numbers_of(system.first, members), int(system.first[-1]) + np.flatnonzero(own))
 
 
-def elements_of(system: Arrangement, members: Array, all_states: bool = False) -> tuple[Elements, Any]:
+def elements_of(system: Assembly, members: Array, all_states: bool = False) -> tuple[Elements, Any]:
     """Masses and springs of the structures ``members`` (numbers from 0), and their laws in time steps.
 
     The elements are those of the structures, the springs of the links, and then the dashpots with an
@@ -168,29 +170,29 @@ def elements_of(system: Arrangement, members: Array, all_states: bool = False) -
     n = coordinates.size
     springs = np.flatnonzero(np.abs(system.extensions[:, coordinates]).any(axis=1))
     drifts = system.extensions[np.ix_(springs, coordinates)]
-    ties = [system.ties[spring - int(first[-1])] for spring in springs[n:]]
-    stacks = [system.stacks[m] for m in members]
-    mass, damping, _, shapes, *storeys = System.beside([stack.system for stack in stacks])
+    placed_links = [system.placed_links[spring - int(first[-1])] for spring in springs[n:]]
+    sticks = [system.sticks[m] for m in members]
+    mass, damping, _, shapes, *storeys = System.beside([stick.system for stick in sticks])
     damping = damping.copy()
     kinds: list[int | RateLaw] = []
-    for stack in stacks:
-        depends = np.isfinite(stack.system.strength) if all_states else stack.system.couple > 0
-        kinds.extend(stack.law.step() if by_law else LINEAR for by_law in depends)
+    for stick in sticks:
+        depends = np.isfinite(stick.system.strength) if all_states else stick.system.couple > 0
+        kinds.extend(stick.law.step() if by_law else LINEAR for by_law in depends)
     force = np.transpose(storeys).tolist()
-    own = [row for stack in stacks for row in stack.law_parameters]
-    for along, tie in zip(drifts[n:], ties, strict=True):
-        *spring, constant, _ = tie.link.numbers
+    own = [row for stick in sticks for row in stick.law_parameters]
+    for along, placed in zip(drifts[n:], placed_links, strict=True):
+        *spring, constant, _ = placed.link.numbers
         force.append(spring)
-        if not tie.link.is_power_law:
+        if not placed.link.is_power_law:
             damping += constant * np.outer(along, along)
-        kinds.append(BILINEAR if tie.link.yields else LINEAR)
+        kinds.append(BILINEAR if placed.link.yields else LINEAR)
         own.append(np.empty(0))
-    for along, tie in zip(drifts[n:], ties, strict=True):
-        if tie.link.is_power_law:
+    for along, placed in zip(drifts[n:], placed_links, strict=True):
+        if placed.link.is_power_law:
             drifts = np.vstack([drifts, along])
             force.append([0.0, 0.0, np.inf])
             kinds.append(VISCOUS)
-            own.append(np.array(tie.link.numbers[3:]))
+            own.append(np.array(placed.link.numbers[3:]))
     widest = max(row.size for row in own)
     post, couple, strength = np.array(force, float).T.copy()
     whole = System(mass, damping, np.ascontiguousarray(drifts), shapes, post, couple, strength)
@@ -238,19 +240,19 @@ def laws_of(steps: Sequence[int | RateLaw]) -> tuple[Array, Array, Any]:
     return np.array(kinds), np.array(states), by_number(tuple(of_users))
 
 
-def row_of(system: Arrangement, contacts: Contacts, all_states: bool = False) -> BuildingRow:
+def row_of(system: Assembly, contacts: Contacts, all_states: bool = False) -> BuildingRow:
     """Structures with their links and these contacts, and what is watched in their motions.
 
     ``all_states`` is that of `elements_of`.
     """
-    elements, law = elements_of(system, np.arange(len(system.stacks)), all_states)
+    elements, law = elements_of(system, np.arange(len(system.sticks)), all_states)
     storeys = system.storeys
-    ties = system.ties
+    placed_links = system.placed_links
     n = system.storeys.mass.size
     others = elements.kind.size - n
-    powers = np.array([tie.link.is_power_law for tie in ties], bool)
-    dashpot = np.where(powers, n + len(ties) + np.cumsum(powers) - 1, -1)
-    constant = [0.0 if tie.link.is_power_law else tie.link.numbers[3] for tie in ties]
+    powers = np.array([placed.link.is_power_law for placed in placed_links], bool)
+    dashpot = np.where(powers, n + len(placed_links) + np.cumsum(powers) - 1, -1)
+    constant = [0.0 if placed.link.is_power_law else placed.link.numbers[3] for placed in placed_links]
     shares = np.nan_to_num(system.shear_shares)  # shears that are not known are left out later
     parts = Parts(
         mass=storeys.mass,
@@ -259,8 +261,8 @@ def row_of(system: Arrangement, contacts: Contacts, all_states: bool = False) ->
         shear_of_q=rows_of(shares @ (storeys.post[:, None] * storeys.extensions)),
         shear_of_z=rows_of(shares * storeys.couple),
         watched=rows_of(np.concatenate([elements.system.shapes, elements.system.extensions])),
-        limit=np.concatenate([*(s.limits for s in system.stacks), np.full(others, np.inf)]),
-        spring=n + np.arange(len(ties)),
+        limit=np.concatenate([*(s.limits for s in system.sticks), np.full(others, np.inf)]),
+        spring=n + np.arange(len(placed_links)),
         dashpot=dashpot.astype(np.int64),
         constant=np.array(constant, float),
     )

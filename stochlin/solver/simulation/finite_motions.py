@@ -14,7 +14,7 @@ from stochlin.kernels.simulation.stepping import LANES
 from stochlin.models.envelopes import Envelope, envelope_at
 from stochlin.models.start import Start
 from stochlin.models.structures import AnyStructure
-from stochlin.models.systems import Arrangement, Stack
+from stochlin.models.systems import Assembly, StickModel
 from stochlin.solver.simulation.ensembles import SimulationRun, seconds_of
 from stochlin.solver.simulation.results import RESULTS, EndedMotions, columns_of
 from stochlin.solver.simulation.statistics import (
@@ -74,27 +74,27 @@ def check_finite(run: SimulationRun, duration: float, functions: int, times: int
     )
 
 
-def names_of_laws(stacks: Sequence[Stack]) -> str:
+def names_of_laws(sticks: Sequence[StickModel]) -> str:
     """The hysteresis laws of structures, each with the module that defines it."""
-    laws = {type(stack.law) for stack in stacks}
+    laws = {type(stick.law) for stick in sticks}
     return " or ".join(sorted(f"{law.__qualname__} ({law.__module__})" for law in laws))
 
 
-def runs_away(stacks: Sequence[Stack]) -> str:
+def runs_away(sticks: Sequence[StickModel]) -> str:
     """What is wrong with the laws of structures whose response is no longer finite, and the cure."""
     return (
-        f"the rates of the law {names_of_laws(stacks)} grow without end: give a law in which z "
+        f"the rates of the law {names_of_laws(sticks)} grow without end: give a law in which z "
         "and all other states stay bounded, such as v - abs(v)*z, or weaker motions"
     )
 
 
-def check_response(system: Arrangement, finite: Array) -> None:
+def check_response(system: Assembly, finite: Array) -> None:
     """Raise an ArithmeticError if a floor (motions, floors) has a response that is not ``finite``."""
     lost = ~np.logical_and.reduceat(finite, system.first[:-1], axis=1)
     if lost.any():
         worst = int(np.argmax(lost.sum(axis=0)))
         what = f"structures, number {worst + 1}: its response is no longer finite"
-        raise ArithmeticError(f"{what}; {runs_away([system.stacks[worst]])}")
+        raise ArithmeticError(f"{what}; {runs_away([system.sticks[worst]])}")
 
 
 def simulate_finite(
@@ -113,12 +113,12 @@ def simulate_finite(
     motions = _ended(moving, functions, extremes)
     check_response(system, ~np.isnan(motions.largest["floors"][0]))
     samples = columns_of(motions)
-    names = [f"{number}" for number in range(1, len(system.stacks) + 1)]
+    names = [f"{number}" for number in range(1, len(system.sticks) + 1)]
     coords = moving.coords | {STRUCTURE: names, f"{STRUCTURE}_2": names}
     if moving.places:
         coords[HEIGHT] = labels.axis(HEIGHT, ABOVE_GROUND, moving.heights, "m").height
-    if system.ties:
-        coords |= link_coordinates([tie.number for tie in system.ties])
+    if system.placed_links:
+        coords |= link_coordinates([placed.number for placed in system.placed_links])
     means = _means(samples)
     if moving.system.has_storeys:
         means["ductility"] = [ELEMENT], means["peak_drift_mean"][1] / system.watched_strength
@@ -132,14 +132,14 @@ def simulate_finite(
     return xr.Dataset(columns, coords, finite_attributes(run, duration, envelope))
 
 
-def links_of(system: Arrangement) -> tuple[Array, Array]:
+def links_of(system: Assembly) -> tuple[Array, Array]:
     """Extensions of the links, as functions (l, w) of all that is watched, and their parameters."""
-    extensions = np.zeros((len(system.ties), len(system.watched)))
-    for row, tie in zip(extensions, system.ties, strict=True):
-        row[tie.floor] = 1.0
-        if tie.other >= 0:
-            row[tie.other] = -1.0
-    return extensions, np.reshape([tie.link.numbers for tie in system.ties], (-1, 5))
+    extensions = np.zeros((len(system.placed_links), len(system.watched)))
+    for row, placed in zip(extensions, system.placed_links, strict=True):
+        row[placed.floor] = 1.0
+        if placed.other >= 0:
+            row[placed.other] = -1.0
+    return extensions, np.reshape([placed.link.numbers for placed in system.placed_links], (-1, 5))
 
 
 def extremes_of(
@@ -174,12 +174,12 @@ def _ended(
     blocks = dict(zip(functions, np.split(largest, ends, axis=2), strict=True))
     drifts = blocks["drifts" if moving.system.has_storeys else "floors"].max(axis=0)
     fallen = system.fallen(drifts, moving.limits)
-    members = np.arange(len(system.stacks)) == system.owners[:, None]
+    members = np.arange(len(system.sticks)) == system.owners[:, None]
     lost = fallen @ (np.abs(matrix) @ members > 0).T
     largest[:, lost] = np.inf
     peaks = {"force": extremes.force, "stroke": extremes.stroke, "energy": extremes.energy}
     falls = fallen.any(axis=1, keepdims=True)
-    links = {name: np.where(falls, np.inf, each) for name, each in peaks.items() if system.ties}
+    links = {name: np.where(falls, np.inf, each) for name, each in peaks.items() if system.placed_links}
     ends_at = moving.run.watched(extremes.last)
     plastic = moving.run.watched(extremes.plastic)
     return EndedMotions(moving, blocks, fallen, links, ends_at, plastic)

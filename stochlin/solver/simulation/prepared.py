@@ -15,7 +15,7 @@ from stochlin.kernels.simulation.stepping import LANES, whole_groups
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
-from stochlin.models.systems import Arrangement
+from stochlin.models.systems import Assembly
 from stochlin.models.uncertain import applied, median_of
 from stochlin.solver.linearization.strength import strength_in_metres
 from stochlin.solver.simulation.ensembles import seconds_of
@@ -52,7 +52,7 @@ class PreparedStructures:
     ground: Any
     medians: tuple[Any, ...]  # of the structures
     usual: Ground  # the ground at its medians
-    system: Arrangement  # of the medians, without links
+    system: Assembly  # of the medians, without links
     motion: FiniteMotion
     fewest: int  # motions
     most: int

@@ -11,7 +11,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.pounding.run import BuildingRow
 from stochlin.messages import brief
 from stochlin.models.start import Start
-from stochlin.models.systems import Arrangement
+from stochlin.models.systems import Assembly
 
 END_STATE = "end_state"
 STATE = "state"
@@ -28,10 +28,10 @@ def check_start(name: str, start: object) -> None:
 AnyStart = Annotated[Start | xr.DataArray, check_start]
 
 
-def start_values(system: Arrangement, start: Start) -> Array:
+def start_values(system: Assembly, start: Start) -> Array:
     """Displacements and velocities (2, n) of the coordinates, checked: no element may yield by them."""
     values = start.of(system.coordinates)
-    links = [tie.link.parts[2] for tie in system.ties]
+    links = [placed.link.parts[2] for placed in system.placed_links]
     strength = np.concatenate([system.storeys.strength, links])
     extension = np.abs(system.extensions @ values[0])
     beyond = np.flatnonzero(extension > strength * (1 + ROUNDING))

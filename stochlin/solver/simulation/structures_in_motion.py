@@ -18,14 +18,14 @@ from stochlin.models.parameters import expect
 from stochlin.models.start import Start
 from stochlin.models.structures import AnyStructure, Structure
 from stochlin.models.systems import (
-    Arrangement,
-    Stack,
-    arrangement_of,
+    Assembly,
+    StickModel,
+    assembly_of,
     check_links,
     check_stationary,
     shares_at,
-    stack_of,
-    stacks_of,
+    stick_model_of,
+    stick_models_of,
 )
 from stochlin.models.uncertain import UncertainModel, median_of
 from stochlin.solver.linearization.strength import strength_in_metres
@@ -67,7 +67,7 @@ class Pair(NamedTuple):
     height: float
 
 
-def meeting_heights(first: Stack, second: Stack) -> Array:
+def meeting_heights(first: StickModel, second: StickModel) -> Array:
     """Heights [m] at which the relative displacement of two structures can be largest.
 
     Displacements are linear between floors, so that these are the levels of all floors of both, up to
@@ -81,26 +81,26 @@ def meeting_heights(first: Stack, second: Stack) -> Array:
     return both[both <= min(first.levels[-1], second.levels[-1])]
 
 
-def pairs_of(system: Arrangement) -> list[Pair]:
+def pairs_of(system: Assembly) -> list[Pair]:
     """All pairs of structures, at all heights at which they could meet."""
-    count = len(system.stacks)
+    count = len(system.sticks)
     return [
         Pair(i, j, float(height))
         for i in range(count)
         for j in range(i + 1, count)
-        for height in meeting_heights(system.stacks[i], system.stacks[j])
+        for height in meeting_heights(system.sticks[i], system.sticks[j])
     ]
 
 
-def at_height(system: Arrangement, number: int, height: float) -> Array:
+def at_height(system: Assembly, number: int, height: float) -> Array:
     """Displacement of structure ``number`` at a height [m], by shares (f,) of all floors."""
     shares = np.zeros(int(system.first[-1]))
     first = system.first
-    shares[first[number] : first[number + 1]] = shares_at(system.stacks[number].levels, height)
+    shares[first[number] : first[number + 1]] = shares_at(system.sticks[number].levels, height)
     return shares
 
 
-def apart(system: Arrangement, pair: Pair) -> Array:
+def apart(system: Assembly, pair: Pair) -> Array:
     """Relative displacement ``u_1 - u_2`` of a pair, by shares (f,) of all floors."""
     first = at_height(system, pair.first, pair.height)
     second = at_height(system, pair.second, pair.height)
@@ -110,14 +110,14 @@ def apart(system: Arrangement, pair: Pair) -> Array:
 class StructuresInMotion(NamedTuple):
     """All structures that are simulated under the same motions."""
 
-    system: Arrangement
+    system: Assembly
     groups: list[SteppedGroup]
     links: tuple[Link | None, ...]
-    limits: Array  # (w,) or (motions, w) [m], drifts at which structures fall; see `Stack.limits`
+    limits: Array  # (w,) or (motions, w) [m], drifts at which structures fall; see `StickModel.limits`
     run: SimulationRun  # whose duration is still open
     factors: Mapping[str, Mapping[str, Array]]  # by model and parameter: samples (motions,) over median
     samples: Samples
-    arrangements: Sequence[Arrangement]  # the system alone, or its samples, one for each motion
+    assemblies: Sequence[Assembly]  # the system alone, or its samples, one for each motion
 
     @property
     def dimensions(self) -> tuple[str, str]:
@@ -229,35 +229,35 @@ def structures_in_motion(
         raise ValueError(f"{what}; give a duration, or the median()")
     *medians, usual = map(median_of, models.values())
     links = check_links("link", link, len(medians))
-    system = arrangement_of([strength_in_metres(each, usual) for each in medians], links)
+    system = assembly_of([strength_in_metres(each, usual) for each in medians], links)
     drift_times = np.zeros(len(system.watched))
     limits = system.limits
     if stationary:
         check_stationary(system)
-        for n, stack in enumerate(system.stacks, start=1):
-            stack.law.check_stationary(f"structures, number {n}")
+        for n, stick in enumerate(system.sticks, start=1):
+            stick.law.check_stationary(f"structures, number {n}")
         drift_times = _drift_times(medians, usual, system, links)
     samples = {
         role: made.get(role) or _samples(models[role], own, usual) for role, own in factors.items()
     }
     rows: list[Any] = []  # structures of each motion
-    arrangements = [system]
+    assemblies = [system]
     if samples:
-        named = zip(models, system.stacks, strict=False)  # without the ground
-        columns = [samples.get(role, [stack] * whole_groups(paths)) for role, stack in named]
+        named = zip(models, system.sticks, strict=False)  # without the ground
+        columns = [samples.get(role, [stick] * whole_groups(paths)) for role, stick in named]
         rows = [*zip(*columns, strict=True)]
-        arrangements = [system._replace(stacks=row) for row in rows]
-        limits = np.array([each.limits for each in arrangements])
+        assemblies = [system._replace(sticks=row) for row in rows]
+        limits = np.array([each.limits for each in assemblies])
     groups = connected_groups(system, rows) if samples else stepped_groups(system)
     options |= {"drift_times": drift_times, "grounds": samples.get(GROUND, [])}
     run = prepare(groups, usual, paths=paths, seed=seed, **options)
-    return StructuresInMotion(system, groups, links, limits, run, factors, samples, arrangements)
+    return StructuresInMotion(system, groups, links, limits, run, factors, samples, assemblies)
 
 
 def _drift_times(
     structures: Sequence[Any],
     ground: Ground,
-    system: Arrangement,
+    system: Assembly,
     links: Sequence[Link | None],
 ) -> Array:
     """Relaxation times [s] of all that is `watched` by linearization; 0 if elastic."""
@@ -289,12 +289,12 @@ def _samples(model: UncertainModel, factors: Mapping[str, Array], ground: Ground
     motions = len(next(iter(factors.values())))
     if isinstance(median, Structure) and "mass" not in factors:
         along = {name: xr.DataArray(column, dims=PATH) for name, column in factors.items()}
-        return stacks_of(strength_in_metres(model.at(along), ground), PATH, motions)
+        return stick_models_of(strength_in_metres(model.at(along), ground), PATH, motions)
     rows = zip(*factors.values(), strict=True)
     each = (model.at(dict(zip(factors, map(float, row), strict=True))) for row in rows)
     if isinstance(median, Ground):
         return [*each]
-    return [stack_of(strength_in_metres(sample, ground)) for sample in each]
+    return [stick_model_of(strength_in_metres(sample, ground)) for sample in each]
 
 
 def _stratified(random: np.random.Generator, count: int) -> Array:

@@ -10,7 +10,7 @@ import xarray as xr
 
 from stochlin._version import __version__
 from stochlin.models.parameters import Model
-from stochlin.models.systems import Arrangement
+from stochlin.models.systems import Assembly
 from stochlin.solver.tables.lazy import cellwise
 from stochlin.solver.variables import NONE, Variables, unit_and_long_name
 
@@ -163,7 +163,7 @@ LINK = "link"
 Coordinates = dict[str, tuple[str, Any, dict[str, str]]]
 
 
-def floor_coordinates(system: Arrangement) -> Coordinates:
+def floor_coordinates(system: Assembly) -> Coordinates:
     """Coordinates along ``floor``: names, numbers from 1, and levels [m] (NaN for oscillators)."""
     structures, numbers = _places(system)
     return {
@@ -172,13 +172,13 @@ def floor_coordinates(system: Arrangement) -> Coordinates:
         "floor_number": (FLOOR, numbers, {"units": "1", "long_name": "number of the floor"}),
         "level": (
             FLOOR,
-            np.concatenate([stack.levels for stack in system.stacks]),
+            np.concatenate([stick.levels for stick in system.sticks]),
             {"units": "m", "long_name": "level of the floor"},
         ),
     }
 
 
-def element_coordinates(system: Arrangement, links: Sequence[str] = ()) -> Coordinates:
+def element_coordinates(system: Assembly, links: Sequence[str] = ()) -> Coordinates:
     """Coordinates along ``element``: storeys, named like the floors above them, then modes and links.
 
     The modes are those that yield, of buildings by their modes.
@@ -201,8 +201,8 @@ def link_coordinates(numbers: Sequence[int]) -> Coordinates:
     return {LINK: (LINK, list(numbers), {"long_name": "link, by its place in the list"})}
 
 
-def _places(system: Arrangement) -> tuple[Any, Any]:
+def _places(system: Assembly) -> tuple[Any, Any]:
     """Numbers from 1 of the structure and of the storey, for all floors."""
-    sizes = [stack.levels.size for stack in system.stacks]
+    sizes = [stick.levels.size for stick in system.sticks]
     numbers = np.concatenate([np.arange(1, size + 1) for size in sizes])
     return np.repeat(np.arange(1, len(sizes) + 1), sizes), numbers

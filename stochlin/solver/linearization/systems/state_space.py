@@ -25,7 +25,7 @@ from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
 from stochlin.models.parameters import Model, expect
 from stochlin.models.structures import GAUSSIAN, AnyStructure
-from stochlin.models.systems import Arrangement, arrangement_of, check_links
+from stochlin.models.systems import Assembly, assembly_of, check_links
 from stochlin.solver.linearization.strength import strength_in_metres
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_scalars
@@ -34,7 +34,7 @@ LINK = "link_"
 ONE_SYSTEM = "a scalar, since this describes one system"
 
 
-def problem_of(models: Mapping[str, Any], *, in_time: bool = False) -> tuple[Arrangement, Springs]:
+def problem_of(models: Mapping[str, Any], *, in_time: bool = False) -> tuple[Assembly, Springs]:
     """The `models_of` a system, or all their cells, with strengths in metres; and what is linearized.
 
     In time, laws may have further states.
@@ -43,10 +43,10 @@ def problem_of(models: Mapping[str, Any], *, in_time: bool = False) -> tuple[Arr
     values = models["ground"].arrays()
     structures = [strength_in_metres(m, ground) for m in models.values() if isinstance(m, AnyStructure)]
     numbers = [int(role.removeprefix(LINK)) for role in models if role.startswith(LINK)]
-    ties = [models.get(f"{LINK}{n}") for n in range(1, 1 + max(numbers, default=0))]
-    system = arrangement_of(structures, ties)
-    links = [tie.link.parts for tie in system.ties]
-    shapes = [stack.system.mass.shape[:-1] for stack in system.stacks]
+    placed_links = [models.get(f"{LINK}{n}") for n in range(1, 1 + max(numbers, default=0))]
+    system = assembly_of(structures, placed_links)
+    links = [placed.link.parts for placed in system.placed_links]
+    shapes = [stick.system.mass.shape[:-1] for stick in system.sticks]
     shapes += [np.shape(value) for value in (*sum(links, ()), *values.values())]
     cells = math.prod(np.broadcast_shapes(*shapes))
     rows = [[np.broadcast_to(value, cells) for value in link] for link in links]
@@ -66,23 +66,23 @@ def problem_of(models: Mapping[str, Any], *, in_time: bool = False) -> tuple[Arr
     return system, Springs(springs, soil, yielding, laws, dashpots, exponents, power, level)
 
 
-def _laws_of(system: Arrangement, cells: int, springs: int, in_time: bool) -> list[SpringLaw]:
+def _laws_of(system: Assembly, cells: int, springs: int, in_time: bool) -> list[SpringLaw]:
     """The laws of so many springs that yield: those of the structures, and of links the bilinear one."""
     laws = list[SpringLaw]()
     begin = 0
-    for stack in system.stacks:
-        mine = begin + np.arange(stack.yields.sum())
+    for stick in system.sticks:
+        mine = begin + np.arange(stick.yields.sum())
         if mine.size:
-            values = stack.law_parameters[..., stack.yields, :]
+            values = stick.law_parameters[..., stick.yields, :]
             wide = np.broadcast_to(values, (cells, mine.size, values.shape[-1]))
-            closures = stack.law.closure_in_time() if in_time else (stack.law.closure(GAUSSIAN),)
+            closures = stick.law.closure_in_time() if in_time else (stick.law.closure(GAUSSIAN),)
             laws.append(SpringLaw(mine, np.moveaxis(wide, -1, 0), *closures))
         begin += mine.size
     links = np.arange(begin, springs)
     return [*laws, SpringLaw(links, np.empty((0, cells, links.size)), gaussian)] if links.size else laws
 
 
-def state_names(system: Arrangement, problem: Springs) -> list[str]:
+def state_names(system: Assembly, problem: Springs) -> list[str]:
     """Names of the states: those of the ground, then displacements, velocities and ``z``."""
     names = [*problem.soil.states, *(f"{state}_{name}" for state in "uv" for name in system.coordinates)]
     return [*names, *(f"z_{system.springs[spring]}" for spring in problem.yielding)]
@@ -231,8 +231,8 @@ def _of_elements(name: str, values: Sequence[float], elements: Sequence[str]) ->
     return array
 
 
-def in_elements(system: Arrangement, values: Array, elastic: float, unknown: float) -> Array:
-    """Values (c, s) of the springs for the elements of results; see `Arrangement.of_elements`."""
+def in_elements(system: Assembly, values: Array, elastic: float, unknown: float) -> Array:
+    """Values (c, s) of the springs for the elements of results; see `Assembly.of_elements`."""
     own = system.of_elements(values, elastic, unknown)
     return np.concatenate([own, values[:, system.yielding_links]], axis=1)
 

@@ -27,7 +27,7 @@ from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
 from stochlin.models.parameters import Range
 from stochlin.models.structures import AnyStructure
-from stochlin.models.systems import Arrangement, check_stationary
+from stochlin.models.systems import Assembly, check_stationary
 from stochlin.solver.linearization.equivalent_systems import ELASTIC, STRONG
 from stochlin.solver.linearization.systems.state_space import (
     in_elements,
@@ -197,7 +197,7 @@ class SystemSolution(NamedTuple):
 
 @np.errstate(all="ignore")  # NaN is checked where it matters
 def solve_system(
-    system: Arrangement,
+    system: Assembly,
     problem: Springs,
     tolerance: Tolerance,
     depth: int = DEPTH,
@@ -207,7 +207,7 @@ def solve_system(
     check_stationary(system)
     elastic = elastic_start(problem)
     m = problem.yielding.size
-    weak = (stack.law for stack in system.stacks if stack.yields.any())
+    weak = (stick.law for stick in system.sticks if stick.yields.any())
     unique = (law.has_one_solution().to_numpy() for law in weak)
     one_solution = np.broadcast_to(reduce(and_, unique, np.array(True)), problem.level.shape)
     rule = tolerance.max_iterations, tolerance.rtol
@@ -248,7 +248,7 @@ def linearized_motion(
 
 @np.errstate(all="ignore")  # correlations of floors that do not move are 0/0
 def solution_table(
-    cells: Flat, system: Arrangement, problem: Springs, solution: SystemSolution
+    cells: Flat, system: Assembly, problem: Springs, solution: SystemSolution
 ) -> xr.Dataset:
     """Dataset of `linearize_system` from a solution, without labels."""
     results = _results(system, problem, solution.linear)
@@ -265,7 +265,7 @@ def solution_table(
     variables["iterations"] = cells.table(solution.iterations, blank=0)
     variables["status"] = cells.table(status.astype(np.int8), blank=labels.INVALID_INPUT)
     states = state_names(system, problem)
-    links = [tie.name for tie in system.ties]
+    links = [placed.name for placed in system.placed_links]
     table = xr.Dataset(
         variables,
         coords={
@@ -283,7 +283,7 @@ def solution_table(
     return table
 
 
-def _results(system: Arrangement, problem: Springs, linear: EquivalentCoefficients) -> dict[str, Array]:
+def _results(system: Assembly, problem: Springs, linear: EquivalentCoefficients) -> dict[str, Array]:
     """What follows from the responses of the equivalent linear systems, by variable."""
     springs = problem.system
     yielding = problem.yielding
@@ -319,9 +319,9 @@ def _results(system: Arrangement, problem: Springs, linear: EquivalentCoefficien
         "relative_displacement_std": motion.std(pairs).reshape(-1, n, n),
         "covariance": covariance,
     }
-    if system.ties:
+    if system.placed_links:
         results["link_force_std"] = link_forces(problem, linear, motion)
-    if any(tie.link.damping_exponent is not None for tie in system.ties):
+    if any(placed.link.damping_exponent is not None for placed in system.placed_links):
         at_rest = (linear.dashpots == 0) & (problem.dashpots > 0)
         results["equivalent_damping_constant"] = np.where(at_rest, np.nan, linear.dashpots)
     return results

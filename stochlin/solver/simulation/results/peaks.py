@@ -59,7 +59,7 @@ def peak_at_height(motions: EndedMotions) -> Array | None:
     structures, levels = zip(*motions.moving.places, strict=True)
     heights = motions.moving.heights
     peaks = motions.either("places")
-    values = np.full((len(peaks), len(motions.moving.system.stacks), heights.size), np.nan)
+    values = np.full((len(peaks), len(motions.moving.system.sticks), heights.size), np.nan)
     values[:, structures, np.searchsorted(heights, levels)] = peaks
     return values
 

@@ -46,7 +46,7 @@ class EndedMotions:
 
         It is NaN for storeys of a building whose modes yield, which have no law of their own.
         """
-        systems = self.moving.arrangements
+        systems = self.moving.assemblies
         ratios = [each.storeys.post / (each.storeys.post + each.storeys.couple) for each in systems]
         return np.array([s.of_elements(r, 1.0, np.nan) for s, r in zip(systems, ratios, strict=True)])
 
@@ -61,7 +61,7 @@ class EndedMotions:
         heights = np.unique(height)  # with NaN, of oscillators, at the end
         i, j = np.array(both, int)
         place = np.searchsorted(heights, height)
-        count = len(self.moving.system.stacks)
+        count = len(self.moving.system.sticks)
         largest = self.largest["pairs"]
         at_height = np.full((largest.shape[1], count, count, heights.size), np.nan)
         at_height[:, i, j, place], at_height[:, j, i, place] = largest
