@@ -1,1 +1,1 @@
-"""Files: those that a user names, those of the package, and those that it writes."""
+"""Ground floor: files that a user names, those of the package, and those that it writes."""

@@ -1,1 +1,1 @@
-"""The lowest floor: numerical methods on plain arrays, without labels, units or models."""
+"""First floor: numerical methods on plain arrays, without labels, units or models."""

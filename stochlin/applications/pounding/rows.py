@@ -126,7 +126,8 @@ def checked_row(structures: Sequence[AnyStructure | Wall]) -> Neighbours:
             if 1 < number < len(structures) or len(structures) == 1:
                 what = "a wall" if len(structures) > 1 else "a wall alone"
                 raise ValueError(f"{role} is {what}; allowed: a wall first or last, beside a building")
-            walls[SIDES[number > 1]] = structure
+            side = SIDES[0] if number == 1 else SIDES[1]
+            walls[side] = structure
             continue
         check_structure(role, structure)
         check_scalars(structure, role, NUMBERS)
@@ -261,7 +262,7 @@ def _on_wall(wall: Wall, side: str, levels: Sequence[Array]) -> list[Meeting]:
     """Contacts of the building at one end of the row with the wall on this side of it."""
     building = -1 if side == SIDES[0] else len(levels) - 1
     floors = levels[0] if side == SIDES[0] else levels[-1]
-    other = SIDES[side == SIDES[0]]
+    other = SIDES[1] if side == SIDES[0] else SIDES[0]
     touched = floors.tolist() if wall.levels is None else wall.levels
     if wall.levels is not None and np.isnan(floors).any():
         what = f"{wall.describe()} stands beside an oscillator, which has no levels"
