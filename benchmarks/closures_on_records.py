@@ -1,12 +1,12 @@
 """The parts of the drift closure beside records: `python benchmarks/closures_on_records.py RECORDS`.
 
-RECORDS is a folder whose table suites.csv lists records with their event; of its folder far_field the
-first of each earthquake counts, as it stands. Prints, for every part and R, the computed standard
-deviation of u_1 - u_2 over its root mean square in the strong part of a record, less 1: geometric means
-over six pairs, with the mean over the records and its standard error.
+RECORDS is a folder whose table suites.csv lists records with their event; of its folder far_field
+the first of each earthquake counts, as it stands. Prints, for every part and R, the computed
+standard deviation of u_1 - u_2 over its root mean square in the strong part of a record, less 1:
+geometric means over six pairs, with the mean over the records and its standard error.
 
-The stationary ground is fitted to the strong part, which brings 90 % of the energy, and has its mean
-square. The estimator of the fit may stand after RECORDS, such as psd; otherwise it is whittle.
+The stationary ground is fitted to the strong part, which brings 90 % of the energy, and has its
+mean square. The estimator of the fit may stand after RECORDS, such as psd; otherwise it is whittle.
 Displacements at yield follow from the recorded elastic response, of which R is.
 """
 

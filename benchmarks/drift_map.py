@@ -1,10 +1,11 @@
 """Remake the map that corrects the drift closure: `python benchmarks/drift_map.py FILE --work FOLDER`.
 
-Simulates 60 structures at a time together with the reference structures, on grounds from narrow to broad
-band: their signatures, which are the correlations with the references, whitened. Then displacements on a
-coarse grid and on white noise, and between its points where that is too coarse, and groups of five
-structures that are nearly equal. Takes two hours or so on two cores; a run that was stopped goes on with
-the parts in FOLDER. Then compares with the derived closure. Times are in ground periods.
+Simulates 60 structures at a time together with the reference structures, on grounds from narrow to
+broad band: their signatures, which are the correlations with the references, whitened. Then
+displacements on a coarse grid and on white noise, and between its points where that is too coarse,
+and groups of five structures that are nearly equal. Takes two hours or so on two cores; a run that
+was stopped goes on with the parts in FOLDER. Then compares with the derived closure. Times are in
+ground periods.
 """
 
 import argparse
@@ -35,13 +36,15 @@ DAMPING = (0.01, 0.02, 0.05, 0.1)
 ELASTIC_DUCTILITY = (3.2, 2.0, 1.25, 1.0, 0.8, 0.63, 0.5, 1 / 3)
 GROUND_DAMPING = (0.03, 0.07, 0.17, 0.4, 1.0)
 PERIOD = 10 ** (0.1 * np.arange(-7, 8))
-# Motions and their length in memories, by elastic ductility: where the drift remembers long, fewer do.
+# Motions and their length in memories, by elastic ductility: where the drift remembers long, fewer
+# do.
 PATHS = {3.2: 128, 2.0: 128, 1.25: 128, 1.0: 128, 0.8: 64, 0.63: 64, 0.5: 64, 1 / 3: 32}
 MEMORIES = {1 / 3: 4}
 LEFT_OUT = (1 / 3, 0.02)  # remembers 18 000 ground periods: corrected as at the next hardening
 STEPS_PER_PERIOD = 16
-# Displacements on a coarse grid: each part of periods rides on one ground, and the first with a period
-# counts. On white noise (infinite ground damping) the period does not matter, and ductilities are means.
+# Displacements on a coarse grid: each part of periods rides on one ground, and the first with a
+# period counts. On white noise (infinite ground damping) the period does not matter, and
+# ductilities are means.
 COARSE_PERIOD = 10 ** (0.05 * np.arange(-20, 21))
 COARSE = {
     "elastic_ductility_std": (3.2, 2.0, 1.25, 0.8, 0.5, 1 / 3),
@@ -62,8 +65,8 @@ FINE = {
     "refined_ground_damping": (0.03, 0.045, 0.07, 0.11, 0.17, 0.4),
     "refined_period": 10 ** (0.05 * np.array([-20, -18, -16, *range(-14, 1)])),
 }
-# Groups of nearly equal structures, and by how much one of each is off the first in the logarithms of
-# period, strength, hardening and damping.
+# Groups of nearly equal structures, and by how much one of each is off the first in the logarithms
+# of period, strength, hardening and damping.
 NEAR = {
     "near_strength": (0.5, 0.8, 1.25, 2.0, 3.2),
     "near_hardening": (0.02, 0.05, 0.14, 0.5),
@@ -71,7 +74,9 @@ NEAR = {
     "near_ground_damping": (0.03, 0.1, 0.3, 1.0),
     "near_period": 10 ** (0.14 * np.arange(-5, 6)),
 }
-LEAST = 1e-3  # smallest eigenvalue of the correlations in eq. (12), to which smaller ones are raised
+LEAST = (
+    1e-3  # smallest eigenvalue of the correlations in eq. (12), to which smaller ones are raised
+)
 NEAR_LEFT_OUT = (0.5, 0.02)  # remembers longest
 STEPS = np.array([0.02, 0.125, 0.175, 0.175])
 SCALES = {"signature_correction": 1e-4, "nearness": 3e-4}
@@ -138,12 +143,16 @@ def coarse_part(ductility, hardening, ground_damping, seed=1):
         for window in (NOISE_WINDOW,) if white else WINDOWS[::-1]:
             structures = [building(p, ductility, hardening, damping) for p in COARSE_PERIOD[window]]
             options = {"seed": seed, "steps_per_period": STEPS_PER_PERIOD}
-            trial = sl.simulate(structures, ground, paths=LANES, relaxation_times=1, **options).attrs
+            trial = sl.simulate(
+                structures, ground, paths=LANES, relaxation_times=1, **options
+            ).attrs
             steps = len(structures) * 25 * trial["memory_s"] / trial["step_s"]
             paths = LANES * round(float(np.clip(STRUCTURE_STEPS / steps, FEWEST, MOST)) / LANES)
             table = sl.simulate(structures, ground, paths=paths, **options)
             if (table.status > 1).any():
-                raise ArithmeticError(f"{structures[0].describe()}, {ground.describe()}: not stationary")
+                raise ArithmeticError(
+                    f"{structures[0].describe()}, {ground.describe()}: not stationary"
+                )
             row[window] = table.ductility_std
             row[:] = row[window].mean() if white else row
             relative = table.displacement_std_standard_error / table.displacement_std
@@ -344,7 +353,9 @@ def refined(coarse, added):
         own: np.union1d(coarse[name].values.round(12), added[own].values.round(12))
         for name, own in zip(coarse.dims, FINE, strict=True)
     }
-    place = np.array(np.meshgrid(*map(np.log, points.values()), indexing="ij")).reshape(len(points), -1)
+    place = np.array(np.meshgrid(*map(np.log, points.values()), indexing="ij")).reshape(
+        len(points), -1
+    )
     whole = np.zeros([axis.size for axis in points.values()])
     for grid in (coarse, added):
         axes = [np.log(grid[name].values.round(12)) for name in grid.dims]
@@ -356,10 +367,11 @@ def refined(coarse, added):
 def form_of(share, steps):
     """The matrices G of eq. (12) (ENTRIES, n) from simulated groups of five nearly equal structures.
 
-    The entries are the logarithms of the square roots of the diagonal, and the correlations that remain.
+    The entries are the logarithms of the square roots of the diagonal, and the correlations that
+    remain.
 
-    ``share`` (AXES + 1, AXES + 1, n) is ``1 - rho`` of the pairs in each group. The first structure is
-    that of the form; each of the others differs from it by one of the ``steps`` (AXES,) of the
+    ``share`` (AXES + 1, AXES + 1, n) is ``1 - rho`` of the pairs in each group. The first structure
+    is that of the form; each of the others differs from it by one of the ``steps`` (AXES,) of the
     logarithms.
     """
     share = np.clip(share, 0, 0.95)
@@ -457,7 +469,9 @@ def main():
     wanted = itertools.product(ELASTIC_DUCTILITY, HARDENING[::-1], GROUND_DAMPING)
     parts = {point: kept(options.work, *point) for point in wanted if point[:2] != LEFT_OUT}
     simulated, ductility = assembled(parts)
-    coarse = {p: kept(options.work, *p, coarse_part, "coarse_")["ductility_std"] for p in points(COARSE)}
+    coarse = {
+        p: kept(options.work, *p, coarse_part, "coarse_")["ductility_std"] for p in points(COARSE)
+    }
     displacement, white = displacement_corrections(coarse, ductility)
     fine = {p: kept(options.work, *p, fine_part, "fine_")["ductility_std"] for p in points(FINE)}
     near = {

@@ -1,7 +1,8 @@
 """Renew what every closure finds for simulated pairs: `python benchmarks/drift_pairs.py`.
 
-docs/gallery/drift_pairs.nc has 500 random pairs of unequal bilinear structures on Kanai-Tajimi ground
-with a period of 1 s and on white noise, with their simulated moments, which stay as they are.
+docs/gallery/drift_pairs.nc has 500 random pairs of unequal bilinear structures on Kanai-Tajimi
+ground with a period of 1 s and on white noise, with their simulated moments, which stay as they
+are.
 """
 
 from pathlib import Path

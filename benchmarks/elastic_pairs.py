@@ -1,9 +1,9 @@
 """Errors of `pounding_probability` by formula, elastic pairs: `python benchmarks/elastic_pairs.py`.
 
-For elastic structures the moments are exact, so that the errors are those of crossing theory. Of each of
-200 random pairs (periods 0.2 to 4 s, damping 0.01 to 0.1, on three grounds, in motions of 30 s with an
-envelope and of 15 s without) the confidence is compared at the gaps that 10 to 90 % of 2048 simulated
-motions do not close, and the gap for 90 % with the simulated one. Takes a minute.
+For elastic structures the moments are exact, so that the errors are those of crossing theory. Of
+each of 200 random pairs (periods 0.2 to 4 s, damping 0.01 to 0.1, on three grounds, in motions of
+30 s with an envelope and of 15 s without) the confidence is compared at the gaps that 10 to 90 % of
+2048 simulated motions do not close, and the gap for 90 % with the simulated one. Takes a minute.
 """
 
 import itertools
@@ -46,7 +46,9 @@ def errors():
         pair = [sl.Bilinear(period, damping) for period, damping in zip(*drawn, strict=True)]
         results.append(error_of(pair, ground, motion, seed))
     confidence, gap = zip(*results, strict=True)
-    return xr.Dataset({"confidence": (("pair", "share"), list(confidence)), "gap": ("pair", list(gap))})
+    return xr.Dataset(
+        {"confidence": (("pair", "share"), list(confidence)), "gap": ("pair", list(gap))}
+    )
 
 
 if __name__ == "__main__":

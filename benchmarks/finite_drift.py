@@ -1,9 +1,9 @@
 """Errors of gaps by the drift closure in time: `python benchmarks/finite_drift.py`.
 
-docs/gallery/finite_pairs.nc has 300 random yielding pairs of five families in motions of finite length,
-with their simulated gaps for 50, 84, 90 and 98 %. Prints the errors of `stochlin.passage_gap` for these
-pairs, and of what is left of it without one of its parts. With `--simulate SEED`, draws and simulates
-other pairs, in a minute or two.
+docs/gallery/finite_pairs.nc has 300 random yielding pairs of five families in motions of finite
+length, with their simulated gaps for 50, 84, 90 and 98 %. Prints the errors of
+`stochlin.passage_gap` for these pairs, and of what is left of it without one of its parts. With
+`--simulate SEED`, draws and simulates other pairs, in a minute or two.
 """
 
 import sys
@@ -40,8 +40,9 @@ GROUNDS = BROAD | NARROW
 PARAMETERS = ("period", "damping", "hardening", "reduction_factor")
 PERIODS, DAMPING, HARDENING, FACTORS = (0.2, 3.0), (0.02, 0.08), (0.02, 0.2), (1.5, 8.0)
 SECONDS = (10.0, 60.0)
-# Of each family the grounds, the number of pairs, and what is drawn otherwise: the largest ratio of the
-# two periods and of the two reduction factors, the cycles of the longer period, the reduction factors.
+# Of each family the grounds, the number of pairs, and what is drawn otherwise: the largest ratio of
+# the two periods and of the two reduction factors, the cycles of the longer period, the reduction
+# factors.
 FAMILIES = {
     "broad band": (BROAD, 150, {}),
     "narrow band": (NARROW, 60, {}),
@@ -79,7 +80,9 @@ def drawn(seed):
             own = [*zip(periods, between(DAMPING), between(HARDENING), factors, strict=True)]
             cycles = other.get("cycles")
             seconds = (
-                random.uniform(*SECONDS) if cycles is None else max(periods) * random.uniform(*cycles)
+                random.uniform(*SECONDS)
+                if cycles is None
+                else max(periods) * random.uniform(*cycles)
             )
             ground = [*grounds][number % len(grounds)]
             rows.append([family, ground, random.integers(4), seconds, *own[0], *own[1]])
@@ -97,7 +100,11 @@ def each(pairs):
         structures = [sl.Bilinear(*values, reduction_factor=factor) for *values, factor in both]
         seconds = float(one.seconds)
         envelope = envelope_of(int(one.envelope), seconds)
-        yield structures, GROUNDS[str(one.ground.values)], {"duration": seconds, "envelope": envelope}
+        yield (
+            structures,
+            GROUNDS[str(one.ground.values)],
+            {"duration": seconds, "envelope": envelope},
+        )
 
 
 def simulated(pairs):
@@ -148,7 +155,8 @@ def _without_slow_mode(rows):
 def _at_once(difference):
     def prompt(first, second, *others):
         sides = (
-            s._replace(rows=s.rows._replace(growth=0 * s.rows.growth + 1e3)) for s in (first, second)
+            s._replace(rows=s.rows._replace(growth=0 * s.rows.growth + 1e3))
+            for s in (first, second)
         )
         return difference(*sides, *others)
 
@@ -211,13 +219,19 @@ if __name__ == "__main__":
     off = errors_of_confidence(pairs)
     for flag in (0, 1):
         ends = np.percentile(off[table.caution == flag], [0, 2.5, 97.5, 100])
-        print(f"confidence with caution {flag}: least, 2.5 %, 97.5 %, largest error", np.round(ends, 2))
+        print(
+            f"confidence with caution {flag}: least, 2.5 %, 97.5 %, largest error",
+            np.round(ends, 2),
+        )
     print("mean / mean absolute / 95 % of absolute / worst [%], for", *CONFIDENCES)
     kinds = {family: pairs.family == family for family in FAMILIES}
     kinds |= {"caution 0": table.caution == 0, "caution 1": table.caution == 1}
     for kind, which in kinds.items():
         print(
-            f"{kind:12}", int(which.sum()), *(in_words(row[which]) for row in table.error.T), sep=" | "
+            f"{kind:12}",
+            int(which.sum()),
+            *(in_words(row[which]) for row in table.error.T),
+            sep=" | ",
         )
     narrow = pairs.ground.isin(list(NARROW))
     for part, error in ablation(pairs).items():

@@ -1,10 +1,10 @@
 """Do predicted gaps hold in earthquakes? `python benchmarks/reality.py RECORDS --work FOLDER`.
 
-RECORDS is a folder whose table suites.csv lists two suites, as `read_records` takes it, with the columns
-event and station; records from its folder mexico_city are of a lake bed, the others are the far field.
-Motions are predicted from a spectrum, or fitted to one record or both components of a station; the gaps
-that they ask for, and those of every rule for a spectrum, are tried on records. Takes half an
-hour or so on two cores; a run that was stopped goes on with what is in FOLDER.
+RECORDS is a folder whose table suites.csv lists two suites, as `read_records` takes it, with the
+columns event and station; records from its folder mexico_city are of a lake bed, the others are the
+far field. Motions are predicted from a spectrum, or fitted to one record or both components of a
+station; the gaps that they ask for, and those of every rule for a spectrum, are tried on records.
+Takes half an hour or so on two cores; a run that was stopped goes on with what is in FOLDER.
 `--page FILE` writes the tables into a page, `--save FILE` what its pictures show.
 """
 
@@ -102,10 +102,13 @@ def suites(table: Path) -> dict[str, Recorded]:
     }
 
 
-# --- structures and what is predicted of them ---------------------------------------------------------
+# --- structures and what is predicted of them
+# ---------------------------------------------------------
 
 
-def structure(period: float, storeys: int, strength: float | None) -> sl.Bilinear | sl.ShearBuilding:
+def structure(
+    period: float, storeys: int, strength: float | None
+) -> sl.Bilinear | sl.ShearBuilding:
     """Elastic, or with this displacement [m] at yield, of a building that of its roof."""
     if storeys == 1:
         law = {} if strength is None else {"hardening": HARDENING, "yield_displacement": strength}
@@ -115,7 +118,12 @@ def structure(period: float, storeys: int, strength: float | None) -> sl.Bilinea
         push = (2 * np.pi / period) ** 2 * strength * (storeys + 1) / (2 * storeys)
         law = {"hardening": HARDENING, "base_shear_coefficient": push / scipy.constants.g}
     return sl.ShearBuilding.regular(
-        period=period, storeys=storeys, storey_height=STOREY_HEIGHT, mass=MASS, damping=DAMPING, **law
+        period=period,
+        storeys=storeys,
+        storey_height=STOREY_HEIGHT,
+        mass=MASS,
+        damping=DAMPING,
+        **law,
     )
 
 
@@ -214,8 +222,14 @@ def compared(prediction: Prediction, needed: Array, names: list[str], part: str)
         {
             "below": (dims, np.where(np.isnan(record), np.nan, below)),
             "off": (dims, log_record - _mean(logs)),
-            "spread": (dims, np.broadcast_to(np.sqrt(_mean(logs**2) - _mean(logs) ** 2), below.shape)),
-            "probability": ((*dims, "gap"), np.broadcast_to(likely, (*below.shape, len(GAP_SHARES)))),
+            "spread": (
+                dims,
+                np.broadcast_to(np.sqrt(_mean(logs**2) - _mean(logs) ** 2), below.shape),
+            ),
+            "probability": (
+                (*dims, "gap"),
+                np.broadcast_to(likely, (*below.shape, len(GAP_SHARES))),
+            ),
             "hit": (("case", *dims[2:], "gap"), np.where(np.isnan(needed), np.nan, needed > gap)),
             "needed": (("case", *dims[2:]), needed[..., 0]),
         },
@@ -252,7 +266,8 @@ class Kept:
         return Prediction(np.array(gaps), yields, levels)
 
 
-# --- (a) from a spectrum ------------------------------------------------------------------------------
+# --- (a) from a spectrum
+# ------------------------------------------------------------------------------
 
 
 def mean_spectrum(records: Mapping[str, xr.DataArray]) -> xr.DataArray:
@@ -276,8 +291,8 @@ def mean_spectrum(records: Mapping[str, xr.DataArray]) -> xr.DataArray:
     )
 
 
-# Duration [s] and envelope: of the far field those of the documentation's examples, of the lake bed the
-# medians of what fit_envelope finds.
+# Duration [s] and envelope: of the far field those of the documentation's examples, of the lake bed
+# the medians of what fit_envelope finds.
 LENGTHS = {
     FAR_FIELD: (20.0, (2.0, 12.0, 0.4)),
     LAKE_BED: (80.0, (1.0, 12.0, 0.02)),
@@ -295,7 +310,9 @@ class OfSpectrum(NamedTuple):
 
 def of_spectrum(kept: Kept, records: Mapping[str, Recorded], suite: str) -> OfSpectrum:
     own = {name: each.values for name, each in records.items() if each.suite == suite}
-    target = sl.eurocode_8(0.25 * scipy.constants.g, "B") if suite == FAR_FIELD else mean_spectrum(own)
+    target = (
+        sl.eurocode_8(0.25 * scipy.constants.g, "B") if suite == FAR_FIELD else mean_spectrum(own)
+    )
     duration, shape = LENGTHS[suite]
     envelope = sl.AminAng(*shape)
 
@@ -327,7 +344,8 @@ def from_spectrum(kept: Kept, records: Mapping[str, Recorded], suite: str) -> xr
     return compared(prediction, needed, list(own), SPECTRUM)
 
 
-# --- gaps of every rule -------------------------------------------------------------------------------
+# --- gaps of every rule
+# -------------------------------------------------------------------------------
 
 
 def gaps_by_rule(motion: Motion, yields: Array) -> xr.DataArray:
@@ -364,7 +382,8 @@ def rules_of(kept: Kept, records: Mapping[str, Recorded]) -> xr.DataArray:
     return xr.concat(each, xr.DataArray(list(LENGTHS), dims="suite", name="suite"))
 
 
-# --- (b) and (c) from one record ----------------------------------------------------------------------
+# --- (b) and (c) from one record
+# ----------------------------------------------------------------------
 
 
 def pairs_on(suite: str) -> Sequence[Sequence[int]]:
@@ -400,7 +419,9 @@ def from_record(kept: Kept, records: Mapping[str, Recorded], name: str) -> xr.Da
     )
     if one.suite == LAKE_BED:
         for part, same in (("other station", True), ("other event", False)):
-            some = {other: scaled[other] for other in far if (far[other].event == one.event) is same}
+            some = {
+                other: scaled[other] for other in far if (far[other].event == one.event) is same
+            }
             add(part, some)
     others, target = {other: each.values for other, each in far.items()}, spectrum_of([one.values])
     add(PGA_ELSEWHERE, scaled, GROUPS[0])
@@ -431,7 +452,9 @@ def from_both(kept: Kept, records: Mapping[str, Recorded], place: str) -> xr.Dat
 
     def fitted() -> tuple[Motion, float]:
         motion = sl.fit_motion(components)
-        return Motion(motion.ground, motion.envelope, motion.duration, groups=groups), motion.scatter
+        return Motion(
+            motion.ground, motion.envelope, motion.duration, groups=groups
+        ), motion.scatter
 
     name = f"{place}, both"
     motion, scatter = kept(f"{name}, motion", fitted)
@@ -448,7 +471,8 @@ def from_both(kept: Kept, records: Mapping[str, Recorded], place: str) -> xr.Dat
     return xr.concat([found, far], "case")
 
 
-# --- all of it ----------------------------------------------------------------------------------------
+# --- all of it
+# ----------------------------------------------------------------------------------------
 
 
 def all_cases(records: Mapping[str, Recorded], work: Path) -> xr.Dataset:
@@ -472,7 +496,9 @@ def main() -> None:
     parser.add_argument("--work", type=Path, required=True)
     parser.add_argument("--page", type=Path)
     parser.add_argument("--save", type=Path)
-    parser.add_argument("--every", type=int, default=1, help="take one place in so many, for a trial")
+    parser.add_argument(
+        "--every", type=int, default=1, help="take one place in so many, for a trial"
+    )
     options = parser.parse_args()
     table = options.records / "suites.csv"
     if not table.exists():

@@ -31,15 +31,16 @@ SUITES = (FAR_FIELD, LAKE_BED)
 KNOWN_PLACE = tuple((part, suite) for part in (SPECTRUM, OTHER) for suite in SUITES)
 
 
-# --- counting -----------------------------------------------------------------------------------------
+# --- counting
+# -----------------------------------------------------------------------------------------
 
 
 def share_interval(came_true: Array, place: Array) -> tuple[float, float, float]:
     """Share of what came true (case, ...) and its 95 % interval, where cases of a place go together.
 
-    Clopper and Pearson's interval of the number of independent cases that would scatter as much as the
-    places do (Korn and Graubard 1998); where all came true or none, each place is one case. NaN in
-    ``came_true`` was not tried.
+    Clopper and Pearson's interval of the number of independent cases that would scatter as much as
+    the places do (Korn and Graubard 1998); where all came true or none, each place is one case. NaN
+    in ``came_true`` was not tried.
     """
     rows = np.reshape(came_true, (len(place), -1))
     _, group = np.unique(place, return_inverse=True)
@@ -82,7 +83,9 @@ def misfits(cases: xr.Dataset) -> Array:
     """Mean negative log-likelihood of each case (case, GRID): lognormal gaps of this scatter."""
     trial = xr.DataArray(GRID, dims="trial")
     off, variance = at_scatter(cases.off, trial), at_scatter(cases.spread**2, trial)
-    variance = np.fmax(variance, cases.spread.isel(scatter=0, drop=True) ** 2)  # never less than without
+    variance = np.fmax(
+        variance, cases.spread.isel(scatter=0, drop=True) ** 2
+    )  # never less than without
     each = np.log(variance) / 2 + off**2 / (2 * variance)
     found: Array = each.mean(("strength", "pair")).transpose("case", "trial").to_numpy()
     return found
@@ -101,7 +104,8 @@ def scatter_of(groups: Sequence[xr.Dataset]) -> tuple[float, float, float]:
     return float(best[0]), *map(float, np.quantile(best[1:], [TAIL, 1 - TAIL]))
 
 
-# --- what is shown ------------------------------------------------------------------------------------
+# --- what is shown
+# ------------------------------------------------------------------------------------
 
 
 def of(cases: xr.Dataset, part: str, suite: str | None = None) -> xr.Dataset:
@@ -129,14 +133,21 @@ def figures_of(all_cases: xr.Dataset, gaps: xr.DataArray) -> xr.Dataset:
     cases = all_cases.sel(scatter=list(LEVELS))
     groups = shown(cases)
     rows = [
-        [[_share(group, s, q) for q in CURVE] for s in cases.scatter.values] for group in groups.values()
+        [[_share(group, s, q) for q in CURVE] for s in cases.scatter.values]
+        for group in groups.values()
     ]
     bins = [[list(_binned(group, s)) for s in cases.scatter.values] for group in groups.values()]
     hit = ("group", "scatter", "bin")
     columns = {
-        **_with_interval("held", ("group", "scatter", "nominal"), rows, "share of the gaps that held"),
+        **_with_interval(
+            "held", ("group", "scatter", "nominal"), rows, "share of the gaps that held"
+        ),
         **_with_interval("hit", hit, bins, "share of the records that hit"),
-        "probability": (hit, np.array(bins)[..., 3], _attrs("predicted probability of pounding, mean")),
+        "probability": (
+            hit,
+            np.array(bins)[..., 3],
+            _attrs("predicted probability of pounding, mean"),
+        ),
     }
     coords = {"group": list(groups), "scatter": cases.scatter, "nominal": CURVE}
     figures = xr.Dataset(columns, coords).assign_attrs(
@@ -161,7 +172,9 @@ def _with_interval(
 ) -> dict[str, tuple[Sequence[str], Array, dict[str, str]]]:
     """A share or a scatter with both ends of its interval, which are last in ``values``."""
     names = _with_ends(name, long_name).items()
-    return {each: (dims, np.array(values)[..., n], _attrs(text)) for n, (each, text) in enumerate(names)}
+    return {
+        each: (dims, np.array(values)[..., n], _attrs(text)) for n, (each, text) in enumerate(names)
+    }
 
 
 def _binned(group: xr.Dataset, scatter: float) -> Iterator[tuple[float, float, float, float]]:
@@ -169,7 +182,9 @@ def _binned(group: xr.Dataset, scatter: float) -> Iterator[tuple[float, float, f
     likely = group.probability.sel(scatter=scatter)
     for low, high in itertools.pairwise(EDGES):
         inside = (
-            (likely >= low) & ((likely < high) if high < 1 else (likely <= high)) & group.hit.notnull()
+            (likely >= low)
+            & ((likely < high) if high < 1 else (likely <= high))
+            & group.hit.notnull()
         )
         if not inside.any():
             yield np.nan, np.nan, np.nan, np.nan
@@ -201,7 +216,8 @@ def _held(figures: xr.Dataset) -> str:
     return _table(("Gaps from", "scatter", *(f"{100 * q:g} %" for q in NOMINAL)), rows)
 
 
-# --- scatter ------------------------------------------------------------------------------------------
+# --- scatter
+# ------------------------------------------------------------------------------------------
 
 
 def _scatters(cases: xr.Dataset) -> xr.Dataset:
@@ -224,14 +240,17 @@ def _scatters(cases: xr.Dataset) -> xr.Dataset:
     return xr.Dataset(columns, {"source": list(groups | joint), "strength": cases.strength.values})
 
 
-# --- rules --------------------------------------------------------------------------------------------
+# --- rules
+# --------------------------------------------------------------------------------------------
 
 
 def _of_equal_gaps(gaps: xr.DataArray) -> xr.DataArray:
     """Rules that ask for the same gaps everywhere become one, with all their names."""
     names: dict[int, list[str]] = {}
     for rule in range(gaps.sizes["rule"]):
-        alike = (n for n in names if np.allclose(gaps.isel(rule=n), gaps.isel(rule=rule), rtol=1e-9))
+        alike = (
+            n for n in names if np.allclose(gaps.isel(rule=n), gaps.isel(rule=rule), rtol=1e-9)
+        )
         names.setdefault(next(alike, rule), []).append(str(gaps.rule.values[rule]))
     distinct = gaps.isel(rule=list(names))
     return distinct.assign_coords(rule=[", ".join(each) for each in names.values()])
@@ -240,8 +259,8 @@ def _of_equal_gaps(gaps: xr.DataArray) -> xr.DataArray:
 def judged_rules(cases: xr.Dataset, gaps: xr.DataArray) -> xr.Dataset:
     """What records of (a) need over the gap of each rule, over suite and rule.
 
-    A cell is a pair and a strength. The first rule is the simulation; mean gaps are equal to its own if
-    the mean logarithms over the cells are.
+    A cell is a pair and a strength. The first rule is the simulation; mean gaps are equal to its
+    own if the mean logarithms over the cells are.
     """
     gaps = _of_equal_gaps(gaps)
     found: dict[str, list[list[float]]] = {name: [] for name in _RULE_COLUMNS}
@@ -270,7 +289,11 @@ def judged_rules(cases: xr.Dataset, gaps: xr.DataArray) -> xr.Dataset:
                 found[column].append(value)
     sizes = gaps.sizes["suite"], gaps.sizes["rule"]
     columns = {
-        name: (("suite", "rule"), np.reshape(found[name], sizes), {"units": "1", "long_name": long_name})
+        name: (
+            ("suite", "rule"),
+            np.reshape(found[name], sizes),
+            {"units": "1", "long_name": long_name},
+        )
         for name, long_name in _RULE_COLUMNS.items()
     }
     return xr.Dataset(columns, coords={"suite": gaps.suite.values, "rule": gaps.rule.values})
@@ -325,7 +348,8 @@ def _rules(figures: xr.Dataset) -> str:
     return _table(head, rows)
 
 
-# --- one component and both ---------------------------------------------------------------------------
+# --- one component and both
+# ---------------------------------------------------------------------------
 
 
 ONE = "one component"

@@ -1,8 +1,9 @@
 """Error of every rule for the gap of yielding pairs, in motions of 30 s: `python benchmarks/rules.py`.
 
-The gap is that of `stochlin.separation`: the quantile of max(u_1 - u_2) at a confidence of 90 %, with
-the stiffer structure on the left. The motions have an Amin-Ang envelope (4 s, 15 s, 0.35); hardening
-0.02, 0.05 and 0.1; T1/T2 from 0.3 to 0.9; three T2 around the period of the ground. Takes some minutes.
+The gap is that of `stochlin.separation`: the quantile of max(u_1 - u_2) at a confidence of 90 %,
+with the stiffer structure on the left. The motions have an Amin-Ang envelope (4 s, 15 s, 0.35);
+hardening 0.02, 0.05 and 0.1; T1/T2 from 0.3 to 0.9; three T2 around the period of the ground. Takes
+some minutes.
 """
 
 import numpy as np
@@ -43,10 +44,18 @@ def errors(ground, factor, periods, paths=PATHS):
     """Gap over the simulated one minus 1, by rule, of all pairs, and the latter's standard error."""
     period = xr.DataArray(periods, dims="period")
     first, second = (
-        sl.Bilinear(each, 0.05, HARDENING, reduction_factor=factor) for each in (RATIOS * period, period)
+        sl.Bilinear(each, 0.05, HARDENING, reduction_factor=factor)
+        for each in (RATIOS * period, period)
     )
     table = sl.separation(
-        first, second, ground, DURATION, envelope=QUAKE, confidence=CONFIDENCE, scatter=0.0, paths=paths
+        first,
+        second,
+        ground,
+        DURATION,
+        envelope=QUAKE,
+        confidence=CONFIDENCE,
+        scatter=0.0,
+        paths=paths,
     )
     needed = table.gap.sel(rule="simulation", drop=True)
     rho = sl.correlate(first, second, ground, "simulation").rho

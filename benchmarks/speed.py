@@ -1,10 +1,10 @@
 """CPU seconds of tables, single pairs and closures: `python benchmarks/speed.py [CHECKOUT ...]`.
 
 Without a CHECKOUT the jobs run by this installation and beside other ways to the same numbers. With
-folders of other versions of the repository, each version has a process of its own, and the last column
-is the ratio of the first to the last. Every repetition takes all jobs in turn, so that a machine that
-becomes slower or faster meanwhile favours none; the table shows the least time of each. Takes a minute
-for each version.
+folders of other versions of the repository, each version has a process of its own, and the last
+column is the ratio of the first to the last. Every repetition takes all jobs in turn, so that a
+machine that becomes slower or faster meanwhile favours none; the table shows the least time of
+each. Takes a minute for each version.
 """
 
 import os
@@ -151,7 +151,10 @@ def peer_jobs():
     return {
         "2000 x 2000 covariances by modes, plain numpy": (1, lambda: modal_table(sides)),
         "one structure, the loop with scipy": (5, lambda: loop(by_scipy, NUMBERS[0])),
-        "one structure, the loop with python-control": (5, lyap and (lambda: loop(lyap, NUMBERS[0]))),
+        "one structure, the loop with python-control": (
+            5,
+            lyap and (lambda: loop(lyap, NUMBERS[0])),
+        ),
     }
 
 
@@ -206,7 +209,9 @@ def main():
         absent = [name for name in jobs if name not in peers]
         print("\n".join(f"{name}: not installed" for name in absent))
     least = measured(checkouts, names + peers)
-    print("milliseconds of CPU" + "".join(f" | {checkout.resolve().name}" for checkout in checkouts))
+    print(
+        "milliseconds of CPU" + "".join(f" | {checkout.resolve().name}" for checkout in checkouts)
+    )
     for name, row in zip(names + peers, least.T, strict=True):
         ratio = f" | {row[0] / row[-1]:.2f}" if len(row) > 1 else ""
         print(f"{name:50s}" + "".join(f" | {1e3 * seconds:10.3f}" for seconds in row) + ratio)

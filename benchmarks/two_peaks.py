@@ -1,7 +1,8 @@
 """The parts of the drift closure on ground with two spectral peaks: `python benchmarks/two_peaks.py`.
 
-docs/gallery/two_peaked_pairs.nc has 200 random pairs of unequal bilinear structures with their simulated
-moments. Prints the errors of every part; with `--simulate`, simulates the pairs anew, in a minute or so.
+docs/gallery/two_peaked_pairs.nc has 200 random pairs of unequal bilinear structures with their
+simulated moments. Prints the errors of every part; with `--simulate`, simulates the pairs anew, in
+a minute or so.
 """
 
 import sys
@@ -69,10 +70,14 @@ def simulated_pairs():
         mean, ratio = between(0.35, 2.9, 2), between(3**-0.5, 3**0.5, 2)
         limits = ((0.01, 0.1), (0.02, 0.5), (0.3, 4.0))
         own = [np.ravel([mean * ratio, mean / ratio], "F"), *(between(*each, 4) for each in limits)]
-        each = [sl.Bilinear(*values, reduction_factor=3 * R) for *values, R in zip(*own, strict=True)]
+        each = [
+            sl.Bilinear(*values, reduction_factor=3 * R) for *values, R in zip(*own, strict=True)
+        ]
         table = sl.simulate(each, TwoPeaks(1.0, *soil), paths=PATHS, seed=seed)
         std, rho = table.displacement_std.values, table.rho.values
-        share, off = (table[f"{name}_standard_error"].values for name in ("displacement_std", "rho"))
+        share, off = (
+            table[f"{name}_standard_error"].values for name in ("displacement_std", "rho")
+        )
         for n in (0, 2):
             sides = [values[k] for k in (n, n + 1) for values in own]
             moments = std[n], std[n + 1], rho[n, n + 1]

@@ -77,14 +77,15 @@ html_css_files = ["math.css"]
 html_title = f"stochlin {release}"
 
 
-# The pages are plain Markdown, whose links lead to files of the repository. The site has pages in place
-# of some of these, and lists of contents: a page lists those that it links to.
+# The pages are plain Markdown, whose links lead to files of the repository. The site has pages in
+# place of some of these, and lists of contents: a page lists those that it links to.
 CHANGES = Path(__file__).parents[1] / "CHANGELOG.md"
 REPLACED = {"](../notebooks/": "](notebooks/", "](gallery)": "](auto_gallery/index.rst)"}
 LISTS = ("index", "notebooks")
 CONTENTS = "\n\n```{{toctree}}\n:hidden:\n:maxdepth: 1\n{}\n```\n"
 
-# The reference leads to a page of each name, which is made of a list in a file, before any page is read.
+# The reference leads to a page of each name, which is made of a list in a file, before any page is
+# read.
 GENERATED = Path(__file__).parent / "reference" / "generated"
 HEADING = re.compile(r"^### (.+)$", re.MULTILINE)
 _listed = HEADING.findall((GENERATED.parent / "index.md").read_text(encoding="utf-8"))

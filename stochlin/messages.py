@@ -150,7 +150,9 @@ def check_names(owner: str, written: Iterable[str], known: Mapping[str, inspect.
     for name in written:
         if name not in known:
             allowed = ", ".join(known)
-            raise TypeError(f"{owner}: {name} is no argument; {hint(name, known)}allowed: {allowed}")
+            raise TypeError(
+                f"{owner}: {name} is no argument; {hint(name, known)}allowed: {allowed}"
+            )
 
 
 def check_call(
@@ -165,11 +167,13 @@ def check_call(
         raise TypeError(f"{owner}: {error}; allowed: {', '.join(known)}") from None
 
 
-def as_written(text: str, names: Mapping[str, str], written: Callable[[str, str | None], str]) -> str:
+def as_written(
+    text: str, names: Mapping[str, str], written: Callable[[str, str | None], str]
+) -> str:
     """A message in which arguments such as ``direction='UX'`` or ``units=`` are named as a user does.
 
-    ``names`` has the names that the user knows, by those of the arguments, and ``written`` gives the
-    text of such a name and of the value, which is None where the message leaves it open.
+    ``names`` has the names that the user knows, by those of the arguments, and ``written`` gives
+    the text of such a name and of the value, which is None where the message leaves it open.
     """
 
     def replaced(match: re.Match[str]) -> str:

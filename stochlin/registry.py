@@ -1,9 +1,9 @@
 """Extensions by name: a registry for each kind, one file for each extension.
 
-The modules of the kind's own folder are imported when a name is first asked for, and so are those that
-installed packages announce as entry points of the group ``stochlin.extensions``. Each registers what it
-defines; nothing else lists the names. One that cannot be imported is named by a warning, and the others
-still work.
+The modules of the kind's own folder are imported when a name is first asked for, and so are those
+that installed packages announce as entry points of the group ``stochlin.extensions``. Each
+registers what it defines; nothing else lists the names. One that cannot be imported is named by a
+warning, and the others still work.
 """
 
 from __future__ import annotations
@@ -60,8 +60,8 @@ class Registry(Mapping[str, Thing], Generic[Thing]):
     def register(self, name: str, place: int = LAST) -> Callable[[Defined], Defined]:
         """A decorator that makes what it stands on known by this name.
 
-        Lists show what has a lower ``place`` first, and all of one place by name. A name that is taken
-        raises a ValueError, and so does a thing that fails the check of the registry.
+        Lists show what has a lower ``place`` first, and all of one place by name. A name that is
+        taken raises a ValueError, and so does a thing that fails the check of the registry.
         """
 
         def add(thing: Defined) -> Defined:
@@ -99,7 +99,9 @@ class Registry(Mapping[str, Thing], Generic[Thing]):
     def _found(self) -> Mapping[str, Thing]:
         with self._lock:
             if not self._asked:
-                self._asked = True  # a module that asks while it is imported sees what is there so far
+                self._asked = (
+                    True  # a module that asks while it is imported sees what is there so far
+                )
                 try:
                     for name in self._modules():
                         _import(name, partial(importlib.import_module, name))
@@ -129,10 +131,14 @@ def as_key(name: object) -> str:
 def expect_class(thing: Any, base: type, *required: str) -> None:
     """Raise a ValueError for what is no class of a ``base``, or lacks what the base leaves to it."""
     if not (isinstance(thing, type) and issubclass(thing, base)):
-        raise ValueError(f"{brief(thing)} is registered; allowed: a class derived from {base.__name__}")
+        raise ValueError(
+            f"{brief(thing)} is registered; allowed: a class derived from {base.__name__}"
+        )
     for name in required:
         if getattr(thing, name, None) is getattr(base, name, None):
-            raise ValueError(f"{thing.__name__} has no {name}, which a class of {base.__name__} needs")
+            raise ValueError(
+                f"{thing.__name__} has no {name}, which a class of {base.__name__} needs"
+            )
 
 
 @cache

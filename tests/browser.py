@@ -125,4 +125,6 @@ class Browser:
     def downloaded(self, name: str) -> Path:
         path = self.downloads / name
         wait(path.exists)
-        return path.rename(path.with_stem(f"{path.stem} {time.monotonic_ns()}"))  # the next has its name
+        return path.rename(
+            path.with_stem(f"{path.stem} {time.monotonic_ns()}")
+        )  # the next has its name

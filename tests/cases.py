@@ -34,7 +34,8 @@ PRACTICE = {
     "ground_damping": (0.03, 0.8),
 }
 BEYOND = {
-    # Up to a hundred ground periods; at three hundred, on Clough-Penzien ground, rho keeps 8 digits.
+    # Up to a hundred ground periods; at three hundred, on Clough-Penzien ground, rho keeps 8
+    # digits.
     "period": (0.05, 10.0),
     "damping": (0.005, 0.2),
     "hardening": (0.001, 1.0),
@@ -145,9 +146,12 @@ def recorded_example() -> str:
 def run_as_printed(line: str, page: Iterable[str]) -> None:
     """Run a command of a page in an empty folder, after those lines of the page that write its files.
 
-    Motions are few; before ``pound`` the pages say that the lines of ``record.at2`` have to be taken in.
+    Motions are few; before ``pound`` the pages say that the lines of ``record.at2`` have to be
+    taken in.
     """
-    *before, last = (each.partition(" > ") for each in (*filter(re.compile(" > ").search, page), line))
+    *before, last = (
+        each.partition(" > ") for each in (*filter(re.compile(" > ").search, page), line)
+    )
     for command, _, target in before:
         Path(target).write_text(_output(command), encoding="utf-8")
     text = Path("case.toml").read_text(encoding="utf-8") + "[simulation]\npaths = 256\n"
@@ -192,7 +196,9 @@ def check_labels(table: xr.Dataset) -> None:
     assert table.attrs["stochlin_version"] == sl.__version__
 
 
-def log_uniform(rng: np.random.Generator, limits: tuple[float, float], size: int | None = None) -> Any:
+def log_uniform(
+    rng: np.random.Generator, limits: tuple[float, float], size: int | None = None
+) -> Any:
     """Numbers whose logarithm is uniform between the logarithms of the limits."""
     return np.exp(rng.uniform(*np.log(limits), size))
 
@@ -201,7 +207,9 @@ def draw_structure(
     rng: np.random.Generator, domain: dict[str, tuple[float, float]], size: int | None = None
 ) -> dict[str, Any]:
     """Arguments of a bilinear structure; ``reduction_factor`` is 3 sigma_el/uy."""
-    values = {key: log_uniform(rng, domain[key], size) for key in ("period", "damping", "hardening")}
+    values = {
+        key: log_uniform(rng, domain[key], size) for key in ("period", "damping", "hardening")
+    }
     return values | {"reduction_factor": 3 * log_uniform(rng, domain["strength_ratio"], size)}
 
 
@@ -215,7 +223,8 @@ def draw_ground(
 def covariances_in_time(space: xr.Dataset, envelope: Any, times: Any, ends: Sequence[float]) -> Any:
     """Of the states of `statespace` (times, n, n), from ``P' = A P + P A' + Q`` integrated by itself.
 
-    The soil is stationary at the beginning; integration stops at the kinks of the envelope, ``ends``.
+    The soil is stationary at the beginning; integration stops at the kinks of the envelope,
+    ``ends``.
     """
     matrix, noise = space.state_matrix.values, space.noise_vector.values
     soil = np.array([str(name).startswith("x") for name in space.state.values])
@@ -250,7 +259,8 @@ def augmented_system(
     """State matrix and noise vector of structures on one ground, in numbers of any type.
 
     A structure is ``(stiffness, damping)`` if elastic, with the states u, u', or ``(stiffness,
-    damping, coupling, c, k)`` with the states u, u', z: ``u'' = -(stiffness - coupling) u - damping u'
+    damping, coupling, c, k)`` with the states u, u', z: ``u'' = -(stiffness - coupling) u - damping
+    u'
     - coupling z + f``, ``z' = -c u' - k z``. The states of the ground come last. ``filters`` are
     circular frequencies and damping ratios: none for white noise, two for Kanai-Tajimi, four for
     Clough-Penzien.
@@ -299,8 +309,8 @@ def slip_moments(
 ) -> tuple[float, float]:
     """``E[w v]`` and ``E[w seen(z)]`` of an odd slip rate ``w = v share(z)`` for ``v > 0``.
 
-    ``(v, z)`` is Gaussian. The integral over ``v`` is a truncated moment, the one over ``z`` is left
-    to QUADPACK, on pieces between the edges of the law.
+    ``(v, z)`` is Gaussian. The integral over ``v`` is a truncated moment, the one over ``z`` is
+    left to QUADPACK, on pieces between the edges of the law.
     """
     sv, sz, r = latent
     q = np.sqrt(1 - r * r)

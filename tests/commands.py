@@ -32,7 +32,9 @@ def refused(*arguments: object) -> str:
     return " ".join(result.output.split())
 
 
-def process(folder: Path, setting: dict[str, str], *command: str) -> subprocess.CompletedProcess[str]:
+def process(
+    folder: Path, setting: dict[str, str], *command: str
+) -> subprocess.CompletedProcess[str]:
     """One with these variables in its environment."""
     places = os.pathsep.join([str(Path(sl.__file__).parents[1]), *filter(None, sys.path)])
     environment = {**os.environ, "PYTHONPATH": places, **setting}

@@ -29,7 +29,9 @@ def pytest_collection_modifyitems(items):
             item.add_marker("cli")
         drawn = getattr(getattr(item, "obj", None), "is_hypothesis_test", False)
         if drawn or item.get_closest_marker("extreme"):
-            item.add_marker(pytest.mark.filterwarnings("ignore::stochlin.messages.ImplausibleInput"))
+            item.add_marker(
+                pytest.mark.filterwarnings("ignore::stochlin.messages.ImplausibleInput")
+            )
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -29,8 +29,8 @@ def _run(law, states, x, own, turns, pieces, reached, work, least):
 def by_steps(law, turns, pieces, own=()):
     """States (turns, states, lanes) at the extensions ``turns`` (turns, lanes), which begin at 0.
 
-    The way from one turn to the next is divided into equal ``pieces``; ``own`` are parameters. Also the
-    least work of z so far, by the trapezoidal rule (lanes,).
+    The way from one turn to the next is divided into equal ``pieces``; ``own`` are parameters. Also
+    the least work of z so far, by the trapezoidal rule (lanes,).
     """
     states, lanes = law.states, turns.shape[1]
     x, values = np.zeros((states, lanes)), np.zeros((len(own), lanes))

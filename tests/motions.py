@@ -40,7 +40,9 @@ def motion(values: Any, dt: float = 0.02, start: float = 0.0, **attrs: Any) -> x
     """Accelerations in equal steps of time."""
     values = np.asarray(values, float)
     time = start + dt * np.arange(values.size)
-    return xr.DataArray(values, dims="time", coords={"time": time}, attrs={"units": "m/s^2"} | attrs)
+    return xr.DataArray(
+        values, dims="time", coords={"time": time}, attrs={"units": "m/s^2"} | attrs
+    )
 
 
 def finer(record: xr.DataArray, parts: int) -> xr.DataArray:
@@ -67,7 +69,9 @@ def shaking(
     samples: int = 400, seed: int = 0, size: float = 3.0, dt: float = 0.02, width: int = 15
 ) -> xr.DataArray:
     """Such noise under half a sine wave."""
-    return size * smooth_noise(samples, seed, width, dt) * np.sin(np.pi * np.arange(samples) / samples)
+    return (
+        size * smooth_noise(samples, seed, width, dt) * np.sin(np.pi * np.arange(samples) / samples)
+    )
 
 
 def from_sample_to_sample(

@@ -16,7 +16,8 @@ from motions import motion
 import stochlin as sl
 from stochlin.kernels.probability import hazards
 
-# --- SDND101 a: 100 kg on 1e4 N/m, thrown at 1 m/s against a stop of 1e6 N/m that it touches, no damping
+# --- SDND101 a: 100 kg on 1e4 N/m, thrown at 1 m/s against a stop of 1e6 N/m that it touches, no
+# damping
 MASS, SPRING, STOP, SPEED = 100.0, 1e4, 1e6, 1.0
 # --- SDND102 a: 25 kg, 98 696 N/m, 7 %, base acceleration sin(2 pi 10 t), stop of 5.76e7 N/m
 #     in space at 0.5 mm; ten impacts. The ground starts at the velocity of a steady sine.
@@ -128,7 +129,9 @@ def markdown() -> str:
     for row in rows():
         off = f"{100 * row.off:.2g} %" if abs(row.off) > 1e-9 else "rounding"
         published, computed = (f"{number:.7g}" for number in (row.published, row.computed))
-        lines.append(f"| {row.case} | {row.quantity} | {published} | {computed} | {off} | {row.cause} |")
+        lines.append(
+            f"| {row.case} | {row.quantity} | {published} | {computed} | {off} | {row.cause} |"
+        )
     return "\n".join(lines)
 
 

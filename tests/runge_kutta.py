@@ -7,7 +7,12 @@ import numpy as np
 from scipy.linalg import eigh
 
 PATHS, OWN_PATHS, OWN_STEP = 1024, 4096, 0.005
-POLYNOMIAL = [0.00042516035818070537, -0.0034087076598092536, 0.021272612064048006, 0.9554664534582995]
+POLYNOMIAL = [
+    0.00042516035818070537,
+    -0.0034087076598092536,
+    0.021272612064048006,
+    0.9554664534582995,
+]
 
 
 class Frame(NamedTuple):
@@ -52,7 +57,8 @@ class Frame(NamedTuple):
             u, v, z = state
             drift, rate = between(u), between(v)
             bent = (
-                self.beta * abs(rate) * abs(z) ** (self.n - 1) * z + self.gamma * rate * abs(z) ** self.n
+                self.beta * abs(rate) * abs(z) ** (self.n - 1) * z
+                + self.gamma * rate * abs(z) ** self.n
             )
             shear = self.k[:, None] * (self.alpha * drift + (1 - self.alpha) * z)
             net = shear - np.vstack([shear[1:], np.zeros_like(shear[:1])])
@@ -92,7 +98,9 @@ def library_numbers(steps, groups, first=0):
         s[0] ^= s[3]
         s[2] ^= shifted
         s[3] = (s[3] << np.uint64(45)) | (s[3] >> np.uint64(19))
-        x = sum((bits >> np.uint64(16 * part) & np.uint64(65535)).astype(float) for part in range(4))
+        x = sum(
+            (bits >> np.uint64(16 * part) & np.uint64(65535)).astype(float) for part in range(4)
+        )
         x = (x - 2 * 65535) / np.sqrt((2.0**32 - 1) / 3)
         row[:] = x * np.polyval(POLYNOMIAL, x**2)
     return numbers
@@ -109,14 +117,21 @@ def answers_and_numbers(frame, strength, end, limits):
     white = library_numbers(int(np.ceil(end / step)), PATHS // 32) * np.sqrt(strength / step)
     peaks, _ = frame.peaks(-white, step)
     exceedance = np.mean(peaks > limits[..., None] / 1000, axis=-1)
-    # Motions of its own, four times as many; distances of the probabilities over their standard errors.
+    # Motions of its own, four times as many; distances of the probabilities over their standard
+    # errors.
     own = np.random.default_rng(1).standard_normal((round(end / OWN_STEP), OWN_PATHS))
     own_peaks, _ = frame.peaks(own * np.sqrt(strength / OWN_STEP), OWN_STEP)
     own_exceedance = np.mean(own_peaks > limits[..., None] / 1000, axis=-1)
     variance = own_exceedance * (1 - own_exceedance)
     apart = abs(exceedance - own_exceedance) / np.sqrt(variance / PATHS + variance / OWN_PATHS)
     numbers = {
-        **{"large": limits[0], "larger": limits[1], "paths": PATHS, "own_paths": OWN_PATHS, "end": end},
+        **{
+            "large": limits[0],
+            "larger": limits[1],
+            "paths": PATHS,
+            "own_paths": OWN_PATHS,
+            "end": end,
+        },
         **{"step": 1000 * step, "own_step": 1000 * OWN_STEP},
         **{"apart": apart.max(), "within_one": np.sum(apart < 1), "compared": apart.size},
     }

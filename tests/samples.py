@@ -22,7 +22,22 @@ VERTICAL = [
         "V",
         "V1",
     ),
-    *("Z", "Z00", "ZUP", "U", "UD", "UD2", "U-D", "UP", "Up", "DN", "DWN", "Down", "UPDOWN", "Düşey"),
+    *(
+        "Z",
+        "Z00",
+        "ZUP",
+        "U",
+        "UD",
+        "UD2",
+        "U-D",
+        "UP",
+        "Up",
+        "DN",
+        "DWN",
+        "Down",
+        "UPDOWN",
+        "Düşey",
+    ),
 ]
 
 
@@ -32,7 +47,9 @@ def rows(values: Numbers, per_line: int, form: str) -> str:
     return "\n".join("".join(form.format(value) for value in line) for line in lines)
 
 
-def knet(counts: Numbers, scale: str = "3920(gal)/6182761", rate: str = "100Hz", memo: str = "") -> str:
+def knet(
+    counts: Numbers, scale: str = "3920(gal)/6182761", rate: str = "100Hz", memo: str = ""
+) -> str:
     """K-NET: counts of one component; the duration gives their number."""
     duration = len(counts) / float(rate.rstrip("Hz "))
     head = [
@@ -124,7 +141,9 @@ DATOS DE ACELERACION:
 {"".join(f"{name:>10}" for name in names.strip("/").split("/"))}
 {rule}
 """
-    lines = ("".join(f"{value:10.{digits}f}" for value in line) for line in zip(*channels, strict=True))
+    lines = (
+        "".join(f"{value:10.{digits}f}" for value in line) for line in zip(*channels, strict=True)
+    )
     return head + "\n".join(lines) + "\n"
 
 
@@ -212,7 +231,9 @@ def usgs(curves: dict[str, tuple[Numbers, Numbers]]) -> str:
         for name, (xs, ys) in curves.items()
     ]
     metadata = {"xlabel": "Ground Motion (g)", "ylabel": "Annual Frequency of Exceedence"}
-    return json.dumps({"status": "success", "response": {"metadata": metadata, "hazardCurves": parts}})
+    return json.dumps(
+        {"status": "success", "response": {"metadata": metadata, "hazardCurves": parts}}
+    )
 
 
 def usgs_before_2022(text: str) -> str:
@@ -220,7 +241,11 @@ def usgs_before_2022(text: str) -> str:
     response = json.loads(text)["response"]
     curves = [
         {
-            "metadata": {"imt": curve["imt"], **response["metadata"], "xvalues": part["values"]["xs"]},
+            "metadata": {
+                "imt": curve["imt"],
+                **response["metadata"],
+                "xvalues": part["values"]["xs"],
+            },
             "data": [
                 {"component": "Grid", "yvalues": [0.0 for _ in part["values"]["xs"]]},
                 {"component": "Total", "yvalues": part["values"]["ys"]},

@@ -19,7 +19,9 @@ def exact_lyapunov(matrix, noise):
     """The same of any matrix and noise, under white noise of two-sided PSD 1."""
     number = mpmath.mpf
     size = len(matrix)
-    index = {(i, j): n for n, (i, j) in enumerate((i, j) for i in range(size) for j in range(i, size))}
+    index = {
+        (i, j): n for n, (i, j) in enumerate((i, j) for i in range(size) for j in range(i, size))
+    }
     rows = []
     for i, j in index:
         row = [number(0)] * (len(index) + 1)

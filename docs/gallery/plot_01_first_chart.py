@@ -2,9 +2,9 @@ r"""
 Correlation on a lake bed
 =========================
 
-The correlation coefficient :math:`\rho` of the displacements of two buildings over the ratio of their
-periods. Eq. (4) contains neither the ground nor yielding, and differs from both other curves. The
-linearized curve of the yielding pair also has an error, which
+The correlation coefficient :math:`\rho` of the displacements of two buildings over the ratio of
+their periods. Eq. (4) contains neither the ground nor yielding, and differs from both other curves.
+The linearized curve of the yielding pair also has an error, which
 :doc:`plot_02_linearized_and_simulated` shows.
 """
 

@@ -3,9 +3,9 @@ Linearized and simulated
 ========================
 
 The same pair by every method of `stochlin.correlate`. The bars are twice the standard error of the
-simulation. On the left, where the building is much stiffer than the ground, linearization fails. Near
-the ground period its error is about 0.1, and on the right it is smaller. The rule for effective
-properties does not contain the ground.
+simulation. On the left, where the building is much stiffer than the ground, linearization fails.
+Near the ground period its error is about 0.1, and on the right it is smaller. The rule for
+effective properties does not contain the ground.
 """
 
 import matplotlib.pyplot as plt

@@ -2,14 +2,16 @@ r"""
 Error of linearization over strength, hardening, period and bandwidth
 =====================================================================
 
-The error of linearization against the drift closure, which simulations calibrate. First picture, over
-strength and hardening: the share of the cases in which the error exceeds 10 % (standard deviation) or
-0.1 (:math:`\rho`), and the median error; negative values are too small. Second picture, over the period
-of the structure (for a pair, the longer one) relative to that of the ground, and over the damping ratio
+The error of linearization against the drift closure, which simulations calibrate. First picture,
+over strength and hardening: the share of the cases in which the error exceeds 10 % (standard
+deviation) or 0.1 (:math:`\rho`), and the median error; negative values are too small. Second
+picture, over the period of the structure (for a pair, the longer one) relative to that of the
+ground, and over the damping ratio
 :math:`\xi_g` of the ground, for hardening ratios from 0.02 to 0.2. All other parameters count alike:
 dampings of 0.02, 0.05 and 0.1, grounds from :math:`\xi_g` = 0.03 to 1, periods from a tenth of the
-ground period to ten times it (for the longer one of a pair from a third), and pairs whose periods differ
-by a factor of 3.2 at most. The darkest part of the second picture is the stiff structure on a lake bed.
+ground period to ten times it (for the longer one of a pair from a third), and pairs whose periods
+differ by a factor of 3.2 at most. The darkest part of the second picture is the stiff structure on
+a lake bed.
 """
 
 import matplotlib.pyplot as plt
@@ -57,7 +59,9 @@ for column, (title, error) in zip(panels.T, errors.items(), strict=True):
         for (row, place), value in np.ndenumerate(values.values):
             dark = abs(value) >= 0.59 * scale
             number = f"{value:+.2f}" if scale == 0.5 else f"{value:.0f}"
-            panel.text(place, row, number, ha="center", va="center", color="w" if dark else "k", size=8)
+            panel.text(
+                place, row, number, ha="center", va="center", color="w" if dark else "k", size=8
+            )
         panel.set_title(f"{title}\n{text}", size=9)
         panel.set_xticks(range(R.size), [f"{factor:g}" for factor in R.values])
         panel.set_yticks(range(alpha.size), [f"{value:g}" for value in alpha.values])

@@ -2,9 +2,9 @@
 Required gap by every rule
 ==========================
 
-The gap by each rule, and by simulation (vertical line; the band is its 95 % interval). All rules use
-the simulated peaks of the same two buildings, except linearization, which uses its own. A gap to the
-left of the band does not provide the required confidence.
+The gap by each rule, and by simulation (vertical line; the band is its 95 % interval). All rules
+use the simulated peaks of the same two buildings, except linearization, which uses its own. A gap
+to the left of the band does not provide the required confidence.
 """
 
 import matplotlib.pyplot as plt

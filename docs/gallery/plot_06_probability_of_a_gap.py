@@ -3,8 +3,8 @@ Probability of pounding over the gap
 ====================================
 
 The share of simulated motions in which two buildings would have met, with its 95 % interval. The
-reduction factor and the motions are the same for all curves; only the period of the stiffer building
-changes.
+reduction factor and the motions are the same for all curves; only the period of the stiffer
+building changes.
 """
 
 import matplotlib.pyplot as plt

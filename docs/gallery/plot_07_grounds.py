@@ -3,8 +3,8 @@ Grounds by name
 ===============
 
 Power spectral densities of some of the grounds of `stochlin.named_ground`, each divided by its
-maximum. That of the lake bed of Mexico City, which was fitted to a record, is much narrower than the
-others.
+maximum. That of the lake bed of Mexico City, which was fitted to a record, is much narrower than
+the others.
 """
 
 import matplotlib.pyplot as plt

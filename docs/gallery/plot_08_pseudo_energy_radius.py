@@ -2,8 +2,8 @@ r"""
 Pseudo energy radius
 ====================
 
-The response of an elastic structure in the plane of :math:`u` and :math:`\dot u/\omega`, eq. (1), and
-the circle of its largest radius. The motion is synthetic; to use a record, read it with
+The response of an elastic structure in the plane of :math:`u` and :math:`\dot u/\omega`, eq. (1),
+and the circle of its largest radius. The motion is synthetic; to use a record, read it with
 `stochlin.read_record`.
 """
 

@@ -29,7 +29,9 @@ groups = (
 for axes, (title, names) in zip(panels, groups, strict=True):
     for (name, label), (color, dash) in zip(names.items(), CURVES, strict=False):
         loop = chart.sel(element=name)
-        axes.plot(loop.scaled_deformation, loop.scaled_force, color=color, linestyle=dash, label=label)
+        axes.plot(
+            loop.scaled_deformation, loop.scaled_force, color=color, linestyle=dash, label=label
+        )
     axes.set_title(title, size=9)
     axes.set(xlabel="deformation, scaled")
     axes.legend(loc="upper left")

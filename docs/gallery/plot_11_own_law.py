@@ -2,9 +2,9 @@
 A hysteresis law of one's own
 =============================
 
-Any odd law ``z' = G(v, z)`` that is written in sympy can be linearized and simulated. In this example
-the corner of the bilinear law is rounded, which gives the Bouc-Wen law with an exponent of 2. For both
-laws the linearized standard deviation is too small.
+Any odd law ``z' = G(v, z)`` that is written in sympy can be linearized and simulated. In this
+example the corner of the bilinear law is rounded, which gives the Bouc-Wen law with an exponent of
+2. For both laws the linearized standard deviation is too small.
 """
 
 import matplotlib.pyplot as plt

@@ -4,11 +4,11 @@ Error of a gap by every method
 
 The error of the standard deviation of :math:`u_1 - u_2`, to which a gap is proportional, by every
 method of `stochlin.correlate` against simulation. It covers 276 pairs of 24 yielding buildings
-(:math:`\xi` = 0.05, :math:`\alpha` = 0.05 and 0.1, R = 2 and 4, T from 0.6 to 3.4 s) on each of three
-grounds. The formulas use the *simulated* standard deviations and supply only the correlation.
-Linearization uses its own standard deviations, with the Gaussian closure and with the drift closure.
-The dot is the median, the thick line covers half of the pairs, and the thin line nine in ten. Errors
-to the left of zero are unsafe.
+(:math:`\xi` = 0.05, :math:`\alpha` = 0.05 and 0.1, R = 2 and 4, T from 0.6 to 3.4 s) on each of
+three grounds. The formulas use the *simulated* standard deviations and supply only the correlation.
+Linearization uses its own standard deviations, with the Gaussian closure and with the drift
+closure. The dot is the median, the thick line covers half of the pairs, and the thin line nine in
+ten. Errors to the left of zero are unsafe.
 """
 
 import matplotlib.pyplot as plt

@@ -2,10 +2,10 @@
 Confidence of no pounding over time
 ===================================
 
-The confidence that two yielding buildings have not pounded so far, in motions of 25 s. It is computed
-by the drift closure in time, from the crossings of the linearized response, and by simulation of motions
-that end at each of the points, with its 95 % interval. The grey shape below is the envelope of the
-motion. Linearization loses the plastic drift and is unsafe.
+The confidence that two yielding buildings have not pounded so far, in motions of 25 s. It is
+computed by the drift closure in time, from the crossings of the linearized response, and by
+simulation of motions that end at each of the points, with its 95 % interval. The grey shape below
+is the envelope of the motion. Linearization loses the plastic drift and is unsafe.
 """
 
 import warnings
@@ -18,7 +18,9 @@ import stochlin as sl
 from stochlin.charts import CURVES, STYLE
 
 plt.rcParams.update(STYLE)
-warnings.filterwarnings("ignore", message=".*the motion ends in its strong part")  # as it is to here
+warnings.filterwarnings(
+    "ignore", message=".*the motion ends in its strong part"
+)  # as it is to here
 one, two = (sl.Bilinear(T, 0.05, 0.05, reduction_factor=4) for T in (0.6, 1.0))
 ground = sl.KanaiTajimi(period=2 * np.pi / 15, damping=0.6, intensity=0.01)
 motion = sl.AminAng(rise_end=4, strong_end=15, decay=0.35)
@@ -36,7 +38,9 @@ for end in ends:  # the same motions, ever longer
 
 figure, axes = plt.subplots(figsize=(7.2, 3.4), layout="constrained")
 table = tables["linearized"]
-axes.fill_between(table.time, 0.15 * table.envelope, color="0.9", lw=0, label="envelope of the motion")
+axes.fill_between(
+    table.time, 0.15 * table.envelope, color="0.9", lw=0, label="envelope of the motion"
+)
 shares = 1 - xr.concat(simulated, "end")
 share = shares.probability
 errors = [share - shares.probability_upper, shares.probability_lower - share]

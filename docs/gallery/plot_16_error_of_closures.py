@@ -2,11 +2,11 @@ r"""
 Error of every closure
 ======================
 
-The mean absolute error of each closure for the pairs of :doc:`plot_15_drift_closure`. The first and the
-third row are over the strength and the hardening of each structure (for pairs, the geometric means),
-with the strength as R for a peak factor of 3. The second and the fourth row are over the period of the
-structure relative to that of the ground (for pairs, the shorter period) and the bandwidth of the
-ground. Squares with fewer than five cases are empty.
+The mean absolute error of each closure for the pairs of :doc:`plot_15_drift_closure`. The first and
+the third row are over the strength and the hardening of each structure (for pairs, the geometric
+means), with the strength as R for a peak factor of 3. The second and the fourth row are over the
+period of the structure relative to that of the ground (for pairs, the shorter period) and the
+bandwidth of the ground. Squares with fewer than five cases are empty.
 """
 
 import matplotlib.pyplot as plt

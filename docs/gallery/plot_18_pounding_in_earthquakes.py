@@ -2,8 +2,8 @@ r"""
 Predicted pounding in earthquakes
 =================================
 
-The predicted probability of pounding, and the share of recorded motions in which the structures would
-have hit each other, with 95 % intervals. There are five gaps for each pair and strength
+The predicted probability of pounding, and the share of recorded motions in which the structures
+would have hit each other, with 95 % intervals. There are five gaps for each pair and strength
 (``benchmarks/reality.py``).
 """
 
@@ -14,8 +14,12 @@ from stochlin.charts import CURVES, STYLE
 
 plt.rcParams.update(STYLE)
 table = xr.load_dataset("reality.nc", engine="scipy")  # beside this file
-groups = [name for name in table.group.values.tolist() if "(a)" in name or "other component" in name]
-figure, panels = plt.subplots(1, 4, figsize=(7.2, 2.5), sharex=True, sharey=True, layout="constrained")
+groups = [
+    name for name in table.group.values.tolist() if "(a)" in name or "other component" in name
+]
+figure, panels = plt.subplots(
+    1, 4, figsize=(7.2, 2.5), sharex=True, sharey=True, layout="constrained"
+)
 for axes, group in zip(panels, groups, strict=True):
     axes.plot([0, 1], [0, 1], color="0.6", lw=0.8)
     for scatter, (color, _), marker in zip(table.scatter.values, CURVES, "os", strict=False):

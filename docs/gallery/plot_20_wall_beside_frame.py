@@ -2,10 +2,10 @@
 A wall beside a frame
 =====================
 
-The gap that a building on walls needs beside a frame, at each floor, and what a regular chain of storeys
-with the same first period needs, whose first mode is straight. The walls bend as one uniform cantilever,
-whose modes are known in closed form. Left: walls of ten storeys beside a frame of five. Right: walls of
-five storeys beside a frame of ten.
+The gap that a building on walls needs beside a frame, at each floor, and what a regular chain of
+storeys with the same first period needs, whose first mode is straight. The walls bend as one
+uniform cantilever, whose modes are known in closed form. Left: walls of ten storeys beside a frame
+of five. Right: walls of five storeys beside a frame of ten.
 """
 
 import matplotlib.pyplot as plt
@@ -64,9 +64,13 @@ pairs = {
     "10 storeys, 0.9 s, beside a frame of 5, 0.5 s": (10, 0.9, frame(5, 0.5)),
     "5 storeys, 0.45 s, beside a frame of 10, 1 s": (5, 0.45, frame(10, 1.0)),
 }
-figure, panels = plt.subplots(1, 2, figsize=(7.2, 3.0), sharex=True, sharey=True, layout="constrained")
+figure, panels = plt.subplots(
+    1, 2, figsize=(7.2, 3.0), sharex=True, sharey=True, layout="constrained"
+)
 for axes, (title, (storeys, period, beside)) in zip(panels, pairs.items(), strict=True):
-    for (name, building), (color, dash) in zip(models(storeys, period).items(), CURVES, strict=False):
+    for (name, building), (color, dash) in zip(
+        models(storeys, period).items(), CURVES, strict=False
+    ):
         table = sl.separation(building, beside, ground, **motion)
         gap = 100 * table.gap_at_height.sel(rule="simulation")
         axes.plot(gap, gap.height, color=color, linestyle=dash, marker="o", ms=3, label=name)

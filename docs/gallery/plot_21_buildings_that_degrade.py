@@ -2,11 +2,11 @@
 Buildings that degrade
 ======================
 
-Two buildings of 1.0 and 0.6 s side by side, with the bilinear law and with laws that degrade, pinch or
-come back. Stiffness before any damage and strength are the same for all laws; the base shear coefficient
-is 0.15. The ground is firm or a lake bed with a period of 2 s, and the strong part of the motion lasts 8
-or 38 s. Left: the gap for no pounding in 90 % of the motions. Right: the probability of pounding at
-the gap that the bilinear pair needs.
+Two buildings of 1.0 and 0.6 s side by side, with the bilinear law and with laws that degrade, pinch
+or come back. Stiffness before any damage and strength are the same for all laws; the base shear
+coefficient is 0.15. The ground is firm or a lake bed with a period of 2 s, and the strong part of
+the motion lasts 8 or 38 s. Left: the gap for no pounding in 90 % of the motions. Right: the
+probability of pounding at the gap that the bilinear pair needs.
 """
 
 import matplotlib.pyplot as plt

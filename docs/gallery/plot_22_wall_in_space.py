@@ -2,9 +2,9 @@
 A wall fixed in space
 =====================
 
-A mass of 25 kg on 98 696 N/m with a damping of 7 %, whose base is shaken at its own frequency of 10 Hz,
-beside a wall that does not move with the ground. Ten impacts in a second; dots are published values of
-code_aster (SDND102), whose step of 0.25 ms is an eighth of a contact.
+A mass of 25 kg on 98 696 N/m with a damping of 7 %, whose base is shaken at its own frequency of 10
+Hz, beside a wall that does not move with the ground. Ten impacts in a second; dots are published
+values of code_aster (SDND102), whose step of 0.25 ms is an eighth of a contact.
 """
 
 import warnings
@@ -30,7 +30,9 @@ moved = 1e4 * (table.displacement[:, 0] - table.wall_displacement)
 color, dash = CURVES[0]
 figure, panels = plt.subplots(2, 1, figsize=(7.2, 3.6), sharex=True, layout="constrained")
 panels[0].plot(time, moved, color=color, linestyle=dash, label="stochlin")
-panels[0].plot([0.05, 0.156, 0.25, 0.4, 0.5, 0.8, 0.9, 1.0], published, "o", ms=4, label="code_aster")
+panels[0].plot(
+    [0.05, 0.156, 0.25, 0.4, 0.5, 0.8, 0.9, 1.0], published, "o", ms=4, label="code_aster"
+)
 panels[0].axhline(5, color="0.5", lw=0.8, label="wall")
 panels[0].set(ylabel="in space [0.1 mm]", ylim=(-10, 7))
 panels[1].plot(time, 1e-3 * table.contact_force[:, 0], color=color, linestyle=dash)

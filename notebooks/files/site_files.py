@@ -1,7 +1,7 @@
 """The files of a made-up site: records in the format of K-NET, and hazard curves of OpenQuake.
 
-The records are two simulated motions on medium ground, and the hazard is a formula. Run it in the folder
-in which the files are wanted.
+The records are two simulated motions on medium ground, and the hazard is a formula. Run it in the
+folder in which the files are wanted.
 """
 
 from pathlib import Path
@@ -16,7 +16,11 @@ OFFSET = -2300  # counts
 SITES = ((-99.1400, 19.4300), (-99.0500, 19.4000))
 LEVELS = np.geomspace(0.02, 4.0, 15)  # [g]
 # ln of the annual frequency of exceedance: c0 + c1 ln a + c2 (ln a)^2, with the acceleration a in g
-CURVES = {"PGA": (-9.6, -2.6, -0.17), "SA(0.5)": (-8.0, -2.5, -0.20), "SA(1.0)": (-8.6, -2.4, -0.20)}
+CURVES = {
+    "PGA": (-9.6, -2.6, -0.17),
+    "SA(0.5)": (-8.0, -2.5, -0.20),
+    "SA(1.0)": (-8.6, -2.4, -0.20),
+}
 YEARS = 50.0
 
 HEADER = """\
@@ -51,7 +55,9 @@ def write_records(folder: Path) -> None:
         largest = np.abs(counts - counts.mean()).max() * GAL / COUNTS
         words = {"rate": RATE, "duration": DURATION, "direction": direction, "largest": largest}
         text = HEADER.format(**words, gal=GAL, counts=COUNTS)
-        lines = ("".join(f"{count:9d}" for count in counts[n : n + 8]) for n in range(0, counts.size, 8))
+        lines = (
+            "".join(f"{count:9d}" for count in counts[n : n + 8]) for n in range(0, counts.size, 8)
+        )
         name = f"MDE001.{direction[0]}{'S' if direction[0] == 'N' else 'W'}"
         (folder / name).write_text(text + "\n".join(lines) + "\n", encoding="ascii")
 

@@ -1,7 +1,7 @@
 """A wall with a frame beside it, six storeys, in OpenSees: its modes and its pushover curve as files.
 
-Run it with OpenSeesPy (``pip install openseespy``) in the folder in which the files are wanted. Units
-are m, kg and N.
+Run it with OpenSeesPy (``pip install openseespy``) in the folder in which the files are wanted.
+Units are m, kg and N.
 """
 
 import csv

@@ -1,8 +1,9 @@
 """Folders that this package makes beside the files of others: marked, and removed after their process.
 
-A name is no mark, since anybody may choose the same. A folder of this package has a file inside that
-says so, with a digest of the folder's name. The process that made it locks this file before it writes
-the mark: one that is not locked was left behind by a process that has ended, even if it was killed.
+A name is no mark, since anybody may choose the same. A folder of this package has a file inside
+that says so, with a digest of the folder's name. The process that made it locks this file before it
+writes the mark: one that is not locked was left behind by a process that has ended, even if it was
+killed.
 """
 
 from __future__ import annotations
@@ -100,7 +101,9 @@ def is_private(folder: Path) -> bool:
     folder = folder.resolve()
     parts = (folder.stat(), *(path.lstat() for path in folder.rglob("*")))
     above = (path.stat() for path in folder.parents)
-    return all(map(_is_safe, parts)) and all(_is_safe(status) or _is_sticky(status) for status in above)
+    return all(map(_is_safe, parts)) and all(
+        _is_safe(status) or _is_sticky(status) for status in above
+    )
 
 
 def _is_safe(status: os.stat_result) -> bool:

@@ -93,7 +93,9 @@ def read_text(path: Path, kind: FileKind | None = None) -> str:
             raise ValueError(f"{what} ({error}); fetch it again") from error
     check_kind(plain(path.name), content, kind)
     if content.startswith((b"\xff\xfe", b"\xfe\xff")):
-        raise ValueError(f"{plain(path.name)} is text in UTF-16; allowed: UTF-8, so save it as such")
+        raise ValueError(
+            f"{plain(path.name)} is text in UTF-16; allowed: UTF-8, so save it as such"
+        )
     if b"\0" in content:
         what = f"{plain(path.name)} is no text; allowed: text in UTF-8, such as columns of numbers"
         raise ValueError(f"{what}; docs/from_records.md has what obspy reads")

@@ -74,7 +74,9 @@ def save_table(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
     """Save a dataset as ``.nc`` (netCDF), or as ``.csv`` (a row for each cell, no attributes)."""
     suffix = Path(path).suffix.lower()
     if suffix not in FORMATS:
-        raise ValueError(f"{brief(str(path))} ends in {brief(suffix)}; allowed: {' or '.join(FORMATS)}")
+        raise ValueError(
+            f"{brief(str(path))} ends in {brief(suffix)}; allowed: {' or '.join(FORMATS)}"
+        )
     with whole_file(path) as temporary:
         if suffix == ".nc":
             dataset.to_netcdf(temporary, engine="scipy", format="NETCDF3_64BIT")
@@ -85,7 +87,9 @@ def save_table(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
 
 def _no_formula(value: Any) -> Any:
     """A text that a spreadsheet would compute, such as ``=1+1``, behind an apostrophe."""
-    return f"'{value}" if isinstance(value, str) and value.startswith(("=", "+", "-", "@")) else value
+    return (
+        f"'{value}" if isinstance(value, str) and value.startswith(("=", "+", "-", "@")) else value
+    )
 
 
 def in_rows(table: xr.Dataset) -> pd.DataFrame:

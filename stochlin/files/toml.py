@@ -11,9 +11,7 @@ from stochlin.files.file_kinds import check_kind
 from stochlin.files.inputs import read_input
 from stochlin.messages import plain
 
-BACKSLASH = (
-    "a backslash begins a special sign in \"double quotes\": write a path in 'single quotes', or with /"
-)
+BACKSLASH = "a backslash begins a special sign in \"double quotes\": write a path in 'single quotes', or with /"
 VALUES = 'texts, also with a unit, in quotation marks, as period = "0.6 s", and numbers such as 0.5'
 MOST_BYTES = 2**20  # of a case file, which a person writes
 MOST_DOTS = 16  # in a key; the parser's time and memory grow with their square
@@ -40,7 +38,9 @@ def read_toml(path: Path, other: str | None = None) -> tuple[str, dict[str, Any]
             raise ValueError(f"{name}, {error}") from error
         match = re.search(r"\(at line (\d+), column \d+\)$", str(error))
         lines = text.splitlines()
-        endless = (n for n, entry in enumerate(lines, 1) if re.search(r"(?<![\d_])[\d_]{1000}", entry))
+        endless = (
+            n for n, entry in enumerate(lines, 1) if re.search(r"(?<![\d_])[\d_]{1000}", entry)
+        )
         line = int(match[1]) if match else next(endless, len(lines))
         excerpt = lines[line - 1].strip() if 0 < line <= len(lines) else ""
         allowed = BACKSLASH if "\\" in excerpt else f"each table and each key once; {VALUES}"

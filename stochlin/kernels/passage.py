@@ -1,10 +1,10 @@
 """First passage of a level by a Gaussian process that has a fast part and a slow offset.
 
 The fast part crosses the level less the offset at the rate of Vanmarcke, as in `probability`. The
-offset is a Markov process, which is followed on a grid: Ehrenfest's chain has the eigenvalues ``0, -1,
--2, ...`` of an Ornstein-Uhlenbeck process, so that a transition with the correlation ``c`` multiplies
-the coordinate along the eigenvector of ``-j`` by ``c^j``. At each instant the share of the paths that
-cross until the next one is taken away.
+offset is a Markov process, which is followed on a grid: Ehrenfest's chain has the eigenvalues ``0,
+-1, -2, ...`` of an Ornstein-Uhlenbeck process, so that a transition with the correlation ``c``
+multiplies the coordinate along the eigenvector of ``-j`` by ``c^j``. At each instant the share of
+the paths that cross until the next one is taken away.
 """
 
 from __future__ import annotations
@@ -44,7 +44,9 @@ def ehrenfest(places: int) -> Chain:
     last = places - 1
     number = np.arange(places)
     rates = (
-        np.diag((last - number[:-1]) / 2, 1) + np.diag(number[1:] / 2, -1) - last / 2 * np.eye(places)
+        np.diag((last - number[:-1]) / 2, 1)
+        + np.diag(number[1:] / 2, -1)
+        - last / 2 * np.eye(places)
     )
     root = np.sqrt(binom.pmf(number, last, 0.5))
     _, vector = np.linalg.eigh(root[:, None] * rates / root)
@@ -66,8 +68,8 @@ class Passage(NamedTuple):
     offset: Array  # (c, instants) standard deviation of the slow offset [m]
     memory: Array  # (c, instants) correlation of the offset with that of the instant before
     seconds: Array  # (instants,) time that each of them stands for [s]
-    # (c, instants, levels) levels of a Gaussian process that are crossed as often as those of the fast
-    # part, at levels of `LEVELS`; (0, 0, 0) if it is Gaussian itself.
+    # (c, instants, levels) levels of a Gaussian process that are crossed as often as those of the
+    # fast part, at levels of `LEVELS`; (0, 0, 0) if it is Gaussian itself.
     gaussian: Array
 
 
@@ -171,7 +173,9 @@ def _follow(gap, case, passage, chain, now, modes, shares):  # type: ignore[no-u
                 at = level / LEVEL_STEP
                 whole = min(int(at), passage.gaussian.shape[2] - 2)
                 before = passage.gaussian[case, instant, whole]
-                level = before + (at - whole) * (passage.gaussian[case, instant, whole + 1] - before)
+                level = before + (at - whole) * (
+                    passage.gaussian[case, instant, whole + 1] - before
+                )
             if level < HIGH:
                 if bandwidth < np.inf:
                     rate = most * -np.expm1(-bandwidth * level) / np.expm1(0.5 * level * level)

@@ -1,9 +1,10 @@
 """Probability of pounding: crossings of a level, and oscillations of random phase.
 
-**Crossings.** The process ``d`` (the relative displacement) is Gaussian and nonstationary, with mean
-zero. It has the variance ``s^2``, a derivative ``d'`` of variance ``sv^2``, and ``kappa = corr(d, d')``;
-``h = g/s`` for the level ``g`` (the gap). Two crossing rates follow from Rice's formula, the density at
-the level times the mean positive part of the derivative there, which is Gaussian:
+**Crossings.** The process ``d`` (the relative displacement) is Gaussian and nonstationary, with
+mean zero. It has the variance ``s^2``, a derivative ``d'`` of variance ``sv^2``, and ``kappa =
+corr(d, d')``; ``h = g/s`` for the level ``g`` (the gap). Two crossing rates follow from Rice's
+formula, the density at the level times the mean positive part of the derivative there, which is
+Gaussian:
 
 * for ``d`` through ``g``: the density is ``phi(h)/s``, and the derivative has the mean ``kappa sv h``
   and the standard deviation ``sqrt(1 - kappa^2) sv``;
@@ -11,17 +12,18 @@ the level times the mean positive part of the derivative there, which is Gaussia
   Since ``R' = (d d' + c c')/R``, the derivative has the same mean, and the standard deviation
   ``sqrt(1 - kappa^2) delta sv`` with the bandwidth ``delta^2 = 1 - l1^2/[(1 - kappa^2) l0 l2]``.
 
-For ``kappa = 0`` their ratio is ``sqrt(2 pi) delta h``, as in Vanmarcke (1975, J. Appl. Mech. 42). His
-empirical exponent, ``delta^1.2``, was fitted to single oscillators. For the difference of two
+For ``kappa = 0`` their ratio is ``sqrt(2 pi) delta h``, as in Vanmarcke (1975, J. Appl. Mech. 42).
+His empirical exponent, ``delta^1.2``, was fitted to single oscillators. For the difference of two
 oscillators it is unsafe by up to 0.19 in the probability, while ``delta`` itself is unsafe by up to
 0.05; ``delta`` is therefore used here.
 
-**Phases.** Two oscillations have known radii: the displacements are ``u_i = r_i cos a_i``. The phase
-``a_1`` is uniform, and ``a_2 = a_1 + D`` with a phase difference ``D`` that is independent of it and
-symmetric about 0. Then ``corr(u_1, u_2) = E cos D``. Of all densities of ``D`` with this mean the one of
-largest entropy is von Mises', ``e^(k cos D)/(2 pi I0(k))`` with ``I1(k)/I0(k) = rho``. It is uniform for
-``rho = 0``; for 1 and -1, ``D`` is 0 and ``pi`` with certainty. For given ``D`` the difference
-``u_1 - u_2`` is an oscillation of radius ``A = sqrt(r_1^2 + r_2^2 - 2 r_1 r_2 cos D)``.
+**Phases.** Two oscillations have known radii: the displacements are ``u_i = r_i cos a_i``. The
+phase ``a_1`` is uniform, and ``a_2 = a_1 + D`` with a phase difference ``D`` that is independent of
+it and symmetric about 0. Then ``corr(u_1, u_2) = E cos D``. Of all densities of ``D`` with this
+mean the one of largest entropy is von Mises', ``e^(k cos D)/(2 pi I0(k))`` with ``I1(k)/I0(k) =
+rho``. It is uniform for ``rho = 0``; for 1 and -1, ``D`` is 0 and ``pi`` with certainty. For given
+``D`` the difference ``u_1 - u_2`` is an oscillation of radius ``A = sqrt(r_1^2 + r_2^2 - 2 r_1 r_2
+cos D)``.
 """
 
 from __future__ import annotations
@@ -58,14 +60,16 @@ def exceeding(gap: Array, variance: Array) -> Array:
         return ndtr(-gap / np.sqrt(np.maximum(variance, 0)))
 
 
-def hazards(gap: Array, d_d: Array, d_v: Array, v_v: Array, bandwidth: Array) -> tuple[Array, Array]:
+def hazards(
+    gap: Array, d_d: Array, d_v: Array, v_v: Array, bandwidth: Array
+) -> tuple[Array, Array]:
     """Rates of first crossings of the gap [1/s]: by Poisson's assumption, and as by Vanmarcke.
 
-    By Poisson's assumption the rate is that of up-crossings, ``nu``. The corrected rate is
-    ``nu [1 - exp(-nu_R/nu)]/(1 - e^(-h^2/2))``, with the crossing rate ``nu_R`` of the envelope. It
-    counts clumps of crossings, which an up-crossing of the envelope starts, if they contain a crossing
-    of ``d``; and it is conditional on an envelope below the gap. The second moments ``E[d^2]``,
-    ``E[d d']``, ``E[d'^2]`` of ``d`` and ``d'`` broadcast with the gap [m].
+    By Poisson's assumption the rate is that of up-crossings, ``nu``. The corrected rate is ``nu [1
+    - exp(-nu_R/nu)]/(1 - e^(-h^2/2))``, with the crossing rate ``nu_R`` of the envelope. It counts
+    clumps of crossings, which an up-crossing of the envelope starts, if they contain a crossing of
+    ``d``; and it is conditional on an envelope below the gap. The second moments ``E[d^2]``, ``E[d
+    d']``, ``E[d'^2]`` of ``d`` and ``d'`` broadcast with the gap [m].
     """
     moving = (d_d > 0) & (v_v > 0)
     s = np.sqrt(np.where(moving, d_d, 1.0))

@@ -1,9 +1,9 @@
 """Arguments of functions: what is allowed is declared once, as a type, and checked before the call.
 
-A public function names the types below in its signature and is decorated by `checked`. Words that are
-fixed are a ``Literal``, so that type checkers know them; to these ``paths: Paths`` is an ``int``.
-A call with another value is refused by name, value and what is allowed.
-Arguments that are models are checked by their classes, and parameters of models by the models.
+A public function names the types below in its signature and is decorated by `checked`. Words that
+are fixed are a ``Literal``, so that type checkers know them; to these ``paths: Paths`` is an
+``int``. A call with another value is refused by name, value and what is allowed. Arguments that are
+models are checked by their classes, and parameters of models by the models.
 """
 
 from __future__ import annotations
@@ -81,7 +81,9 @@ class Number:
                 return
             if self.is_share and number >= 2 and self.allowed.contains(number / 100):
                 cure = f"; for {value:g} % write {number / 100:g}"
-        raise ValueError(f"{name} = {brief(value)} {what}; allowed: {self.words or self.allowed}{cure}")
+        raise ValueError(
+            f"{name} = {brief(value)} {what}; allowed: {self.words or self.allowed}{cure}"
+        )
 
 
 @dataclass(frozen=True)
@@ -184,7 +186,9 @@ Seed = Annotated[int, Whole(0)]
 Paths = Annotated[int, Whole(2)]
 Points = Annotated[int, Whole(2)]
 StepsPerPeriod = Annotated[int, Whole(8)]
-RelaxationTimes = Annotated[float, Number(Range(1, include_lower=True), "a finite number of at least 1")]
+RelaxationTimes = Annotated[
+    float, Number(Range(1, include_lower=True), "a finite number of at least 1")
+]
 Metres = Annotated[float, Number(POSITIVE, "a positive, finite number of metres")]
 Duration = Annotated[float, DURATION]
 Seconds = Annotated[float, Number(POSITIVE, "a positive, finite number of seconds")]
@@ -199,12 +203,15 @@ Scatter = Annotated[float, SCATTER]
 @overload
 def checked(function: Function) -> Function: ...
 @overload
-def checked(*, uncertain: bool = ..., in_metres: InMetres = ...) -> Callable[[Function], Function]: ...
+def checked(
+    *, uncertain: bool = ..., in_metres: InMetres = ...
+) -> Callable[[Function], Function]: ...
 def checked(function: Any = None, *, uncertain: bool = False, in_metres: InMetres = False) -> Any:
     """The function, whose arguments are checked first, by the types in its signature.
 
-    Models among them may have ``uncertain`` parameters. With ``in_metres``, or where it is true of the
-    arguments by name, results are in metres: the intensity of ``ground`` must then be that of a motion.
+    Models among them may have ``uncertain`` parameters. With ``in_metres``, or where it is true of
+    the arguments by name, results are in metres: the intensity of ``ground`` must then be that of a
+    motion.
     """
     if function is None:
         return partial(checked, uncertain=uncertain, in_metres=in_metres)
@@ -225,8 +232,14 @@ def checked(function: Any = None, *, uncertain: bool = False, in_metres: InMetre
             made = function(*args, **kwargs)
         if isinstance(made, Model):  # of a file, or computed
             warn_caller(function.__name__, made.doubts)
-        if isinstance(made, xr.Dataset) and "gap" in made.data_vars and not {"gap", "gaps"} & {*values}:
-            warn_caller(function.__name__, lambda: implausible({"gap": made.gap}, {"gap": OF_RESULT}))
+        if (
+            isinstance(made, xr.Dataset)
+            and "gap" in made.data_vars
+            and not {"gap", "gaps"} & {*values}
+        ):
+            warn_caller(
+                function.__name__, lambda: implausible({"gap": made.gap}, {"gap": OF_RESULT})
+            )
         return made
 
     return call
@@ -293,7 +306,9 @@ def checks_of(called: Callable[..., Any], uncertain: bool = False) -> tuple[tupl
     """
     declared = typing.get_type_hints(called, include_extras=True)
     names = inspect.signature(called).parameters
-    return tuple((name, check) for name in names for check in _checks(declared.get(name), uncertain))
+    return tuple(
+        (name, check) for name in names for check in _checks(declared.get(name), uncertain)
+    )
 
 
 @functools.cache
@@ -322,7 +337,9 @@ def _checks(declared: Any, uncertain: bool) -> list[Check]:
     checks += [OneOf(typing.get_args(kind)) for kind in kinds if typing.get_origin(kind) is Literal]
     if all(isinstance(kind, type) and issubclass(kind, Model) for kind in kinds):
         checks = [OfClass(tuple(kinds), uncertain)]
-    return [partial(_unless_none, check) for check in checks] if len(kinds) < len(options) else checks
+    return (
+        [partial(_unless_none, check) for check in checks] if len(kinds) < len(options) else checks
+    )
 
 
 def _unless_none(check: Check, name: str, value: Any) -> None:

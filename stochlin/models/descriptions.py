@@ -34,7 +34,11 @@ def shown_unit(units: str, largest: float = math.inf) -> tuple[str, float]:
 def span(values: Array | float, units: str) -> str:
     """A number in SI in the unit that is shown, or the range of several: ``100 to 300 MN/m``."""
     lone = np.ndim(values) == 0
-    ends = [float(values)] if lone else [reach.reduce(values, axis=None) for reach in (np.fmin, np.fmax)]
+    ends = (
+        [float(values)]
+        if lone
+        else [reach.reduce(values, axis=None) for reach in (np.fmin, np.fmax)]
+    )
     unit, scale = shown_unit(units, max(map(abs, ends)))
     return f"{' to '.join(dict.fromkeys(f'{scale * end:.6g}' for end in ends))} {unit}".rstrip()
 

@@ -62,8 +62,9 @@ class Hazard(Model, base=True):
     def doubts(self) -> Iterator[str]:
         """Texts on the shaking of a design, and on what is frequent, if they are implausible.
 
-        A spectral acceleration is compared with the lowest and the highest of the spectra of EN 1998-1,
-        3.2.2.2, for the limits of the ground acceleration: that of type 2 on ground A, and the plateau.
+        A spectral acceleration is compared with the lowest and the highest of the spectra of EN
+        1998-1, 3.2.2.2, for the limits of the ground acceleration: that of type 2 on ground A, and
+        the plateau.
         """
         design = self.of_design()
         limits = PLAUSIBLE["pga of 475 years"]
@@ -94,29 +95,31 @@ def _of(values: Any, name: str) -> float | xr.DataArray:
 class HazardCurve(Hazard):
     """Hazard curve from a table of annual frequencies of exceedance, interpolated log-log.
 
-    The curve is not extrapolated: beyond the table a number raises an error, and cells of an array are
-    NaN.
+    The curve is not extrapolated: beyond the table a number raises an error, and cells of an array
+    are NaN.
 
     Parameters
     ----------
     intensities : sequence of float
-        Values of the ``measure``, positive and increasing, in m/s^2, or in m^2/s^3 for ``"intensity"``.
+        Values of the ``measure``, positive and increasing, in m/s^2, or in m^2/s^3 for
+        ``"intensity"``.
     frequencies : sequence of float
         Annual frequencies at which the intensities are exceeded [1/yr], positive and decreasing.
     measure : {"pga", "sa", "intensity"}
-        Quantity that is exceeded: peak ground acceleration, pseudo-acceleration at a period (damping
-        ratio 0.05), or intensity ``S0`` of the ground.
+        Quantity that is exceeded: peak ground acceleration, pseudo-acceleration at a period
+        (damping ratio 0.05), or intensity ``S0`` of the ground.
     period : float, optional
         Period [s] of ``"sa"``, required with it and not allowed otherwise.
     source : str
-        The file, and what of it was asked for by number or converted. Equal curves may differ in it.
+        The file, and what of it was asked for by number or converted. Equal curves may differ in
+        it.
 
     Raises
     ------
     ValueError, TypeError
-        If there are fewer than two points, or not as many frequencies as intensities; if a number is not
-        positive, the intensities do not increase or the frequencies do not decrease; if the measure is
-        unknown; or if a period is missing or not allowed.
+        If there are fewer than two points, or not as many frequencies as intensities; if a number
+        is not positive, the intensities do not increase or the frequencies do not decrease; if the
+        measure is unknown; or if a period is missing or not allowed.
 
     Warns
     -----
@@ -193,10 +196,14 @@ class HazardCurve(Hazard):
 
     def describe(self) -> str:
         """The curve with its points in one line; long tables are shortened."""
-        both = (f"{name}={brief(list(getattr(self, name)))}" for name in ("intensities", "frequencies"))
+        both = (
+            f"{name}={brief(list(getattr(self, name)))}" for name in ("intensities", "frequencies")
+        )
         return f"HazardCurve({', '.join(both)})"
 
-    def _between(self, name: str, at: Parameter, axis: Sequence[float], values: Sequence[float]) -> Any:
+    def _between(
+        self, name: str, at: Parameter, axis: Sequence[float], values: Sequence[float]
+    ) -> Any:
         value = _of(at, name)
         ends = (axis[0] * (1 - _ROUNDING), axis[-1] * (1 + _ROUNDING))
         if isinstance(value, float) and not ends[0] <= value <= ends[1]:
@@ -285,7 +292,9 @@ def check_curve(intensities: Array, frequencies: Array, places: Sequence[str]) -
     """Raise a ValueError unless these are a hazard curve; ``places`` name each point in messages."""
     if intensities.size < FEWEST:
         where = places[0] if places else "hazard curve"
-        raise ValueError(f"{where}: {intensities.size} points; allowed: {FEWEST} or more intensities")
+        raise ValueError(
+            f"{where}: {intensities.size} points; allowed: {FEWEST} or more intensities"
+        )
     rising = "increasing intensities, so sort them"
     falling = "falling frequencies, since what is stronger"
     if np.median(frequencies) > np.median(intensities):

@@ -21,32 +21,33 @@ SHARE = Range(0.0, 1.0, True, True)
 class Link(Model):
     """Spring and dashpot between two floors: ``F = k (u1 - u2) + c (u1' - u2')``.
 
-    The force ``F`` [N] acts on structure 2 in the direction of positive displacement and on structure 1
-    against it, in tension and in compression. The spring may yield, by the bilinear law. The dashpot
-    may be that of a fluid damper, ``c |v|^a sign(v)`` with ``v = u1' - u2'``.
+    The force ``F`` [N] acts on structure 2 in the direction of positive displacement and on
+    structure 1 against it, in tension and in compression. The spring may yield, by the bilinear
+    law. The dashpot may be that of a fluid damper, ``c |v|^a sign(v)`` with ``v = u1' - u2'``.
 
-    A link between two floors of one structure, or between a floor and the ground, is a damping device of
-    this structure: a hysteretic device if it has a yielding spring, a viscous device if it has a dashpot
-    only, and a viscoelastic device if it has an elastic spring and a dashpot.
+    A link between two floors of one structure, or between a floor and the ground, is a damping
+    device of this structure: a hysteretic device if it has a yielding spring, a viscous device if
+    it has a dashpot only, and a viscoelastic device if it has an elastic spring and a dashpot.
 
     Parameters
     ----------
     stiffness : float or array
         Stiffness ``k`` of the spring [N/m], not negative.
     damping_constant : float or array
-        Damping constant ``c`` of the dashpot [N s/m], not negative; its unit is N (s/m)^a if an exponent
-        ``a`` is given.
+        Damping constant ``c`` of the dashpot [N s/m], not negative; its unit is N (s/m)^a if an
+        exponent ``a`` is given.
     damping_exponent : float or array, optional
         Exponent ``a`` of the dashpot [-], in (0, 2]; 1, a linear dashpot, by default.
     hardening : float or array, optional
-        Hardening ratio of the spring, post-yield over elastic stiffness [-], from 0 to 1. It is given
-        together with ``yield_displacement``.
+        Hardening ratio of the spring, post-yield over elastic stiffness [-], from 0 to 1. It is
+        given together with ``yield_displacement``.
     yield_displacement : float or array, optional
         Relative displacement ``u1 - u2`` at which the spring yields [m], positive.
     floors : (int, int), optional
-        Numbers of the floors that the link ties, counted from 1 above the first storey. By default they
-        are the highest floors of both structures at the same level. An oscillator has one floor. Within
-        one structure both numbers are required, the upper floor first; 0 is the ground.
+        Numbers of the floors that the link ties, counted from 1 above the first storey. By default
+        they are the highest floors of both structures at the same level. An oscillator has one
+        floor. Within one structure both numbers are required, the upper floor first; 0 is the
+        ground.
     structures : (int, int), optional
         Numbers of the structures that the link ties, counted from 1. By default the n-th link of a
         list ties structure n to the next one. ``(2, 2)`` is a device in structure 2.
@@ -54,14 +55,15 @@ class Link(Model):
     Raises
     ------
     ValueError, TypeError
-        If a scalar is out of range or a value is not a number; if the spring has only one of hardening
-        and yield displacement; if ``floors`` or ``structures`` are not two whole numbers from 1; or if a
-        link within one structure lacks its two floors.
+        If a scalar is out of range or a value is not a number; if the spring has only one of
+        hardening and yield displacement; if ``floors`` or ``structures`` are not two whole numbers
+        from 1; or if a link within one structure lacks its two floors.
 
     References
     ----------
-    Westermo, B. D. (1989), Earthquake Eng. Struct. Dyn. 18, for links between buildings; Soong, T. T.
-    and Dargush, G. F. (1997), Passive energy dissipation systems in structural engineering, for devices.
+    Westermo, B. D. (1989), Earthquake Eng. Struct. Dyn. 18, for links between buildings; Soong, T.
+    T. and Dargush, G. F. (1997), Passive energy dissipation systems in structural engineering, for
+    devices.
 
     Examples
     --------
@@ -78,7 +80,9 @@ class Link(Model):
     """
 
     stiffness: Parameter = parameter("N/m", "stiffness of the link", NOT_NEGATIVE, 0.0)
-    damping_constant: Parameter = parameter("N s/m", "damping constant of the link", NOT_NEGATIVE, 0.0)
+    damping_constant: Parameter = parameter(
+        "N s/m", "damping constant of the link", NOT_NEGATIVE, 0.0
+    )
     _: KW_ONLY
     damping_exponent: Parameter | None = parameter("1", "exponent of the dashpot", EXPONENT, None)
     hardening: Parameter | None = parameter("1", "hardening ratio of the link", SHARE, None)
@@ -97,7 +101,9 @@ class Link(Model):
                 object.__setattr__(self, name, _two_numbers(name, numbers, lowest))
         if self.within_one and (self.floors is None or self.floors[0] <= self.floors[1]):
             what = f"Link: floors = {self.floors} inside structure {self.structures}"
-            raise ValueError(f"{what}; allowed: (upper, lower), of which the lower is 0 for the ground")
+            raise ValueError(
+                f"{what}; allowed: (upper, lower), of which the lower is 0 for the ground"
+            )
 
     def doubts(self) -> Iterator[str]:
         """Text on a spring that yields and has no stiffness."""

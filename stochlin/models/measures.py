@@ -22,16 +22,17 @@ class Measure(Model):
     Parameters
     ----------
     added_damping_1, added_damping_2 : float
-        Damping ratio [-] that dampers add to structures 1 and 2, not negative. As for the structure's
-        own damping ratio, its mass and elastic stiffness are the reference.
+        Damping ratio [-] that dampers add to structures 1 and 2, not negative. As for the
+        structure's own damping ratio, its mass and elastic stiffness are the reference.
     link : Link or list of Link, optional
-        Springs and dashpots between the two structures, or damping devices inside one of them. For a
-        device, ``structures`` of the link names the same structure twice.
+        Springs and dashpots between the two structures, or damping devices inside one of them. For
+        a device, ``structures`` of the link names the same structure twice.
 
     Raises
     ------
     ValueError, TypeError
-        If a value, also of a link, is an array or is out of range, or if ``link`` is of the wrong kind.
+        If a value, also of a link, is an array or is out of range, or if ``link`` is of the wrong
+        kind.
 
     References
     ----------
@@ -62,7 +63,9 @@ class Measure(Model):
         super().__post_init__()
         listed = (self.link,) if isinstance(self.link, Link) else self.link
         if not isinstance(listed, (list, tuple)):
-            raise TypeError(f"Measure: link = {brief(self.link)}; allowed: a Link, or a list of them")
+            raise TypeError(
+                f"Measure: link = {brief(self.link)}; allowed: a Link, or a list of them"
+            )
         for number, each in enumerate(listed, start=1):
             expect(each, Link, f"Measure: link, number {number}")
             _ = each.numbers  # raises an error for an array
@@ -71,7 +74,9 @@ class Measure(Model):
     @property
     def links(self) -> tuple[Link, ...]:
         """All links of the measure, each with the numbers of the two structures that it ties."""
-        return tuple(replace(each, structures=each.structures or BETWEEN) for each in self._listed())
+        return tuple(
+            replace(each, structures=each.structures or BETWEEN) for each in self._listed()
+        )
 
     def _listed(self) -> Sequence[Link]:
         assert isinstance(self.link, tuple)

@@ -67,7 +67,8 @@ class Range:
 NO_UNIT = ("", "1", "-", "dimensionless")
 POSITIVE = Range()
 NOT_NEGATIVE = Range(include_lower=True)
-# Of structures and grounds in seconds, where their frequencies and those of others are of use together.
+# Of structures and grounds in seconds, where their frequencies and those of others are of use
+# together.
 PERIODS = Range(1e-9, 1e9, include_lower=True, include_upper=True)
 
 
@@ -95,7 +96,9 @@ class _ModelType(Named):
             self.check_uncertain(uncertain)
         with unquestioned():
             made = (
-                UncertainModel.of(self, args, kwargs) if uncertain else super().__call__(*args, **kwargs)
+                UncertainModel.of(self, args, kwargs)
+                if uncertain
+                else super().__call__(*args, **kwargs)
             )
         values["intensity"] = None  # only functions that give metres ask about it
         limits = self.limits()
@@ -112,13 +115,19 @@ class _ModelType(Named):
 class Model(ByValue, metaclass=_ModelType):
     """Base of all models that a user describes; it checks and labels the declared parameters.
 
-    A scalar out of range raises an error at once. An array may have cells out of range: the analyses
-    mark these cells in ``status`` and compute the others.
+    A scalar out of range raises an error at once. An array may have cells out of range: the
+    analyses mark these cells in ``status`` and compute the others.
     """
 
-    is_base: ClassVar[bool] = True  # declared by ``base=True`` of a class: others are to derive from it
-    of_arguments: ClassVar[bool] = False  # arguments of a function; messages then omit the class name
-    other_limits: ClassVar[Mapping[str, Plausible]] = {}  # of parameters that mean something else here
+    is_base: ClassVar[bool] = (
+        True  # declared by ``base=True`` of a class: others are to derive from it
+    )
+    of_arguments: ClassVar[bool] = (
+        False  # arguments of a function; messages then omit the class name
+    )
+    other_limits: ClassVar[
+        Mapping[str, Plausible]
+    ] = {}  # of parameters that mean something else here
     number_of: ClassVar[str] = ""  # what a parameter that is no array is a number of, for messages
     instead: ClassVar[str] = ""  # advice in the message of a function that does not take this model
 
@@ -158,7 +167,11 @@ class Model(ByValue, metaclass=_ModelType):
     @classmethod
     def kinds(cls) -> Collection[type[Model]]:
         """What messages list as allowed: this class, or of a base the classes that derive from it."""
-        return {kind for each in cls.__subclasses__() for kind in each.kinds()} if cls.is_base else {cls}
+        return (
+            {kind for each in cls.__subclasses__() for kind in each.kinds()}
+            if cls.is_base
+            else {cls}
+        )
 
     @classmethod
     def parameter_names(cls) -> tuple[str, ...]:
@@ -184,7 +197,9 @@ class Model(ByValue, metaclass=_ModelType):
 
     @functools.cached_property
     def _cells(self) -> dict[str, Any]:
-        return {f.name: value for f in self._declared() if (value := getattr(self, f.name)) is not None}
+        return {
+            f.name: value for f in self._declared() if (value := getattr(self, f.name)) is not None
+        }
 
     def cells(self) -> dict[str, Any]:
         """The parameters that are set, by name: numbers, or labelled arrays."""
@@ -224,7 +239,9 @@ class Model(ByValue, metaclass=_ModelType):
         """True for the cells in which every parameter is in its range."""
         # Numbers are left out: they were checked when the model was made.
         arrays = {n: value for n, value in self.cells().items() if isinstance(value, xr.DataArray)}
-        inside = (array.copy(data=self.allowed(n).contains(array.data)) for n, array in arrays.items())
+        inside = (
+            array.copy(data=self.allowed(n).contains(array.data)) for n, array in arrays.items()
+        )
         return functools.reduce(operator.and_, inside, xr.DataArray(True))
 
     def doubts(self) -> Iterator[str]:
@@ -266,8 +283,8 @@ def expect(value: object, kind: type[Model] | tuple[type[Model], ...], role: str
 def check_alignment(what: str, *arrays: xr.DataArray) -> None:
     """Raise a ValueError if dimensions of the same name differ in coordinates or length.
 
-    Arithmetic would keep the coordinates that arrays have in common, and leave out the others. ``what``
-    the arrays are begins the message, in the plural.
+    Arithmetic would keep the coordinates that arrays have in common, and leave out the others.
+    ``what`` the arrays are begins the message, in the plural.
     """
     if len(arrays) < 2:
         return
@@ -282,8 +299,8 @@ def check_alignment(what: str, *arrays: xr.DataArray) -> None:
 def check_units(label: str, stated: object, units: str) -> None:
     """Raise a ValueError if an array states a unit in which its values are not taken, or an unknown one.
 
-    Another quantity is no reason, but for the inverse: arithmetic with arrays keeps the attributes of
-    the first of them.
+    Another quantity is no reason, but for the inverse: arithmetic with arrays keeps the attributes
+    of the first of them.
     """
     unit = "" if stated is None else str(stated)
     other = parsed(unit) is None and unit not in NO_UNIT
@@ -300,11 +317,15 @@ def check(prefix: str, name: str, value: Any, declared: Mapping[str, Any]) -> fl
     """
     label = f"{prefix}{name}"
     allowed = declared["allowed"]
-    if isinstance(value, pd.Series) and type(value.index) is pd.Index:  # of labels, which must agree
+    if (
+        isinstance(value, pd.Series) and type(value.index) is pd.Index
+    ):  # of labels, which must agree
         value = xr.DataArray(value.to_numpy(), {CASE: value.index.to_numpy()}, CASE)
     array = value if isinstance(value, xr.DataArray) else as_array(value)
     if array.dtype.kind not in "iuf":
-        shown = brief(value) if array.ndim == 0 else f"{brief(np.ravel(array)[:2].tolist())}, an array,"
+        shown = (
+            brief(value) if array.ndim == 0 else f"{brief(np.ravel(array)[:2].tolist())}, an array,"
+        )
         raise TypeError(f"{label} = {shown} is not a real number; allowed: {allowed}")
     if isinstance(value, xr.DataArray):
         check_units(label, value.attrs.get("units"), declared["units"])

@@ -90,7 +90,11 @@ def implausible(
     for end in ("", "_1", "_2"):
         height = values.get(f"height{end}")
         storeys = values.get(f"storeys{end}")
-        if _is_number(height) and _is_number(storeys) and (text := doubt_of_storeys(height, storeys)):
+        if (
+            _is_number(height)
+            and _is_number(storeys)
+            and (text := doubt_of_storeys(height, storeys))
+        ):
             yield f"height{end} = {height:g}: {text}"
         behaviour = values.get(f"behaviour{end}")
         deflection = values.get(f"deflection{end}")
@@ -101,7 +105,12 @@ def implausible(
 def _nearest(value: object, known: Plausible) -> object:
     """A number as it is; of an array in memory that number, or limit, that is nearest to usual ones."""
     data = value.data if isinstance(value, xr.DataArray) else value
-    if known is ANY or not isinstance(data, np.ndarray) or not data.size or data.dtype.kind not in "iuf":
+    if (
+        known is ANY
+        or not isinstance(data, np.ndarray)
+        or not data.size
+        or data.dtype.kind not in "iuf"
+    ):
         return value
     least = float(data.min())  # NaN if any is
     most = float(data.max())  # likewise
@@ -112,7 +121,9 @@ def doubt_of_storeys(height: float, storeys: float) -> str:
     """Text on the mean height [m] of the storeys of a building; empty if it is plausible."""
     mean = height / storeys if storeys > 0 else 0.0
     several = storeys >= SEVERAL  # where halls are rare
-    text = PLAUSIBLE["mean height of three storeys" if several else "mean storey height"].doubt(mean)
+    text = PLAUSIBLE["mean height of three storeys" if several else "mean storey height"].doubt(
+        mean
+    )
     return text and f"its height over the number of storeys, {storeys:g}, is {mean:.3g} m; {text}"
 
 

@@ -21,9 +21,9 @@ class Start(Model):
     Parameters
     ----------
     displacement, velocity : float or array
-        Displacement [m] and velocity [m/s], relative to the ground, of each coordinate: of the floors of
-        all buildings from left to right, each from the ground up; in place of the floors of a
-        `ModalBuilding` of its modes. By default 0 of all.
+        Displacement [m] and velocity [m/s], relative to the ground, of each coordinate: of the
+        floors of all buildings from left to right, each from the ground up; in place of the floors
+        of a `ModalBuilding` of its modes. By default 0 of all.
     ground_velocity : float
         Velocity of the ground [m/s], which matters for a `Wall` that is fixed in space.
 
@@ -53,7 +53,9 @@ class Start(Model):
         for name, values in self.arrays().items():
             if values.ndim > 1 or not np.isfinite(values.values).all():
                 what = f"Start: {name} = {brief(values.values.tolist())}"
-                raise ValueError(f"{what}; allowed: a list of finite numbers, in {self.units(name)}")
+                raise ValueError(
+                    f"{what}; allowed: a list of finite numbers, in {self.units(name)}"
+                )
 
     def of(self, coordinates: Sequence[str]) -> Array:
         """Displacements and velocities (2, n) of the coordinates with these names."""

@@ -33,10 +33,14 @@ def rates_by_state(law: Any) -> Rates:
         except (TypeError, ValueError) as error:
             raise TypeError(f"law = {brief(law)} is not allowed; {GIVE}") from error
     names = ["z", *(name for name in rates if name != "z")]
-    words = [n for n in names if isinstance(n, str) and n.isidentifier() and not keyword.iskeyword(n)]
+    words = [
+        n for n in names if isinstance(n, str) and n.isidentifier() and not keyword.iskeyword(n)
+    ]
     if not (words == names and "z" in rates and "v" not in names and len(names) <= MOST_STATES):
         what = f"law = {brief(in_words(law))} has rates of {listed(rates)}"
-        allowed = f"z and at most {MOST_STATES - 1} further states, names of letters and digits, not 'v'"
+        allowed = (
+            f"z and at most {MOST_STATES - 1} further states, names of letters and digits, not 'v'"
+        )
         raise ValueError(f"{what}; allowed: {allowed}")
     return tuple((name, rates[name]) for name in names)
 

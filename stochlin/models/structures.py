@@ -108,13 +108,13 @@ class AnyStructure(Model, base=True):
 class Structure(AnyStructure, base=True):
     """Base of the oscillators, eq. (5): ``mu'' + 2 xi w mu' + alpha w^2 mu + (1 - alpha) w^2 z = f/uy``.
 
-    The strength is given by ``yield_displacement`` or by ``reduction_factor``; without either of them
-    the structure stays elastic. A mass is needed only by structures that act on one another, through a
-    `Link` or in pounding.
+    The strength is given by ``yield_displacement`` or by ``reduction_factor``; without either of
+    them the structure stays elastic. A mass is needed only by structures that act on one another,
+    through a `Link` or in pounding.
 
-    A hysteresis law is a subclass that is registered in `LAWS`. It declares its own parameters and gives
-    the expression of the law by ``symbolic``. Closures and time steps are derived from this expression
-    unless the subclass has its own.
+    A hysteresis law is a subclass that is registered in `LAWS`. It declares its own parameters and
+    gives the expression of the law by ``symbolic``. Closures and time steps are derived from this
+    expression unless the subclass has its own.
     """
 
     has_storeys = False
@@ -134,9 +134,13 @@ class Structure(AnyStructure, base=True):
         super().__post_init__()
         name = type(self).__name__
         if self.yield_displacement is not None and self.reduction_factor is not None:
-            raise ValueError(f"{name}: yield_displacement and reduction_factor; allowed: one of them")
+            raise ValueError(
+                f"{name}: yield_displacement and reduction_factor; allowed: one of them"
+            )
         if self.yields and self.hardening is None:
-            raise ValueError(f"{name}: hardening is not given beside a strength; allowed: {HARDENING}")
+            raise ValueError(
+                f"{name}: hardening is not given beside a strength; allowed: {HARDENING}"
+            )
 
     def doubts(self) -> Iterator[str]:
         """Text on period and yield displacement, if no building has their acceleration at yield."""
@@ -227,7 +231,8 @@ class Structure(AnyStructure, base=True):
     def closure(self, name: str) -> Closure:
         """The closure ``name`` of this law: equivalent coefficients as a function of latent moments.
 
-        It raises an ArithmeticError if the law has none in closed form, and none accurate by quadrature.
+        It raises an ArithmeticError if the law has none in closed form, and none accurate by
+        quadrature.
         """
         closed = self.closed_form(name)
         if closed is None:
@@ -254,8 +259,8 @@ class Structure(AnyStructure, base=True):
     def has_one_solution(self) -> xr.DataArray:
         """True for the cells in which linearization is known to have only one solution.
 
-        In the other cells the solution is followed from the elastic response as the intensity grows,
-        which takes several times as long.
+        In the other cells the solution is followed from the elastic response as the intensity
+        grows, which takes several times as long.
         """
         return xr.DataArray(False)
 
@@ -311,7 +316,9 @@ class Structure(AnyStructure, base=True):
     @property
     def _name(self) -> str:
         """The law as messages name it."""
-        return type(self).__name__ if self.own_parameters() else f"law = {in_words(self.symbolic())}"
+        return (
+            type(self).__name__ if self.own_parameters() else f"law = {in_words(self.symbolic())}"
+        )
 
     @cached_property
     def _compiled(self) -> SymbolicLaw:

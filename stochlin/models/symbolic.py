@@ -78,8 +78,14 @@ _PARTS = (  # of expressions
 )
 _POWER = sympy.Function("power")
 _WRITE = sympy.Function("write")
-_VECTOR_FUNCTIONS = {"power": power, "exp": exponential, "log": logarithm, "write": operator.setitem}
-# Of v, z and further states. These may be sums that only grow, such as energies, and are not negative.
+_VECTOR_FUNCTIONS = {
+    "power": power,
+    "exp": exponential,
+    "log": logarithm,
+    "write": operator.setitem,
+}
+# Of v, z and further states. These may be sums that only grow, such as energies, and are not
+# negative.
 _PROBES = np.concatenate(
     [
         np.random.default_rng(1996).uniform(-2.5, 2.5, (2, 400)),
@@ -98,8 +104,8 @@ Sets = tuple[tuple[float, ...], ...]
 class SymbolicLaw:
     """Hysteresis law, compiled for time steps, and for Gaussian quadrature if it has one state.
 
-    It is made by `compiled`, with real symbols. Functions take the values of the parameters as rows of
-    an array, in the order of ``parameters``.
+    It is made by `compiled`, with real symbols. Functions take the values of the parameters as rows
+    of an array, in the order of ``parameters``.
     """
 
     def __init__(self, rates: Rates, parameters: tuple[str, ...], growing: tuple[str, ...]) -> None:
@@ -121,7 +127,9 @@ class SymbolicLaw:
         """An expression in ``v``, ``z`` and the parameters that bends where the rate of z does."""
         of_law = self._function(expression)
         kinks = self._function(*_kinks(self.rates[0][1]))
-        probes = np.random.default_rng(4).uniform(0.3, 1.7, (len(self.parameters), _PROBES.shape[1]))
+        probes = np.random.default_rng(4).uniform(
+            0.3, 1.7, (len(self.parameters), _PROBES.shape[1])
+        )
 
         def function(v: Array, z: Array, values: Array) -> Array:
             return of_law(v, (z,), values)[0]
@@ -172,8 +180,11 @@ class SymbolicLaw:
         numbers = {sympy.Symbol(name, real=True): value for name, value in values.items()}
         rates = [_for_lanes(rate).subs(numbers) for _, rate in self.rates]
         writes = sympy.Tuple(*(_WRITE(to, (i, lane), rate) for i, rate in enumerate(rates)))
-        of_rates = sympy.lambdify((lane, _V, w, own, to), writes, [_VECTOR_FUNCTIONS, "math"], cse=True)
-        # sympy counts functions in the names of their files: numba would never find compiled code again.
+        of_rates = sympy.lambdify(
+            (lane, _V, w, own, to), writes, [_VECTOR_FUNCTIONS, "math"], cse=True
+        )
+        # sympy counts functions in the names of their files: numba would never find compiled code
+        # again.
         of_rates.__code__ = of_rates.__code__.replace(co_filename=__name__)
         return rate_law(of_rates, len(rates), sympy.srepr(writes))
 
@@ -205,14 +216,18 @@ class SymbolicLaw:
             rates = self._rates(v, w, values)
             start = self._rates(v, np.zeros_like(w), values)
             if np.iscomplexobj(rates) or not np.isfinite([rates, start]).all():
-                where = "|v|, |z| < 2.5, with further states from 0 to 2.5, or where all states are 0"
+                where = (
+                    "|v|, |z| < 2.5, with further states from 0 to 2.5, or where all states are 0"
+                )
                 cure = "take powers of Abs(z) instead of z, and write a limit as Piecewise"
                 raise ValueError(f"{self._named(values)} is not real and finite in {where}; {cure}")
             allowed = 1e-9 * (1 + np.abs(rates).max(axis=1, keepdims=True))
             if not (np.abs(self._rates(-v, signs * w, values) - signs * rates) <= allowed).all():
                 others = f"growing_states = {brief(self.growing)} and their rates keep their signs"
                 allowed = f"with v and z all states and rates are reversed, while {others}"
-                raise ValueError(f"{self._named(values)} differs with the direction; allowed: {allowed}")
+                raise ValueError(
+                    f"{self._named(values)} differs with the direction; allowed: {allowed}"
+                )
             if (np.abs(start[0]) <= 1e-9 * np.abs(v)).all():
                 what = f"{self._named(values)} leaves z at 0, where motions start"
                 raise ValueError(f"{what}; allowed: G(v, 0) = v, as in v - abs(v)*z")
@@ -254,8 +269,8 @@ def compiled(
 
     ``law`` is ``G`` of ``z' = G(v, z)``, or a mapping of the rates of several states by name. Its
     symbols are ``v`` (ductility rate) [1/s], the states, and the names in ``parameters``; real ones
-    replace them. The law is the same in both directions: further states named in ``growing`` keep their
-    sign, and all others are reversed.
+    replace them. The law is the same in both directions: further states named in ``growing`` keep
+    their sign, and all others are reversed.
     """
     rates = rates_by_state(law)
     states = [name for name, _ in rates]
@@ -285,7 +300,9 @@ def _check_parts(expression: sympy.Expr) -> None:
     for node in sympy.preorder_traversal(expression):
         beyond = isinstance(node, sympy.Number) and not abs(node) < LARGEST
         if beyond or not isinstance(node, _PARTS):
-            what = f"law = {brief(str(expression))} has {brief(str(node))}, which has no numeric form"
+            what = (
+                f"law = {brief(str(expression))} has {brief(str(node))}, which has no numeric form"
+            )
             allowed = f"numbers below {LARGEST:.0e}, + - * / ** and {', '.join(sorted(_FUNCTIONS))}"
             raise ValueError(f"{what}; allowed: {allowed}")
 
@@ -310,7 +327,8 @@ def _is_rate_independent(rates: Callable[[Array], Array]) -> bool:
 def _kinks(expression: sympy.Expr) -> set[sympy.Expr]:
     """Values of ``z`` where the law may jump or bend for ``v > 0``, and which do not depend on ``v``.
 
-    The quadrature takes no others: where ``v`` is positive, the kinks of ``1 - z*sign(v)`` are at 1.
+    The quadrature takes no others: where ``v`` is positive, the kinks of ``1 - z*sign(v)`` are at
+    1.
     """
     expression = expression.subs(_V, _FORWARD)
     arguments = [node.args[0] for node in expression.atoms(sympy.Heaviside, sympy.sign, sympy.Abs)]

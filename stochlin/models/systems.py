@@ -1,12 +1,12 @@
 """Structures on one ground as one system: floors with masses, storeys between them, and links.
 
-A link ties floors of two structures. It may also be a device inside one structure, between two of its
-floors or between a floor and the ground.
+A link ties floors of two structures. It may also be a device inside one structure, between two of
+its floors or between a floor and the ground.
 
-An oscillator is treated as a building of one storey. Storeys and springs of links are the elements of
-the system. The force of an element is ``post d + couple z`` [N], where ``d`` [m] is its drift and ``z``
-[m] the elastic part of the drift, which follows from the hysteresis law. ``post`` includes the P-delta
-effect of the weight above a storey.
+An oscillator is treated as a building of one storey. Storeys and springs of links are the elements
+of the system. The force of an element is ``post d + couple z`` [N], where ``d`` [m] is its drift
+and ``z`` [m] the elastic part of the drift, which follows from the hysteresis law. ``post``
+includes the P-delta effect of the weight above a storey.
 """
 
 from __future__ import annotations
@@ -37,11 +37,15 @@ class StickModel(NamedTuple):
     cells.
     """
 
-    system: System  # with as many elements as coordinates; without ``couple`` where they stay elastic
+    system: (
+        System  # with as many elements as coordinates; without ``couple`` where they stay elastic
+    )
     levels: Array  # (f,) [m], heights of the floors above the ground; NaN for an oscillator
     law: Structure  # hysteresis law of all elements; a structure without strength if they stay elastic
     shear_shares: Array  # (f, n) [-], of the forces of the elements in the storey shears
-    by_modes: bool = False  # whether coordinates and elements are modes in place of floors and storeys
+    by_modes: bool = (
+        False  # whether coordinates and elements are modes in place of floors and storeys
+    )
 
     @property
     def is_oscillator(self) -> bool:
@@ -81,7 +85,9 @@ class StickModel(NamedTuple):
         shape = self.system.mass.shape
         values = (array.to_numpy() for array in self.law.law_parameters())
         rows = [a[:, None] if a.ndim and len(shape) > 1 else a for a in values]
-        return np.stack([np.zeros(shape), *(np.broadcast_to(a, shape) for a in rows)], axis=-1)[..., 1:]
+        return np.stack([np.zeros(shape), *(np.broadcast_to(a, shape) for a in rows)], axis=-1)[
+            ..., 1:
+        ]
 
 
 class PlacedLink(NamedTuple):
@@ -130,7 +136,9 @@ class Assembly(NamedTuple):
         return [
             name
             for s, stick in enumerate(self.sticks, start=1)
-            for name in (numbered(f"mode {s}", stick.coordinates) if stick.by_modes else stick.floors(s))
+            for name in (
+                numbered(f"mode {s}", stick.coordinates) if stick.by_modes else stick.floors(s)
+            )
         ]
 
     @property
@@ -154,7 +162,9 @@ class Assembly(NamedTuple):
     def of_watched(self) -> Array:
         """Number of the element of each of the `watched`; -1 for storeys of a building by its modes."""
         storeys = [
-            np.full(stick.levels.size, -1) if stick.by_modes else begin + np.arange(stick.coordinates)
+            np.full(stick.levels.size, -1)
+            if stick.by_modes
+            else begin + np.arange(stick.coordinates)
             for begin, stick in zip(self.first_coordinate[:-1], self.sticks, strict=True)
         ]
         return np.concatenate([*storeys, self.yielding_modes])
@@ -213,7 +223,8 @@ class Assembly(NamedTuple):
     def of_elements(self, values: Array, elastic: float, unknown: float) -> Array:
         """Values (..., n) of the elements for the `watched`.
 
-        Storeys of a building by its modes have the value ``elastic``, or ``unknown`` if modes yield.
+        Storeys of a building by its modes have the value ``elastic``, or ``unknown`` if modes
+        yield.
         """
         weak = np.array([bool(stick.yields.any()) for stick in self.sticks])
         blank = np.where(weak[self.owners], unknown, elastic)
@@ -228,12 +239,14 @@ class Assembly(NamedTuple):
     def extensions(self) -> Array:
         """Matrix (s, n) that turns the n coordinates into extensions of the s elements.
 
-        The elements are the storeys, followed by the springs of links with the extension ``u1 - u2``.
+        The elements are the storeys, followed by the springs of links with the extension ``u1 -
+        u2``.
         """
         _, _, storeys, shapes, *_ = self.storeys
         ground = np.zeros_like(shapes[0])
         links = [
-            shapes[t.floor] - (shapes[t.other] if t.other >= 0 else ground) for t in self.placed_links
+            shapes[t.floor] - (shapes[t.other] if t.other >= 0 else ground)
+            for t in self.placed_links
         ]
         return np.concatenate([storeys, np.reshape(links, (-1, ground.size))])
 
@@ -268,7 +281,13 @@ def stick_model_of(structure: AnyStructure) -> StickModel:
     strength = values.get("yield_displacement", np.inf)
     with np.errstate(over="ignore", invalid="ignore"):  # extreme structures get a status
         k = mass * w**2
-        columns = (mass, hardening * k, (1 - hardening) * k, strength, 2 * values["damping"] * w * mass)
+        columns = (
+            mass,
+            hardening * k,
+            (1 - hardening) * k,
+            strength,
+            2 * values["damping"] * w * mass,
+        )
     shape = np.broadcast_shapes(*(np.shape(value) for value in (*values.values(), *columns)))
     wide = (np.broadcast_to(column, shape).astype(float)[..., None] for column in columns)
     own, post, couple, limit, damping = wide
@@ -324,7 +343,8 @@ def assembly_of(structures: Sequence[AnyStructure], links: Sequence[Link | None]
     Raises
     ------
     ValueError
-        If a link names a structure or a floor that does not exist, or ties a structure without a mass.
+        If a link names a structure or a floor that does not exist, or ties a structure without a
+        mass.
     """
     sticks = tuple(stick_model_of(structure) for structure in structures)
     first = Assembly(sticks, ()).first
@@ -354,8 +374,8 @@ def assembly_of(structures: Sequence[AnyStructure], links: Sequence[Link | None]
 def common_floors(first: StickModel, second: StickModel, number: int) -> tuple[int, int]:
     """Numbers, from 1, of the highest floors of two structures at the same level.
 
-    An oscillator is taken to be at the level of the other structure's roof. ``number`` is that of the
-    link, for messages.
+    An oscillator is taken to be at the level of the other structure's roof. ``number`` is that of
+    the link, for messages.
     """
     if first.is_oscillator or second.is_oscillator:
         return first.levels.size, second.levels.size
@@ -369,9 +389,9 @@ def common_floors(first: StickModel, second: StickModel, number: int) -> tuple[i
 def slabs_on_columns(first: Array, second: Array) -> list[tuple[int, int]]:
     """Slabs of two neighbours that face columns of the other, from the ground up.
 
-    ``first`` and ``second`` are the levels of the floors [m]. Each slab is a pair of the side, 0 or 1,
-    and the floor number, from 1. A slab faces columns if it is below the roof of the other building
-    and the other building has no floor at the same level.
+    ``first`` and ``second`` are the levels of the floors [m]. Each slab is a pair of the side, 0 or
+    1, and the floor number, from 1. A slab faces columns if it is below the roof of the other
+    building and the other building has no floor at the same level.
     """
     slabs = [
         (float(level), side, floor)
@@ -398,7 +418,9 @@ def check_links(name: str, links: object, count: int) -> tuple[Link | None, ...]
             expect(link, Link, f"{name}, number {number}" if len(links) > 1 else name)
     places = [None if link is None else link.structures for link in links]
     by_place = links and not any(places)
-    if (by_place and len(links) != count - 1) or any(p is None for p in places[max(count - 1, 0) :]):
+    if (by_place and len(links) != count - 1) or any(
+        p is None for p in places[max(count - 1, 0) :]
+    ):
         allowed = "one between each two neighbours, or None, or links with structures=(.., ..)"
         raise ValueError(f"{name}: {len(links)} given; allowed: {allowed}")
     return tuple(links)

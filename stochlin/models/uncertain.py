@@ -40,17 +40,17 @@ def as_array(value: object) -> npt.NDArray[Any]:
 class Uncertain(ByValue, metaclass=Named):
     """An uncertain parameter, with its median, its spread and the kind of its distribution.
 
-    It can be given in place of a parameter of a structure or a ground. Every simulated motion then has
-    its own sample of the parameter. All values of an array, for instance the stiffnesses of the storeys
-    of one building, are multiplied by the same factor.
+    It can be given in place of a parameter of a structure or a ground. Every simulated motion then
+    has its own sample of the parameter. All values of an array, for instance the stiffnesses of the
+    storeys of one building, are multiplied by the same factor.
 
     Parameters
     ----------
     median : float or array
         Median in the unit of the parameter, for instance ``[s]`` for a period.
     spread : float
-        Spread [-], from 0 to 1: for ``"lognormal"`` the standard deviation of the natural logarithm,
-        for ``"uniform"`` the largest deviation from the median over the median.
+        Spread [-], from 0 to 1: for ``"lognormal"`` the standard deviation of the natural
+        logarithm, for ``"uniform"`` the largest deviation from the median over the median.
     kind : {"lognormal", "uniform"}
         Distribution: ``median exp(spread n)`` with a standard normal ``n``, or uniform from
         ``median (1 - spread)`` to ``median (1 + spread)``.
@@ -83,14 +83,22 @@ class Uncertain(ByValue, metaclass=Named):
     def __post_init__(self) -> None:
         median = as_array(self.median)
         if median.dtype.kind not in "iuf":
-            raise TypeError(f"Uncertain: median = {brief(self.median)}; allowed: a number, or an array")
+            raise TypeError(
+                f"Uncertain: median = {brief(self.median)}; allowed: a number, or an array"
+            )
         if not np.isfinite(median).all():
             raise ValueError(f"Uncertain: median = {brief(self.median)}; allowed: finite numbers")
         spread = self.spread
         a_number = isinstance(spread, (int, float, np.number)) and not isinstance(spread, bool)
         if not a_number or not 0 <= spread <= 1:
-            cure = f"; for {spread:g} % write {spread / 100:g}" if a_number and 1 < spread <= 100 else ""
-            raise ValueError(f"Uncertain: spread = {brief(spread)}; allowed: 0 to 1, 0.2 for 20 %{cure}")
+            cure = (
+                f"; for {spread:g} % write {spread / 100:g}"
+                if a_number and 1 < spread <= 100
+                else ""
+            )
+            raise ValueError(
+                f"Uncertain: spread = {brief(spread)}; allowed: 0 to 1, 0.2 for 20 %{cure}"
+            )
         if not isinstance(self.kind, str) or self.kind not in KINDS:
             raise ValueError(f"Uncertain: kind = {brief(self.kind)}; allowed: {', '.join(KINDS)}")
 
@@ -139,8 +147,8 @@ class WithoutCells:
 class UncertainModel(ByValue, WithoutCells):
     """A structure or a ground with uncertain parameters.
 
-    It results when an `Uncertain` is given to a model in place of a number. ``build`` makes a sample of
-    the model from ``arguments``, in which samples replace the uncertain ones.
+    It results when an `Uncertain` is given to a model in place of a number. ``build`` makes a
+    sample of the model from ``arguments``, in which samples replace the uncertain ones.
     """
 
     build: Callable[..., Any]
@@ -174,7 +182,9 @@ class UncertainModel(ByValue, WithoutCells):
         """The call that makes an equal one; what was changed since is described."""
         if inspect.isclass(self.build):
             return call(self.build.__name__, self.arguments)
-        of_class = getattr(self.build, "__self__", None)  # whose method builds it, as ``regular`` does
+        of_class = getattr(
+            self.build, "__self__", None
+        )  # whose method builds it, as ``regular`` does
         if inspect.isclass(of_class):
             return call(f"{of_class.__name__}.{self.build.__name__}", self.arguments)
         return f"<{self.describe()}, changed>"
@@ -229,7 +239,9 @@ def applied(change: Callable[[Any], Any], model: Any) -> Any:
 
 def takes_uncertain(build: Callable[..., One]) -> Callable[..., One]:
     """Decorate what becomes a classmethod: with `Uncertain` arguments it makes an UncertainModel."""
-    own = {n: p for n, p in inspect.signature(build).parameters.items() if n not in ("cls", "others")}
+    own = {
+        n: p for n, p in inspect.signature(build).parameters.items() if n not in ("cls", "others")
+    }
 
     @wraps(build)
     def either(*args: Any, **kwargs: Any) -> Any:

@@ -39,21 +39,36 @@ _SIZES: dict[tuple[float, ...], dict[str, float]] = {
         **dict.fromkeys(("ms", "msec"), 1e-3),
     },
     (0, 0, 0, 1): {"yr": 1.0, "years": 1.0, "a": 1.0},
-    (1, 0, -2, 0): {"g": constants.g, "gal": 0.01, "%g": 0.01 * constants.g, "mg": 1e-3 * constants.g},
+    (1, 0, -2, 0): {
+        "g": constants.g,
+        "gal": 0.01,
+        "%g": 0.01 * constants.g,
+        "mg": 1e-3 * constants.g,
+    },
     (1, 1, -2, 0): _FORCES,
     (-1, 1, -2, 0): {"psi": constants.psi},
 }
-# The case of letters changes the prefix of these from milli to mega; of all others it changes nothing.
+# The case of letters changes the prefix of these from milli to mega; of all others it changes
+# nothing.
 _WITH_CASE = {name.lower(): name for name in ("mm", "ms", "msec", "MN", "mg")}
-_TON = re.compile(r"\s*tons?\s*", re.IGNORECASE)  # of force, as in "ton s^2/m", but alone also of mass
-_QUANTITIES = {"length": "m", "mass": "kg", "force": "N", "acceleration": "m/s^2", "velocity": "m/s"}
+_TON = re.compile(
+    r"\s*tons?\s*", re.IGNORECASE
+)  # of force, as in "ton s^2/m", but alone also of mass
+_QUANTITIES = {
+    "length": "m",
+    "mass": "kg",
+    "force": "N",
+    "acceleration": "m/s^2",
+    "velocity": "m/s",
+}
 _KNOWN = {name: (size, powers) for powers, of in _SIZES.items() for name, size in of.items()}
 # Signs of powers and products, also a raised 2 that was read in another encoding.
 _SIGNS = str.maketrans("²³\N{REPLACEMENT CHARACTER}*·-", "232   ", "^")
 _OF_RATIO = re.compile(r"\((\w+)/(\w+)\)([\d.]+)")  # (s/m)0.5
 _OF_G = re.compile(r"% ?g", re.IGNORECASE)  # a hundredth of it
 _FACTOR = re.compile(r" ?(/?) ?(1(?=/)|[A-Za-z%]+)(\d(?:\.\d*)?)?")
-# Characters of a unit. With powers below 10, no product of factors is too large or small for a float.
+# Characters of a unit. With powers below 10, no product of factors is too large or small for a
+# float.
 _LONGEST = 32
 _NAME = re.compile("[A-Za-z]+")
 
@@ -78,18 +93,24 @@ def likely_unit(unit: str, quantity: str) -> str:
     They are empty if it differs by more than the case of a prefix or a sign of percent.
     """
     prefixed = _NAME.sub(lambda name: _WITH_CASE.get(name[0].lower(), name[0]), unit)
-    likely = (prefixed, " ".join(prefixed.replace(PERCENT, "").split()), PERCENT * (PERCENT in unit))
+    likely = (
+        prefixed,
+        " ".join(prefixed.replace(PERCENT, "").split()),
+        PERCENT * (PERCENT in unit),
+    )
     near = next((each for each in likely if size_of(each, quantity) is not None), "")
     return f"did you mean {brief(near)}? " if near else ""
 
 
-def stated_size(quantity: str, stated: str, wanted: object, where: str, argument: str = "") -> float:
+def stated_size(
+    quantity: str, stated: str, wanted: object, where: str, argument: str = ""
+) -> float:
     """The size of a unit in SI, as a file states it, or as the caller does where the file does not.
 
     ``quantity`` is ``"length"``, ``"mass"``, ``"force"``, ``"acceleration"`` or ``"velocity"``,
-    ``where`` the place in the file, and ``argument`` the name of what the caller states, for messages.
-    Raises a ValueError if neither says it, if both contradict each other, or
-    if it is not known, and a TypeError if the unit that the caller states is no text.
+    ``where`` the place in the file, and ``argument`` the name of what the caller states, for
+    messages. Raises a ValueError if neither says it, if both contradict each other, or if it is not
+    known, and a TypeError if the unit that the caller states is no text.
     """
     of = _QUANTITIES[quantity]
     name = argument or ("units" if quantity == "acceleration" else f"{quantity}_units")

@@ -20,8 +20,9 @@ NAN = "not a number"  # stands for each NaN, which is not equal to itself
 class ByValue:
     """Base of the dataclasses that are equal, and have one hash, if their fields describe the same.
 
-    Arrays are compared by their values, and labelled ones by their dimensions and coordinates as well;
-    NaN is equal to NaN. Fields that dataclasses do not compare take no part, nor does anything cached.
+    Arrays are compared by their values, and labelled ones by their dimensions and coordinates as
+    well; NaN is equal to NaN. Fields that dataclasses do not compare take no part, nor does
+    anything cached.
     """
 
     __dataclass_fields__: ClassVar[dict[str, Field[Any]]]
@@ -50,7 +51,8 @@ class ByValue:
     def constructor_arguments(self) -> dict[str, Any]:
         """Keyword arguments that make an equal one; those with their default values are left out.
 
-        A class with an ``__init__`` of its own that does not take its fields by name overrides this.
+        A class with an ``__init__`` of its own that does not take its fields by name overrides
+        this.
         """
         values = ((field, getattr(self, field.name)) for field in fields(self) if field.init)
         return {
@@ -66,7 +68,9 @@ class ByValue:
 def content(value: Any) -> Any:
     """What a value describes, in a form that is equal for equal values, and can be hashed."""
     if isinstance(value, xr.DataArray):
-        coords = ((name, axis.dims, content(axis.to_numpy())) for name, axis in value.coords.items())
+        coords = (
+            (name, axis.dims, content(axis.to_numpy())) for name, axis in value.coords.items()
+        )
         return value.dims, content(value.to_numpy()), frozenset(coords)
     if isinstance(value, np.ndarray):
         return content(value.tolist())
@@ -87,7 +91,8 @@ def call(name: str, arguments: Mapping[str, Any]) -> str:
 def written(value: Any) -> str:  # noqa: PLR0911
     """A value as it is written in Python, with numpy as ``np``, xarray as ``xr`` and names of sympy.
 
-    Arrays that are large, or not in memory, are not written out, and then Python does not take the text.
+    Arrays that are large, or not in memory, are not written out, and then Python does not take the
+    text.
     """
     if isinstance(value, xr.DataArray):
         return _labelled(value)
@@ -96,7 +101,11 @@ def written(value: Any) -> str:  # noqa: PLR0911
     if isinstance(value, (bool, np.bool_)):
         return str(bool(value))
     if isinstance(value, (float, np.floating)):
-        return repr(float(value)) if np.isfinite(value) else f"np.{float(value)}".replace("np.-", "-np.")
+        return (
+            repr(float(value))
+            if np.isfinite(value)
+            else f"np.{float(value)}".replace("np.-", "-np.")
+        )
     if isinstance(value, np.integer):
         return str(int(value))
     if isinstance(value, list):
@@ -141,6 +150,8 @@ def _of_sympy(expression: Any) -> str:
 
     class Printer(ReprPrinter):  # type: ignore[misc]
         def _print_ExprCondPair(self, pair: Any) -> str:  # noqa: N802 - so sympy calls it
-            return f"({self._print(pair.expr)}, {self._print(pair.cond)})"  # its name is not in sympy
+            return (
+                f"({self._print(pair.expr)}, {self._print(pair.cond)})"  # its name is not in sympy
+            )
 
     return str(Printer().doprint(expression))

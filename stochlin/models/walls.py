@@ -26,12 +26,12 @@ class Wall(Model):
     Parameters
     ----------
     fixed : {"ground", "space"}
-        What the wall moves with. A wall that is fixed to the ground has no displacement relative to it;
-        one that is fixed in space has that of the ground with the opposite sign.
+        What the wall moves with. A wall that is fixed to the ground has no displacement relative to
+        it; one that is fixed in space has that of the ground with the opposite sign.
     levels : sequence of float, optional
         Levels above the ground at which the wall touches the building [m], as a rigid slab does. A
-        level within 0.05 m of a floor meets its slab, any other the column of the storey. By default
-        the wall is plane and meets the slabs of all floors.
+        level within 0.05 m of a floor meets its slab, any other the column of the storey. By
+        default the wall is plane and meets the slabs of all floors.
 
     Raises
     ------

@@ -28,26 +28,27 @@ def hysteresis_loop(
     Parameters
     ----------
     structure : Bilinear, BoucWen, Hysteretic or another oscillator
-        Structure with scalar parameters, elastic or with a yield displacement. Forces per mass hold for
-        its period; a storey has the law of `ShearBuilding.oscillator`.
+        Structure with scalar parameters, elastic or with a yield displacement. Forces per mass hold
+        for its period; a storey has the law of `ShearBuilding.oscillator`.
     displacement : array
-        Displacements [m], such as the turns of a test in cycles. It moves straight from 0 to the first
-        and from each to the next. The rate has no effect on laws that do not depend on it.
+        Displacements [m], such as the turns of a test in cycles. It moves straight from 0 to the
+        first and from each to the next. The rate has no effect on laws that do not depend on it.
     refine : int
         Number of points of the result on each of these ways.
 
     Returns
     -------
     xarray.Dataset
-        Over ``point``: ``displacement`` [m]; ``force_per_mass`` [m/s^2], the restoring force without
-        viscous damping; ``z`` [-], the hysteretic displacement over the yield displacement, NaN if the
-        structure is elastic; and ``hysteretic_work_per_mass`` [m^2/s^2], the work of the part of the
-        force that belongs to ``z``, which contains what unloading will give back.
+        Over ``point``: ``displacement`` [m]; ``force_per_mass`` [m/s^2], the restoring force
+        without viscous damping; ``z`` [-], the hysteretic displacement over the yield displacement,
+        NaN if the structure is elastic; and ``hysteretic_work_per_mass`` [m^2/s^2], the work of the
+        part of the force that belongs to ``z``, which contains what unloading will give back.
 
     Raises
     ------
     ValueError, TypeError
-        If the structure has arrays or a reduction factor, or the displacements are not finite numbers.
+        If the structure has arrays or a reduction factor, or the displacements are not finite
+        numbers.
 
     References
     ----------

@@ -16,9 +16,9 @@ RECORD = "record_"
 def unit_and_long_name(name: str, special: Variables = NONE) -> tuple[str, str] | None:
     """Unit and long name of a variable; None if it has none.
 
-    A name that is neither ``special`` nor in `VARIABLES` may end as in `ENDINGS` or in the number of a
-    structure, or begin with ``record_``, also in several ways at once. The rest has ``special``
-    words only where `VARIABLES` has none for it.
+    A name that is neither ``special`` nor in `VARIABLES` may end as in `ENDINGS` or in the number
+    of a structure, or begin with ``record_``, also in several ways at once. The rest has
+    ``special`` words only where `VARIABLES` has none for it.
     """
     return _described(name, special) if special else _usual(name)
 

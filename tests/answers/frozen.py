@@ -9,12 +9,12 @@ other files         what it reads: case files, records made for it
 ``independent.py``  for the verification manual: the same by hand or by another program
 ``independent.json``, ``manual.md``  the numbers that gave, and the words of the manual
 
-Variables, and rules and other things with names along a dimension, are compared by their names: one more
-is no difference, nor what texts say of an extension that was not known before.
+Variables, and rules and other things with names along a dimension, are compared by their names: one
+more is no difference, nor what texts say of an extension that was not known before.
 
-Pictures are drawn, and not compared. The oldest and latest versions that reasons of tolerances speak of
-are numpy 2.1.0, scipy 1.15.0, numba 0.61.0 and xarray 2025.11.0 on Python 3.11, and 2.5.5, 1.18.1,
-0.68.1 and 2026.9.0 on Python 3.13, both on one x86-64 processor.
+Pictures are drawn, and not compared. The oldest and latest versions that reasons of tolerances
+speak of are numpy 2.1.0, scipy 1.15.0, numba 0.61.0 and xarray 2025.11.0 on Python 3.11, and 2.5.5,
+1.18.1, 0.68.1 and 2026.9.0 on Python 3.13, both on one x86-64 processor.
 """
 
 from __future__ import annotations
@@ -106,7 +106,9 @@ class Case:
     def tolerance_of_text(self, number: str, line: str) -> Tolerance:
         """The one that is stated for words of the line; counts exactly; else the case's."""
         for each in self.others:
-            if any(re.search(rf"(?<!\w){re.escape(words)}(?!\w)", line) for words in each.variables):
+            if any(
+                re.search(rf"(?<!\w){re.escape(words)}(?!\w)", line) for words in each.variables
+            ):
                 return each
         return Tolerance("a count") if re.fullmatch(r"[-+]?\d+", number) else self.tolerance
 
@@ -186,7 +188,9 @@ def contents(folder: Path, before: Path | None = None) -> dict[str, Any]:
         for name, variable in table.variables.items():
             place, kind = f"{path.name} {name}", variable.dtype.kind
             attributes[place] = variable.attrs | {"shape": f"{kind} {dict(variable.sizes)}"}
-            parts[place] = variable.values if kind == "f" else "\n".join(map(str, variable.values.flat))
+            parts[place] = (
+                variable.values if kind == "f" else "\n".join(map(str, variable.values.flat))
+            )
         for place, values in attributes.items():
             known = {key: str(value) for key, value in values.items() if key not in CHANGING}
             parts |= {f"{place}, {key}": RELEASE.sub("", text) for key, text in known.items()}
@@ -214,7 +218,9 @@ def registered_texts() -> list[str]:
     rules = [rule for registry in RULES for rule in registry.values()]
     texts = {text for rule in rules for text in (rule.title, rule.reference, rule.describe())}
     texts |= {
-        name for registry in (*RULES, COMMANDS, CONTACTS, ENVELOPES, GROUNDS, LAWS) for name in registry
+        name
+        for registry in (*RULES, COMMANDS, CONTACTS, ENVELOPES, GROUNDS, LAWS)
+        for name in registry
     }
     texts |= {f"eq_3_{name}" for name in EFFECTIVE_RULES}  # of the gap by its properties
     return sorted(filter(None, texts), key=len, reverse=True)
@@ -244,7 +250,9 @@ def differences(case: Case, results: Path) -> Iterator[Difference]:
     new = contents(results, before=case.folder / EXPECTED)
     for place in sorted(old | new):
         if place not in old or place not in new:
-            yield Difference(place, *("there" if place in side else "missing" for side in (old, new)))
+            yield Difference(
+                place, *("there" if place in side else "missing" for side in (old, new))
+            )
         elif isinstance(old[place], str) and isinstance(new[place], str):
             now = without_new_extensions(old[place], new[place])
             yield from _of_texts(case, place, old[place], now)
@@ -331,5 +339,7 @@ def largest(values: Any, others: Any) -> float:
     values, others = np.asarray(values, dtype=float), np.asarray(others, dtype=float)
     if values.shape != others.shape:
         return np.nan
-    apart = np.where(np.isnan(values) & np.isnan(others), 0.0, np.abs(values - others) / np.abs(others))
+    apart = np.where(
+        np.isnan(values) & np.isnan(others), 0.0, np.abs(values - others) / np.abs(others)
+    )
     return float(np.max(apart))

@@ -1,8 +1,8 @@
 """The verification manual: its page is made of the frozen cases, and no number stands in two places.
 
 ``manual.md`` here says what comes first and the order of the cases; that of a case, its problem and
-how it is solved. In them ``<< T >>`` is a number of ``independent.json``, ``<< T | digits(4) >>`` the
-same to four digits.
+how it is solved. In them ``<< T >>`` is a number of ``independent.json``, ``<< T | digits(4) >>``
+the same to four digits.
 """
 
 import itertools
@@ -96,7 +96,9 @@ def summary(name: str) -> str:
 
 def page() -> str:
     """The whole page, from what is frozen."""
-    return _rendered((HERE / "manual.md").read_text(encoding="utf-8"), section=section, summary=summary)
+    return _rendered(
+        (HERE / "manual.md").read_text(encoding="utf-8"), section=section, summary=summary
+    )
 
 
 def _rendered(text: str, **names: Any) -> str:

@@ -28,7 +28,9 @@ class Frame(NamedTuple):
         k -= np.diag(springs[1:], 1) + np.diag(springs[1:], -1)
         squares, modes = eigh(k, np.diag(masses))
         modes = masses[:, None] * modes
-        return sum(2 * xi * np.sqrt(s) * np.outer(m, m) for s, m in zip(squares, modes.T, strict=True))
+        return sum(
+            2 * xi * np.sqrt(s) * np.outer(m, m) for s, m in zip(squares, modes.T, strict=True)
+        )
 
 
 def new_model():
@@ -56,7 +58,8 @@ def times_of_steps(shaking, step):
 def shaken(frames, xi, gap, spring, step, meet):
     """Peaks of the floors of two frames, and the times at which some gap between them closes.
 
-    Floors of one number face each other. Peaks are over frames and floors, NaN where a frame has none.
+    Floors of one number face each other. Peaks are over frames and floors, NaN where a frame has
+    none.
     """
     new_model()
     for b, frame in enumerate(frames, 1):

@@ -1,7 +1,8 @@
 """What the pages of `docs` take from the code: keys of case files, the reference, files that are shown.
 
-Each stands in its page between two marks, ``<!-- keys: site -->`` and ``<!-- end of keys -->``, and the
-page is committed with it, so that any viewer shows it. The words around the marks are written by hand.
+Each stands in its page between two marks, ``<!-- keys: site -->`` and ``<!-- end of keys -->``, and
+the page is committed with it, so that any viewer shows it. The words around the marks are written
+by hand.
 """
 
 import inspect
@@ -69,7 +70,8 @@ def shown_file(name: str) -> str:
     return f"```{file.suffix[1:]}\n{file.read_text(encoding='utf-8').rstrip()}\n```"
 
 
-# --- Keys of case files -------------------------------------------------------------------------------
+# --- Keys of case files
+# -------------------------------------------------------------------------------
 
 
 def keys(name: str) -> str:
@@ -94,7 +96,8 @@ def _called(form: type) -> str:
     return name[:1].lower() + name[1:]
 
 
-# --- The reference ------------------------------------------------------------------------------------
+# --- The reference
+# ------------------------------------------------------------------------------------
 
 
 def sections() -> dict[str, list[str]]:
@@ -133,7 +136,9 @@ def signature(name: str, public: object) -> str:
     arguments = inspect.signature(public).parameters.values()
     plain = [each.replace(annotation=inspect.Parameter.empty) for each in arguments]
     written = f"{name}{inspect.Signature(plain)}"
-    return textwrap.fill(written, WIDTH, subsequent_indent=" " * (len(name) + 1), break_on_hyphens=False)
+    return textwrap.fill(
+        written, WIDTH, subsequent_indent=" " * (len(name) + 1), break_on_hyphens=False
+    )
 
 
 def first_sentence(public: object) -> str:

@@ -31,7 +31,12 @@ import stochlin as sl
 LONG = {
     *("charts_from_python", "charts_of_every_figure", "gap_at_a_recorded_site"),
     *("first_passage_of_a_frame", "frame_of_six_storeys", "frame_of_ten_storeys"),
-    *("fragility_of_a_gap", "gap_of_bouc_wen_buildings", "gap_of_storeys", "what_matters_for_a_gap"),
+    *(
+        "fragility_of_a_gap",
+        "gap_of_bouc_wen_buildings",
+        "gap_of_storeys",
+        "what_matters_for_a_gap",
+    ),
     *("measures_from_python", "records_read_and_fitted", "risk_of_a_gap", "site_by_spectrum"),
 }
 # Time steps of other programs; what they once said is compared with ours above all the same.
@@ -47,11 +52,15 @@ VERIFIED = [name for name in CASES if (HERE / name / INDEPENDENT).exists()]
 
 @pytest.mark.cli
 @pytest.mark.parametrize("name", with_slow(CASES, LONG))
-def test_the_answer_is_what_it_was(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_answer_is_what_it_was(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setenv("MPLBACKEND", "agg")
     case = Case.named(name)
     moved = [str(each) for each in differences(case, run(case, tmp_path)) if each.moved]
-    assert not moved, "\n".join([f"{case.why} 'make answers' rewrites it, if this is meant:", *moved])
+    assert not moved, "\n".join(
+        [f"{case.why} 'make answers' rewrites it, if this is meant:", *moved]
+    )
 
 
 @pytest.mark.oracle

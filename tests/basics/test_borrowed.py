@@ -44,7 +44,9 @@ def step(m: Any) -> None:
     for _ in range(m.steps):
         for i in range(m.weight.size):
             for lane in range(m.springs.force.size):
-                m.masses.v[i, lane] += m.dt * m.weight[i] * m.springs.force[lane] * m.masses.q[i, lane]
+                m.masses.v[i, lane] += (
+                    m.dt * m.weight[i] * m.springs.force[lane] * m.masses.q[i, lane]
+                )
 
 
 def test_compiled_functions_read_and_write_what_python_does() -> None:

@@ -249,9 +249,13 @@ def test_a_child_runs_the_package_of_its_parent(tmp_path):
     """Also where `sys.path` has another one before it."""
     (tmp_path / "stochlin").mkdir()
     (tmp_path / "stochlin" / "__init__.py").write_text("raise ImportError('another one')")
-    program = "import stochlin, stochlin.messages as inner; print(stochlin.__file__, inner.__file__)"
+    program = (
+        "import stochlin, stochlin.messages as inner; print(stochlin.__file__, inner.__file__)"
+    )
     variables = environment({"PYTHONPATH": str(tmp_path)})
-    done = subprocess.run(command(program), env=variables, capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        command(program), env=variables, capture_output=True, text=True, check=True
+    )
     assert done.stdout.split() == [sl.__file__, messages.__file__]
 
 
@@ -279,7 +283,9 @@ print(*os.listdir(os.environ["TMPDIR"]))
 """
 
 
-@pytest.mark.skipif(not hasattr(os, "fork"), reason="Windows has neither forks nor locks of folders")
+@pytest.mark.skipif(
+    not hasattr(os, "fork"), reason="Windows has neither forks nor locks of folders"
+)
 def test_processes_remove_their_own_temporary_folder_and_those_of_killed_ones(tmp_path):
     def run(argument):
         return process(tmp_path, {"TMPDIR": str(tmp_path)}, "-c", ENDS, argument).stdout.split()
@@ -316,5 +322,7 @@ def test_functions_of_two_laws_have_different_names_in_compiled_code(toy):
     assert any("chosen" in name for name in first)
     assert not first & second
     known = structure(v - 1.25 * abs(v) * z)._compiled
-    after_others = type(known).step.func(known)  # as a process makes it that has met other laws before
+    after_others = type(known).step.func(
+        known
+    )  # as a process makes it that has met other laws before
     assert by_number((after_others,)).cache_hits == 1

@@ -27,7 +27,9 @@ def wall(tmp_path: Path) -> Path:
 def test_its_example_is_a_building(wall: Path) -> None:
     example = wall.with_name("example.csv")
     example.write_text(answered("building", "--example").output, encoding="utf-8")
-    of_example, own = (answered("building", path).output.splitlines()[1:] for path in (example, wall))
+    of_example, own = (
+        answered("building", path).output.splitlines()[1:] for path in (example, wall)
+    )
     assert of_example == [line.replace("wall.csv", "example.csv") for line in own]
     assert "MODES is missing; 'stochlin building --example" in refused("building")
 

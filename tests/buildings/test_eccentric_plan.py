@@ -1,7 +1,7 @@
 """A building whose plan turns: three slabs on eccentric columns, in numpy.
 
-Each slab moves along the gap, across it and turns about its centre. A `ModalBuilding` of the corner has
-only the motion along the gap there, and must move and pound like the whole.
+Each slab moves along the gap, across it and turns about its centre. A `ModalBuilding` of the corner
+has only the motion along the gap there, and must move and pound like the whole.
 """
 
 import itertools
@@ -16,8 +16,8 @@ import stochlin as sl
 
 STOREY, WIDTH, DEPTH, XI = 3.6, 14.0, 20.0, 0.05  # m; width along the gap
 MASSES = np.array([3e5, 3e5, 2.4e5])  # kg
-# Columns: place (x, y) [m] from the centre of the slab, stiffness of a storey along and across the gap
-# [N/m]. A solid wall at y = -10 m, an open front at y = 10 m.
+# Columns: place (x, y) [m] from the centre of the slab, stiffness of a storey along and across the
+# gap [N/m]. A solid wall at y = -10 m, an open front at y = 10 m.
 COLUMNS = [
     *[(x, -10.0, 9e7, 2e7) for x in (-7.0, 0.0, 7.0)],
     (-7.0, 0.0, 2.5e7, 2.5e7),
@@ -110,7 +110,14 @@ def test_a_blow_at_a_corner_turns_the_plan() -> None:
         return np.append(v, (-damping @ v - stiffness @ q - row.T @ force) / mass - pushed * ground)
 
     solved = scipy.integrate.solve_ivp(
-        rate, (0, SAMPLES[-1]), np.zeros(24), "DOP853", SAMPLES, max_step=DT / 2, rtol=1e-7, atol=1e-10
+        rate,
+        (0, SAMPLES[-1]),
+        np.zeros(24),
+        "DOP853",
+        SAMPLES,
+        max_step=DT / 2,
+        rtol=1e-7,
+        atol=1e-10,
     )
     table = sl.pound([corner(FRONT), NEIGHBOUR], gap, sl.LinearSpring(spring), MOTION)
     for n, exact in enumerate([corner_rows(FRONT) @ solved.y[:9], solved.y[9:12]], 1):

@@ -164,7 +164,9 @@ def test_modes_yield_side_by_side(law: dict[str, Any]) -> None:
         linear.ductility_std[-2:], [float(one.ductility_std) for one in both], rtol=1e-6
     )
     space = sl.statespace([building], GROUND, linear.c_eq.values, linear.k_eq.values)
-    np.testing.assert_allclose(sl.stationary_covariance(space), linear.covariance, rtol=1e-6, atol=1e-12)
+    np.testing.assert_allclose(
+        sl.stationary_covariance(space), linear.covariance, rtol=1e-6, atol=1e-12
+    )
 
 
 def test_a_corner_that_turns_takes_the_numbers_of_its_program() -> None:
@@ -192,7 +194,9 @@ def test_floors_follow_the_ground_where_modes_are_left_out() -> None:
 
 def test_modes_that_are_exchanged_are_asked_about() -> None:
     """A slower mode across the gap has little of the mass along it, and may have a node."""
-    with pytest.warns(sl.ImplausibleInput, match="mode 1 has a node and a longer period than mode 2"):
+    with pytest.warns(
+        sl.ImplausibleInput, match="mode 1 has a node and a longer period than mode 2"
+    ):
         sl.ModalBuilding(**TWO | {"shapes": TWO["shapes"][::-1]})
     across = {"participation": [0.05, 1.24, 0.2], "modal_masses": [4e3, 3.6e5, 2e4]}
     shapes = [[-0.4, 1.0], *TWO["shapes"]]
@@ -218,14 +222,23 @@ WRONG: dict[str, tuple[dict[str, Any], str]] = {
         r"has 601 values; .* at most 600 modes",
     ),
     "participation alone": ({"participation": [1.0, 0.3]}, r"participation or modal_masses alone"),
-    "ratios": ({"participation": [1.0, 0.3], "modal_masses": [5e5, 2e4]}, r"are 1\.3 of the masses"),
-    "across the gap": ({"participation": [1.0, 0.3], "modal_masses": [4e5, 1e-3]}, r"2 does not move"),
+    "ratios": (
+        {"participation": [1.0, 0.3], "modal_masses": [5e5, 2e4]},
+        r"are 1\.3 of the masses",
+    ),
+    "across the gap": (
+        {"participation": [1.0, 0.3], "modal_masses": [4e5, 1e-3]},
+        r"2 does not move",
+    ),
     "still": ({"shapes": [[0.62, 1.0], [0.0, 0.0]]}, r"shapes of mode 2 are all 0"),
     "uncertain shapes": ({"shapes": sl.Uncertain([[0.6, 1.0]], 0.1)}, r"shapes is uncertain"),
     "parameters of the law": (
         {
             **{"yield_displacements": [0.01, 0.01], "hardening": [0.1, 0.5]},
-            **{"law": "modified_clough", "law_parameters": {"softening": 0.2, "cap_ductility": 4.0}},
+            **{
+                "law": "modified_clough",
+                "law_parameters": {"softening": 0.2, "cap_ductility": 4.0},
+            },
         },
         r"law_parameters = .*softening.*; allowed: what fits the hardening",
     ),

@@ -68,9 +68,13 @@ def test_units_may_be_asked_for_and_must_not_contradict_the_file(tmp_path: Path)
     table = read(tmp_path, bare, mass_units="kip-s²/in", length_units="ft")
     np.testing.assert_allclose(table["mass"], 200 * 4448.2216 / 0.0254, rtol=1e-7)
     np.testing.assert_allclose(table["height"], 3.5 * 0.3048)
-    of_ton = read(tmp_path, PLAIN.replace("[t]", "[ton]"), mass_units="t")  # which ton the user knows
+    of_ton = read(
+        tmp_path, PLAIN.replace("[t]", "[ton]"), mass_units="t"
+    )  # which ton the user knows
     assert of_ton["mass"].values.tolist() == [2e5, 2e5]
-    with pytest.raises(ValueError, match=r"mass_units = 'kg' contradicts tower.csv, line 4, column 2"):
+    with pytest.raises(
+        ValueError, match=r"mass_units = 'kg' contradicts tower.csv, line 4, column 2"
+    ):
         read(tmp_path, PLAIN, mass_units="kg")
 
 
@@ -108,7 +112,9 @@ BROKEN = {
         "period [s],,0.5,0.18\n", ""
     ),
     "line 3, column 1: periods are in 'min'; allowed: s, so": PLAIN.replace("[s]", "[min]"),
-    "line 3, column 1: periods are in 'ms'; allowed: s, so convert them": PLAIN.replace("[s]", "[ms]"),
+    "line 3, column 1: periods are in 'ms'; allowed: s, so convert them": PLAIN.replace(
+        "[s]", "[ms]"
+    ),
     "line 3, column 1: periods are in 'Hz'; allowed: s, so write 1/f": PLAIN.replace("[s]", "[Hz]"),
     "line 3, column 1: 'frequency [Hz]' is not known; allowed: period, participation": PLAIN.replace(
         "period [s]", "frequency [Hz]"
@@ -125,9 +131,9 @@ BROKEN = {
     ": mode 1 hardly moves along the direction": PLAIN.replace("7,200,1", "7,200,-0.62").replace(
         "level", "participation,,1.4,0.2\nmodal mass [t],,300,60\nlevel", 1
     ),
-    ": mode 2 hardly moves along the direction, where it has mass": PLAIN.replace("-1.61", "-1").replace(
-        "level", "participation,,0.2,1.4\nmodal mass [t],,60,300\nlevel", 1
-    ),
+    ": mode 2 hardly moves along the direction, where it has mass": PLAIN.replace(
+        "-1.61", "-1"
+    ).replace("level", "participation,,0.2,1.4\nmodal mass [t],,60,300\nlevel", 1),
     ": two floors are at 3.5 m": PLAIN.replace("\n7,", "\n3.5,"),
     " is no file of modes that is known; allowed: a file with a line 'mode,,1,2'": "height,mass\n3,4\n",
 }
@@ -140,7 +146,9 @@ def test_a_broken_table_is_refused_with_its_place(tmp_path: Path, message: str) 
 
 
 def test_an_argument_without_a_meaning_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match=r"direction = 'UX' has no meaning for tower\.csv, which has"):
+    with pytest.raises(
+        ValueError, match=r"direction = 'UX' has no meaning for tower\.csv, which has"
+    ):
         read(tmp_path, PLAIN, direction="UX")
     with pytest.raises(TypeError, match="points = '12'; allowed: a list of names"):
         read(tmp_path, PLAIN, points="12")

@@ -1,8 +1,9 @@
 """Modes as ETABS prints them, of a building that turns.
 
-The building is written out here: rigid floors with their masses at the four corners, and storeys whose
-stiffness along x is off the centre. Its eigenvalues are those of numpy. All modes together move every
-point of every floor as the ground does: the participation factors times the shapes add up to 1.
+The building is written out here: rigid floors with their masses at the four corners, and storeys
+whose stiffness along x is off the centre. Its eigenvalues are those of numpy. All modes together
+move every point of every floor as the ground does: the participation factors times the shapes add
+up to 1.
 """
 
 import re
@@ -24,7 +25,9 @@ MASSES, HEIGHTS = np.array([300.0, 300.0, 220.0]), np.array([4.0, 3.2, 3.2])  # 
 LEVELS, STORIES = np.cumsum(HEIGHTS), ("Story1", "Story2", "Roof")
 A, B, OFF = 9.0, 6.0, 2.0  # half length along x, along y, and eccentricity [m]
 CORNERS = {"1": (A, B), "2": (-A, B), "3": (-A, -B), "4": (A, -B)}
-STIFFNESS = np.array([[4e5, 0, -4e5 * OFF], [0, 3e5, 0], [-4e5 * OFF, 0, 4e7 + 4e5 * OFF**2]])  # kN, m
+STIFFNESS = np.array(
+    [[4e5, 0, -4e5 * OFF], [0, 3e5, 0], [-4e5 * OFF, 0, 4e7 + 4e5 * OFF**2]]
+)  # kN, m
 
 
 def eigen() -> tuple[np.ndarray, np.ndarray]:
@@ -45,7 +48,9 @@ def eigen() -> tuple[np.ndarray, np.ndarray]:
 
 
 PERIODS, SHAPES = eigen()
-LOADS = np.einsum("mfd,f->md", SHAPES[..., :2], MASSES)  # sums of mass times displacement (modes, x y)
+LOADS = np.einsum(
+    "mfd,f->md", SHAPES[..., :2], MASSES
+)  # sums of mass times displacement (modes, x y)
 RATIOS = LOADS**2 / MASSES.sum()
 
 
@@ -104,7 +109,12 @@ def etabs() -> list[Cells]:
             "||||||mm|mm|rad",
             centres,
         ),
-        table("Joint Displacements", f"Story|Label|Unique Name|{of_case}|Ux|Uy", "|||||||mm|mm", joints),
+        table(
+            "Joint Displacements",
+            f"Story|Label|Unique Name|{of_case}|Ux|Uy",
+            "|||||||mm|mm",
+            joints,
+        ),
     ]
 
 
@@ -168,7 +178,9 @@ def test_tables_of_etabs_are_the_building(tmp_path: Path, variant: str) -> None:
     kept = RATIOS[:, 0] >= 1e-3
     assert table["mode"].values.tolist() == (np.flatnonzero(kept) + 1).tolist()
     np.testing.assert_allclose(table["period"], PERIODS[kept])
-    np.testing.assert_allclose(table["modal_mass"], 1000 * MASSES.sum() * RATIOS[kept, 0], rtol=1e-5)
+    np.testing.assert_allclose(
+        table["modal_mass"], 1000 * MASSES.sum() * RATIOS[kept, 0], rtol=1e-5
+    )
     moved = table["participation"] * table["shape"]
     np.testing.assert_allclose(moved, (LOADS[:, :1] * SHAPES[..., 0])[kept], rtol=1e-4, atol=1e-9)
     assert table.attrs["direction"] == "UX"
@@ -197,7 +209,9 @@ def test_floors_at_or_below_the_ground_do_not_pound(
     tmp_path: Path, elevation: float, below: int
 ) -> None:
     """The ground is at 0, or at a base that is higher; modes have the mass of all floors."""
-    whole, deep = (read(tmp_path, as_text(based(base)), direction="UX") for base in (0.0, elevation))
+    whole, deep = (
+        read(tmp_path, as_text(based(base)), direction="UX") for base in (0.0, elevation)
+    )
     np.testing.assert_allclose(deep.level, LEVELS[below:] + min(elevation, 0.0))
     np.testing.assert_allclose(
         deep["mass"], [MASSES[: below + 1].sum() * 1e3, *1e3 * MASSES[below + 1 :]]
@@ -209,7 +223,9 @@ def test_floors_at_or_below_the_ground_do_not_pound(
     assert sl.ModalBuilding.from_table(deep, damping=0.05).storeys == 3 - below
 
 
-def test_the_edge_of_a_building_that_turns_moves_with_the_ground_by_all_modes(tmp_path: Path) -> None:
+def test_the_edge_of_a_building_that_turns_moves_with_the_ground_by_all_modes(
+    tmp_path: Path,
+) -> None:
     table = read(tmp_path, as_text(etabs()), points=["1"], direction="UX")
     whole = (table["participation"] * table["shape"]).sum("mode")
     np.testing.assert_allclose(whole, 1.0, atol=2e-3)
@@ -238,7 +254,9 @@ def test_a_folder_with_a_file_for_each_table_has_the_same_modes(tmp_path: Path) 
     folder.mkdir()
     for n, cells in enumerate(etabs()[::-1]):
         (folder / f"table {n}.csv").write_text(as_text([cells]), encoding="utf-8")
-    (folder / "push.csv").write_text("displacement [mm],base shear [kN]\n0,0\n5,200\n", encoding="utf-8")
+    (folder / "push.csv").write_text(
+        "displacement [mm],base shear [kN]\n0,0\n5,200\n", encoding="utf-8"
+    )
     (folder / "notes.txt").write_text("UY is across the gap", encoding="utf-8")
     of_folder = sl.read_modes(folder, direction="UX")
     of_text = read(tmp_path, as_text(etabs()), direction="UX")
@@ -289,7 +307,10 @@ def test_masses_by_diaphragm_are_those_of_the_stories(tmp_path: Path) -> None:
 
 def towers(second: str, masses: Cells, moves: str = "D2") -> str:
     """Two towers of two floors, which move in modes of their own: 1 is that of T1, 2 that of T2."""
-    names = {"T1": ("Roof", "Story1"), "T2": ("Roof", "Story1") if second == "same" else ("R2", "S2")}
+    names = {
+        "T1": ("Roof", "Story1"),
+        "T2": ("Roof", "Story1") if second == "same" else ("R2", "S2"),
+    }
     heights: Cells = [[t, n, h] for t in names for n, h in zip(names[t], (3.6, 4.2), strict=True)]
     found: Cells = [
         [name, diaphragm, "Modal", mode, move * (mode == which), 0.0]
@@ -367,8 +388,13 @@ BROKEN: dict[str, str | tuple[str, dict[str, object]]] = {
         towers("same", OF_NAMES[:2], "D1").replace("0.0\nStory1,D1,Modal,1,0.0", "0.0\n"),
         {"tower": "T1"},
     ),
-    "table Diaphragm Center Of Mass Displacements is missing: the file has Modal": changed("Diaphragm"),
-    "tower = 'T3' is not in the tables; allowed: T1, T2": (towers("other", OF_NAMES), {"tower": "T3"}),
+    "table Diaphragm Center Of Mass Displacements is missing: the file has Modal": changed(
+        "Diaphragm"
+    ),
+    "tower = 'T3' is not in the tables; allowed: T1, T2": (
+        towers("other", OF_NAMES),
+        {"tower": "T3"},
+    ),
     "has D1, D2, which may be several buildings; give that at the gap, tower='D1'": re.sub(
         "T[12],", "T1,", towers("same", OF_FLOORS)
     ),

@@ -28,7 +28,8 @@ def numbers(ideal: xr.Dataset) -> list[float]:
     return [float(ideal[name]) for name in names]
 
 
-# --- Idealizations ------------------------------------------------------------------------------------
+# --- Idealizations
+# ------------------------------------------------------------------------------------
 
 TRILINEAR = curve([0, 1, 3, 6], [0, 100, 140, 150])
 SOFT = curve([0, 1, 4, 10], [0, 60, 150, 180])  # 0.6 of its yield force is on its second line
@@ -43,7 +44,9 @@ SOFT = curve([0, 1, 4, 10], [0, 60, 150, 180])  # 0.6 of its yield force is on i
         (SOFT, 142.5, 142.5 / 30 - 5 / 3, 37.5 / (10 - 142.5 / 30 + 5 / 3)),
     ],
 )
-def test_asce_41_by_hand(pushed: xr.DataArray, force: float, displacement: float, slope: float) -> None:
+def test_asce_41_by_hand(
+    pushed: xr.DataArray, force: float, displacement: float, slope: float
+) -> None:
     ideal = sl.bilinear_of(pushed)
     wanted = [force, displacement, slope / (force / displacement)]
     np.testing.assert_allclose(numbers(ideal), wanted, rtol=1e-8)
@@ -53,7 +56,9 @@ def test_asce_41_by_hand(pushed: xr.DataArray, force: float, displacement: float
 
 
 @pytest.mark.filterwarnings("ignore:.*does the curve end before")
-@given(st.lists(st.floats(0.05, 0.9), min_size=2, max_size=6), st.floats(1e-4, 1e3), st.floats(1, 1e9))
+@given(
+    st.lists(st.floats(0.05, 0.9), min_size=2, max_size=6), st.floats(1e-4, 1e3), st.floats(1, 1e9)
+)
 def test_of_a_curve_that_flattens_all_conditions_hold(
     shares: list[float], width: float, stiffness: float
 ) -> None:
@@ -94,8 +99,12 @@ NO_CURVES: dict[str, Any] = {
     r"point 3: the displacement goes from 1 to 0\.9 m; allowed: increasing displacements": curve(
         [0, 1, 0.9, 2], [0, 1, 1.2, 1.3]
     ),
-    "point 3: the base shear falls from the start, from 3 to 2 N": curve([0, 1, 2, 3], [0, 3, 2, 1]),
-    r"point 1: the curve begins at 0\.1 m and 0 N; allowed: 0": curve([0.1, 1, 2, 3], [0, 2, 3, 3.3]),
+    "point 3: the base shear falls from the start, from 3 to 2 N": curve(
+        [0, 1, 2, 3], [0, 3, 2, 1]
+    ),
+    r"point 1: the curve begins at 0\.1 m and 0 N; allowed: 0": curve(
+        [0.1, 1, 2, 3], [0, 2, 3, 3.3]
+    ),
     "point 2: the base shear is -1 N": curve([0, 1, 2, 3], [0, -1, 2, 3]),
     "does not bend up to 3 m, so that it has no yield point": curve([0, 1, 2, 3], [0, 1, 2, 3]),
     r"no two lines have its area and cross it at 0\.6": curve(
@@ -117,7 +126,8 @@ def test_what_is_no_curve_or_argument_is_refused(message: str) -> None:
         sl.bilinear_of(NO_CURVES.get(message, TRILINEAR), **NO_ARGUMENTS.get(message, {}))
 
 
-# --- Files --------------------------------------------------------------------------------------------
+# --- Files
+# --------------------------------------------------------------------------------------------
 
 PUSH = "roof [mm],shear [kN]\n0,0\n10,500\n30,700\n60,750\n"
 FILES: dict[str, str | tuple[str, dict[str, Any]]] = {
@@ -183,7 +193,9 @@ def test_what_is_wrong_with_a_file_is_said(message: str, tmp_path: Path) -> None
         sl.read_pushover(path, **options)
 
 
-@pytest.mark.parametrize("titles", ["storey drift,base shear", "roof,Story Shear", "roof,storey_force"])
+@pytest.mark.parametrize(
+    "titles", ["storey drift,base shear", "roof,Story Shear", "roof,storey_force"]
+)
 def test_what_is_of_a_storey_is_not_taken_by_itself(titles: str, tmp_path: Path) -> None:
     path = tmp_path / "push.csv"
     first, second = titles.split(",")
@@ -194,7 +206,8 @@ def test_what_is_of_a_storey_is_not_taken_by_itself(titles: str, tmp_path: Path)
     assert float(sl.read_pushover(path, displacement_column=1, force_column=2).max()) == 1.5e6
 
 
-# --- Buildings ----------------------------------------------------------------------------------------
+# --- Buildings
+# ----------------------------------------------------------------------------------------
 
 MASSES, STIFFNESSES = np.array([3e5, 2.5e5, 2.5e5, 1.5e5]), np.array([4e8, 3e8, 3e8, 2e8])
 CHAIN = sl.ShearBuilding(MASSES, STIFFNESSES, [4.0, 3.2, 3.2, 3.2], 0.05)
@@ -266,7 +279,9 @@ def test_the_oscillator_of_the_first_mode_has_force_and_displacement_of_the_curv
 
 
 def test_higher_modes_keep_their_strength() -> None:
-    ideal = sl.bilinear_of(curve([0, 0.03, 0.06, 0.12], OF_ROOF * np.array([0, 0.03, 0.032, 0.036])))
+    ideal = sl.bilinear_of(
+        curve([0, 0.03, 0.06, 0.12], OF_ROOF * np.array([0, 0.03, 0.032, 0.036]))
+    )
     drifts = np.eye(4) - np.eye(4, k=-1)
     root = np.sqrt(MASSES)
     matrix = drifts.T @ np.diag(STIFFNESSES) @ drifts / np.outer(root, root)
@@ -285,10 +300,14 @@ def test_higher_modes_keep_their_strength() -> None:
 
 
 def test_what_does_not_fit_a_building_is_said() -> None:
-    ideal = sl.bilinear_of(curve([0, 0.03, 0.06, 0.12], OF_ROOF * np.array([0, 0.03, 0.032, 0.036])))
+    ideal = sl.bilinear_of(
+        curve([0, 0.03, 0.06, 0.12], OF_ROOF * np.array([0, 0.03, 0.032, 0.036]))
+    )
     with pytest.warns(DoubtfulInput, match="are units, masses and"):
         CHAIN.with_pushover(ideal.assign(initial_stiffness=ideal.initial_stiffness * 1e3))
-    with pytest.raises(ValueError, match="idealized has hardening = nan; allowed: the result of bilin"):
+    with pytest.raises(
+        ValueError, match="idealized has hardening = nan; allowed: the result of bilin"
+    ):
         CHAIN.with_pushover({"yield_force": 1e6, "yield_displacement": 0.02})
     with pytest.raises(TypeError, match=r"idealized = 0\.02; allowed: the result of bilinear_of"):
         CHAIN.with_pushover(0.02)  # type: ignore[arg-type]
@@ -297,7 +316,9 @@ def test_what_does_not_fit_a_building_is_said() -> None:
     with pytest.raises(ValueError, match="p_delta = True; allowed: False with a pushover curve"):
         heavy.with_pushover(ideal)
     given_: dict[str, Any] = {"participation": [0.4, 1.2], "modal_masses": [1e5, 2.9e5]}
-    turning = sl.ModalBuilding([0.5, 0.4], [[0.5, 1], [0.4, 1]], [2e5] * 2, [3.0] * 2, 0.05, **given_)
+    turning = sl.ModalBuilding(
+        [0.5, 0.4], [[0.5, 1], [0.4, 1]], [2e5] * 2, [3.0] * 2, 0.05, **given_
+    )
     with (
         pytest.warns(DoubtfulInput, match="are units"),
         pytest.raises(ValueError, match="mode 2 has more effective mass than mode 1"),

@@ -10,7 +10,11 @@ import stochlin as sl
 
 pytestmark = pytest.mark.invariant
 
-MASSES, STIFFNESSES, HEIGHTS = [3e5, 2.8e5, 2.5e5, 2e5], [5e8, 4e8, 3.5e8, 2e8], [4.0, 3.2, 3.2, 3.2]
+MASSES, STIFFNESSES, HEIGHTS = (
+    [3e5, 2.8e5, 2.5e5, 2e5],
+    [5e8, 4e8, 3.5e8, 2e8],
+    [4.0, 3.2, 3.2, 3.2],
+)
 
 
 def frame(damping: float = 0.05, **others: Any) -> sl.ShearBuilding:
@@ -19,7 +23,9 @@ def frame(damping: float = 0.05, **others: Any) -> sl.ShearBuilding:
 
 @pytest.mark.parametrize("modes", [(1, 3), (4, 1), (2, 3)])
 @pytest.mark.parametrize("p_delta", [False, True])
-def test_two_modes_have_the_ratio_by_masses_and_stiffness(modes: tuple[int, int], p_delta: bool) -> None:
+def test_two_modes_have_the_ratio_by_masses_and_stiffness(
+    modes: tuple[int, int], p_delta: bool
+) -> None:
     """The factors follow from two linear equations, the ratios from eigenvalues of the state matrix."""
     building = frame(damping_modes=modes, p_delta=p_delta, dampers=[2e6, 0, 0, 0])
     t = np.eye(4) - np.eye(4, k=-1)
@@ -29,7 +35,9 @@ def test_two_modes_have_the_ratio_by_masses_and_stiffness(modes: tuple[int, int]
     both = w[[n - 1 for n in modes]]
     a0, a1 = np.linalg.solve(np.stack([1 / (2 * both), both / 2], axis=1), [0.05, 0.05])
     wanted = a0 * np.diag(MASSES) + a1 * stiffness
-    np.testing.assert_allclose(building.damping_matrix() - wanted, np.diag([2e6, 0, 0, 0]), atol=1e-2)
+    np.testing.assert_allclose(
+        building.damping_matrix() - wanted, np.diag([2e6, 0, 0, 0]), atol=1e-2
+    )
     ratios = building.damping_ratios()
     np.testing.assert_allclose(ratios, a0 / (2 * w) + a1 * w / 2, rtol=1e-9)
     assert building.oscillator().damping == float(ratios[0])

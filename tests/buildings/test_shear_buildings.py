@@ -72,7 +72,8 @@ def buildings(draw: st.DrawFn, **others: Any) -> sl.ShearBuilding:
     )
 
 
-# --- Modes and damping --------------------------------------------------------------------------------
+# --- Modes and damping
+# --------------------------------------------------------------------------------
 
 
 @given(numbers, st.floats(1e3, 1e7), st.floats(1e6, 1e10))
@@ -87,7 +88,9 @@ def test_periods_of_a_uniform_shear_building(storeys: int, mass: float, stiffnes
 
 
 @given(buildings(), st.data())
-def test_a_damper_takes_its_power_from_its_own_storey(building: sl.ShearBuilding, data: Any) -> None:
+def test_a_damper_takes_its_power_from_its_own_storey(
+    building: sl.ShearBuilding, data: Any
+) -> None:
     n = building.storeys
     constants = np.array(data.draw(st.lists(st.floats(0, 1e7), min_size=n, max_size=n)))
     velocity = np.array(data.draw(st.lists(st.floats(-1, 1), min_size=n, max_size=n)))
@@ -99,10 +102,13 @@ def test_a_damper_takes_its_power_from_its_own_storey(building: sl.ShearBuilding
     bare = building.damping_matrix()
     added = with_them.damping_matrix() - bare
     power = (constants * np.diff(velocity, prepend=0.0) ** 2).sum()
-    assert velocity @ added @ velocity == pytest.approx(power, rel=1e-9, abs=1e-9 * np.abs(bare).max())
+    assert velocity @ added @ velocity == pytest.approx(
+        power, rel=1e-9, abs=1e-9 * np.abs(bare).max()
+    )
 
 
-# --- The weight ---------------------------------------------------------------------------------------
+# --- The weight
+# ---------------------------------------------------------------------------------------
 
 
 def test_each_storey_loses_the_weight_above_over_its_height() -> None:
@@ -129,7 +135,8 @@ def test_the_weight_may_eat_the_hardening_but_not_the_stiffness() -> None:
     check_stationary(assembly_of([elastic]))
 
 
-# --- Regular buildings --------------------------------------------------------------------------------
+# --- Regular buildings
+# --------------------------------------------------------------------------------
 
 
 @st.composite
@@ -160,13 +167,18 @@ def test_a_regular_building_is_what_it_was_told(
     forces = building.levels() / building.levels().sum()
     weight = GRAVITY * known["mass"] * building.storeys
     shear = known["base_shear_coefficient"] * weight * forces[::-1].cumsum()[::-1]
-    drift = np.linalg.solve(stiffness_of(building), known["base_shear_coefficient"] * weight * forces)
-    np.testing.assert_allclose(np.diff(drift, prepend=0), building.arrays()["yield_drifts"], rtol=1e-9)
+    drift = np.linalg.solve(
+        stiffness_of(building), known["base_shear_coefficient"] * weight * forces
+    )
+    np.testing.assert_allclose(
+        np.diff(drift, prepend=0), building.arrays()["yield_drifts"], rtol=1e-9
+    )
     at_yield = (building.stiffnesses * building.yield_drifts).to_numpy()
     np.testing.assert_allclose(at_yield, shear, rtol=1e-12)
 
 
-# --- The first mode -----------------------------------------------------------------------------------
+# --- The first mode
+# -----------------------------------------------------------------------------------
 
 
 @given(buildings())
@@ -208,7 +220,8 @@ def test_one_storey_is_the_oscillator(
         np.testing.assert_allclose(here, there, rtol=1e-13)
 
 
-# --- Structures and links as one system ---------------------------------------------------------------
+# --- Structures and links as one system
+# ---------------------------------------------------------------
 
 OSCILLATOR = sl.Bilinear(1.0, 0.05, 0.1, yield_displacement=0.02, mass=2e5)
 
@@ -239,7 +252,9 @@ def test_a_system_of_mixed_structures_has_their_modes(structures: list[Any]) -> 
 def test_links_tie_floors_counted_through_all_structures() -> None:
     low, high = uniform(2, 1e5, 1e8), uniform(4, 1e5, 1e8)
     system = assembly_of([high, OSCILLATOR, low], [None, Link(1e6), Link(2e6, structures=(1, 3))])
-    assert [(placed.floor, placed.other, placed.link.stiffness) for placed in system.placed_links] == [
+    assert [
+        (placed.floor, placed.other, placed.link.stiffness) for placed in system.placed_links
+    ] == [
         (4, 6, 1e6),
         (1, 6, 2e6),
     ]
@@ -258,7 +273,8 @@ def test_a_link_without_floors_is_at_the_highest_common_level() -> None:
     assert slabs_on_columns(one.levels(), two.levels()) == [(1, 1), (0, 1), (0, 3)]
 
 
-# --- Bad input ----------------------------------------------------------------------------------------
+# --- Bad input
+# ----------------------------------------------------------------------------------------
 
 
 def shear(**changed):
@@ -308,7 +324,9 @@ REFUSED = {
     "structure 1: mass is not given; links and contacts need it, 0 < value": lambda: assembly_of(
         [MASSLESS, LOW], [Link(1)]
     ),
-    "link 1: no two floors are at one level; give floors=": lambda: assembly_of([LOW, HIGH], [Link(1)]),
+    "link 1: no two floors are at one level; give floors=": lambda: assembly_of(
+        [LOW, HIGH], [Link(1)]
+    ),
     "ties the structures 1 and 3 of 2; allowed: structures = t": lambda: assembly_of(
         [OSCILLATOR, LOW], [Link(1, structures=(1, 3))]
     ),

@@ -24,7 +24,8 @@ EMPTY = f"<worksheet {MAIN}><sheetData></sheetData></worksheet>"
 def cells(rows: tuple[tuple[object, ...], ...]) -> str:
     texts = "<c t='inlineStr'><is><t>{}</t></is></c>"
     marked = [
-        [texts.format(x) if isinstance(x, str) else f"<c><v>{x}</v></c>" for x in row] for row in rows
+        [texts.format(x) if isinstance(x, str) else f"<c><v>{x}</v></c>" for x in row]
+        for row in rows
     ]
     return "".join(f"<row>{''.join(row)}</row>" for row in marked)
 
@@ -133,7 +134,9 @@ BOMBS: dict[str, dict[str, str]] = {
     "a cell far away in a row with a number": with_far('<row r="1048576">'),
     "many sheets with a cell far away": {BOOK: named(200), **with_far("<row>", 500)},
     "the same sheet many times": {BOOK: named(100_000)},
-    "a dimension": {OTHER: TABLE.replace("<sheetData>", '<dimension ref="A1:XFD1048576"/><sheetData>')},
+    "a dimension": {
+        OTHER: TABLE.replace("<sheetData>", '<dimension ref="A1:XFD1048576"/><sheetData>')
+    },
     "a merged range": {OTHER: TABLE.replace("</worksheet>", MERGED)},
     "entities of entities": {OTHER: f"<!DOCTYPE x [<!ENTITY a0 'aaaaaaaaaa'>{LAUGHS}]>{LAUGHED}"},
     "elements in elements": with_rows(MANY * "<a>" + MANY * "</a>"),
@@ -225,7 +228,9 @@ def test_without_the_library_the_message_names_it(
 def test_of_two_tables_of_modes_neither_is_taken(tmp_path: Path) -> None:
     """Nor of two files, and a file is no folder."""
     plain = "mode,,1\nperiod [s],,0.5\nlevel [m],mass [t],shape\n3,200,1\n"
-    ratios = "TABLE:  Modal Participating Mass Ratios\nCase,Mode,Period,UX\n,,sec,\nModal,1,0.5,0.9\n"
+    ratios = (
+        "TABLE:  Modal Participating Mass Ratios\nCase,Mode,Period,UX\n,,sec,\nModal,1,0.5,0.9\n"
+    )
     for name, text in {"a.csv": plain, "b.csv": plain}.items():
         (tmp_path / name).write_text(text, encoding="utf-8")
     for text in (plain, ratios):
@@ -237,7 +242,9 @@ def test_of_two_tables_of_modes_neither_is_taken(tmp_path: Path) -> None:
         sl.read_modes(tmp_path)
     done = invoke("building", tmp_path / "a.csv" / "a.csv")
     assert done.exit_code == 2
-    assert "a.csv: there is no such file; check its name and its folder" in " ".join(done.output.split())
+    assert "a.csv: there is no such file; check its name and its folder" in " ".join(
+        done.output.split()
+    )
 
 
 def test_whole_numbers_have_no_decimals(tmp_path: Path) -> None:

@@ -83,7 +83,9 @@ def test_the_first_mode_of_storeys_by_plain_numpy(storeyed: CaseAnswer) -> None:
     arrays = hall.structure.arrays()
     period, shape = first_mode(arrays["masses"].values, arrays["stiffnesses"].values)
     assert period == pytest.approx(0.6, rel=1e-9)
-    by_hand = shape * 0.25 * G * 1.15 * 2.5 * (period / 2 / np.pi) ** 2 / 3  # on the plateau, to 0.6 s
+    by_hand = (
+        shape * 0.25 * G * 1.15 * 2.5 * (period / 2 / np.pi) ** 2 / 3
+    )  # on the plateau, to 0.6 s
     found = design_displacements(case, bare, CODE_RULES["is_1893"])
     np.testing.assert_allclose(found, by_hand, rtol=1e-9)
     # ASCE 7 multiplies forces by the importance factor, by which it divides displacements later.
@@ -104,7 +106,9 @@ def test_displacements_of_ones_own_at_every_height_by_hand(storeyed: CaseAnswer)
         100 * table.gap_at_height.sel(rule="eurocode_8_applied"), 3 * hall + 2 * shed, rtol=1e-12
     )
     np.testing.assert_allclose(
-        100 * table.gap_at_height.sel(rule="asce_7_applied"), 2.5 * hall + 2 / 1.25 * shed, rtol=1e-12
+        100 * table.gap_at_height.sel(rule="asce_7_applied"),
+        2.5 * hall + 2 / 1.25 * shed,
+        rtol=1e-12,
     )
     np.testing.assert_allclose(
         table.gap_at_height.sel(rule="eurocode_8"), table.peak_at_height_1 + table.peak_at_height_2
@@ -122,7 +126,9 @@ def test_the_verdict_belongs_to_the_code_as_applied(storeyed: CaseAnswer) -> Non
         applied, combined = table.sel(rule=f"{code}_applied"), table.sel(rule=code)
         assert applied.kind == "applied"
         assert float(applied.no_pounding_probability) == float((samples <= applied.gap).mean())
-        assert float(applied.error) == pytest.approx(float(applied.gap / table.gap[0]) - 1, abs=1e-12)
+        assert float(applied.error) == pytest.approx(
+            float(applied.gap / table.gap[0]) - 1, abs=1e-12
+        )
         low, high = (float(applied[f"no_pounding_probability_{end}"]) for end in ("lower", "upper"))
         word = "at_least_the_answer" if low >= 0.9 else "less_than_the_answer"
         word = word if low >= 0.9 or high < 0.9 else "within_error"
@@ -134,7 +140,9 @@ def test_the_verdict_belongs_to_the_code_as_applied(storeyed: CaseAnswer) -> Non
 @pytest.mark.invariant
 def test_without_codes_it_is_that_of_the_spectrum_if_nothing_is_missing(tmp_path: Path) -> None:
     """ASCE 7 needs two factors of a building beside its spectrum, Eurocode 8 none."""
-    text = re.sub("(?m)^(displacements|.*_factor|codes) = .*\n", "", STOREYS).replace("12 s", "20 s")
+    text = re.sub("(?m)^(displacements|.*_factor|codes) = .*\n", "", STOREYS).replace(
+        "12 s", "20 s"
+    )
     american = 'spectrum = "asce_7"\nsds = "1 g"\nsd1 = "0.6 g"\ntl = "8 s"'
     factors = "behaviour_factor = 3\ndisplacement_factor = 2.5\n"
     for site, more, codes in (
@@ -172,7 +180,9 @@ def test_one_building_keeps_its_own_displacement_from_the_line(tmp_path: Path) -
     table = answer_case(read_text(tmp_path, text)).separation
     own = np.array([0.5, 1.1, 1.6])
     for rule, factor in (("eurocode_8_applied", 3), ("asce_7_applied", 2.5)):
-        np.testing.assert_allclose(100 * table.gap_at_height.sel(rule=rule), factor * own, rtol=1e-12)
+        np.testing.assert_allclose(
+            100 * table.gap_at_height.sel(rule=rule), factor * own, rtol=1e-12
+        )
     canada = table.sel(rule="canada_applied")
     assert np.isnan(canada.gap)
     assert "second building" in canada.missing.item()
@@ -199,7 +209,12 @@ EC8 = 'spectrum = "eurocode_8"\nag = "0.25 g"\nsoil = "C"\nfilters = 1'
         (0.1, 0.05, 3.0, 1 + 0.5 * 1.5),  # 3 * 0.75 is more than the elastic spectrum
         (0.4, 0.02, 3.0, 2.5),  # q includes the damping: 2.5, not 2.99
         (1.2, 0.05, 3.0, 2.5 * 0.5),
-        (2.0, 0.02, 4.5, 4.5 * 0.2 / 1.15),  # lower bound, more than 2.5 * 0.3 = 0.75; elastic 0.896
+        (
+            2.0,
+            0.02,
+            4.5,
+            4.5 * 0.2 / 1.15,
+        ),  # lower bound, more than 2.5 * 0.3 = 0.75; elastic 0.896
         (2.0, 0.02, 8.0, 2.5 * (10 / 7) ** 0.5 * 0.3),  # 1.39 is more than the elastic spectrum
     ],
 )
@@ -342,7 +357,9 @@ def test_it_is_said_which_combination_a_code_asks_for_and_why(tmp_path, same_pro
     text = re.sub(r"(?s)\[site\.hazard\].*?(?=\[motion\])", "", text)
     text = text.replace('risk = "10 % in 50 years"', "")  # which takes longest
     path = tmp_path / "case.toml"
-    path.write_text(text.replace("same_property = true", f"same_property = {same_property}"), "utf-8")
+    path.write_text(
+        text.replace("same_property = true", f"same_property = {same_property}"), "utf-8"
+    )
     page = tmp_path / "gap.html"
     screen = " ".join(answered("gap", path, "--report", page).stdout.split())
     assert screen.count(combination) == 2

@@ -40,7 +40,9 @@ damping = "5 %"
 
 
 def row(gaps: str) -> str:
-    return EXAMPLE.replace("[separation]", f"{THIRD}[separation]").replace(GAP, f"existing = {gaps} ")
+    return EXAMPLE.replace("[separation]", f"{THIRD}[separation]").replace(
+        GAP, f"existing = {gaps} "
+    )
 
 
 # --- Contacts -------------------------------------------------------------------------------------

@@ -57,7 +57,10 @@ def test_the_example_of_a_record_is_what_its_description_says(tmp_path: Path) ->
     site = sl.named_ground("firm", 0.01), 20.0, sl.AminAng(4.0, 15.0, 0.35)
     case = read(tmp_path, EXAMPLE)
     assert (case.site.ground, case.site.course.duration, case.site.course.envelope) == site
-    shipped, motion = sl.read_record(tmp_path / "record.at2"), sl.simulated_motions(*site, paths=2)[0]
+    shipped, motion = (
+        sl.read_record(tmp_path / "record.at2"),
+        sl.simulated_motions(*site, paths=2)[0],
+    )
     np.testing.assert_allclose(shipped, motion, rtol=1e-7, atol=1e-9)
 
 
@@ -68,7 +71,9 @@ def test_the_example_of_a_record_is_what_its_description_says(tmp_path: Path) ->
     st.floats(1e-6, 1e6),
     st.sampled_from(["", " ", "  "]),
 )
-def test_a_value_is_its_number_times_its_unit(pair: tuple[str, str], value: float, space: str) -> None:
+def test_a_value_is_its_number_times_its_unit(
+    pair: tuple[str, str], value: float, space: str
+) -> None:
     units, unit = pair
     number, text = WithUnit(units, Range()), f"{value!r}{space}{unit}"
     if unit == "1/s" and not space:  # "21/s" might be 2 or 21
@@ -143,7 +148,11 @@ def test_answer_is_that_of_the_library(tmp_path: Path) -> None:
     wave(tmp_path)
     site = f'{GROUND}\nintensity = "0.01 m^2/s^3"\n{RECORD}'
     common = 'floors_align = true\nsame_property = true\nsame_system = true\nzone = "II"\n'
-    text = with_site(site).replace("paths = 2048", "paths = 128").replace("floors_align = true", common)
+    text = (
+        with_site(site)
+        .replace("paths = 2048", "paths = 128")
+        .replace("floors_align = true", common)
+    )
     case = read(tmp_path, text)
     answer = answer_case(case)
     pair = [sl.Bilinear(T, 0.05, 0.05, reduction_factor=4) for T in (1.0, 0.6)]
@@ -152,12 +161,16 @@ def test_answer_is_that_of_the_library(tmp_path: Path) -> None:
     record = sl.read_record(tmp_path / "wave.txt", dt=0.02, units="g")
     sites = {"height_1": 24.0, "height_2": 15.0, "storeys_1": 8, "storeys_2": 5, "zone": "II"}
     sites |= dict.fromkeys(("floors_align", "same_property", "same_system"), True)
-    expected = sl.separation(*pair, ground, 20.0, **motion, codes=sites, records={"wave.txt": record})
+    expected = sl.separation(
+        *pair, ground, 20.0, **motion, codes=sites, records={"wave.txt": record}
+    )
     # Sums over modes and products of matrices are not always rounded alike.
     common_part = answer.separation[list(expected.data_vars)]
     xr.testing.assert_allclose(common_part, expected, rtol=1e-10, atol=1e-15)
     scattered = sl.separation(*pair, ground, 20.0, **motion, scatter=0.3).sel(rule="simulation")
-    assert float(answer.separation.gap_with_scatter) == pytest.approx(float(scattered.gap), rel=1e-13)
+    assert float(answer.separation.gap_with_scatter) == pytest.approx(
+        float(scattered.gap), rel=1e-13
+    )
     assert answer.existing is not None
     existing = sl.existing_gap(*pair, ground, 0.05, duration=20.0, **motion)
     xr.testing.assert_allclose(answer.existing, existing, rtol=1e-13, atol=1e-15)

@@ -53,7 +53,9 @@ def read_both(folder: Path, second: str, lines: str = "components = 2\n") -> Cas
     wave = sl.read_record(folder / "wave.at2")
     write_at2(wave[:-20] if second == "short" else 1.5 * wave, folder / "other.at2")
     text = (folder / "case.toml").read_text(encoding="utf-8")
-    text = text.replace('path = "wave.at2"', 'path = "wave.at2"\n\n[[site.records]]\npath = "other.at2"')
+    text = text.replace(
+        'path = "wave.at2"', 'path = "wave.at2"\n\n[[site.records]]\npath = "other.at2"'
+    )
     text = text.replace(FITTED, f"{FITTED}{lines}")
     (folder / "case.toml").write_text(text, encoding="utf-8")
     return sl.read_case(folder / "case.toml")
@@ -65,7 +67,9 @@ def test_ground_and_scatter_come_from_both_components(tmp_path: Path) -> None:
     case = read_both(tmp_path, "loud")
     motion = sl.fit_motion(list(case.site.records.values()), filters=2)
     assert (case.site.ground, case.site.course.envelope) == (motion.ground, motion.envelope)
-    assert case.site.scatter == motion.scatter == pytest.approx(math.log(1.5) / math.sqrt(2), rel=1e-6)
+    assert (
+        case.site.scatter == motion.scatter == pytest.approx(math.log(1.5) / math.sqrt(2), rel=1e-6)
+    )
     assert "between both components" in scatter(case)
 
 
@@ -76,7 +80,9 @@ def test_of_one_component_the_scatter_is_that_of_the_other(fitted: Case) -> None
 
 def test_components_that_are_none_are_refused(tmp_path: Path) -> None:
     case = read_both(tmp_path, "short")
-    with pytest.raises(ValueError, match=r"motion.envelope = 'fitted' .* sample counts 2501 and 2481"):
+    with pytest.raises(
+        ValueError, match=r"motion.envelope = 'fitted' .* sample counts 2501 and 2481"
+    ):
         _ = case.site.course
     read(tmp_path, FITTED)
     path = tmp_path / "case.toml"
@@ -101,7 +107,9 @@ def test_an_envelope_that_misses_the_energy_of_the_record_is_told(
 ) -> None:
     text = f'[motion]\nduration = "{duration}"\n{envelope}'
     case = read(tmp_path, text)
-    with pytest.warns(UserWarning, match=r"motion.envelope.* times the energy of the record") as found:
+    with pytest.warns(
+        UserWarning, match=r"motion.envelope.* times the energy of the record"
+    ) as found:
         _ = case.site.ground
     told = float(str(found[0].message).partition("motions with ")[2].partition(" times")[0])
     (record,) = case.site.records.values()
@@ -115,7 +123,8 @@ def test_an_envelope_that_misses_the_energy_of_the_record_is_told(
 def test_an_envelope_like_that_of_the_record_is_not(tmp_path: Path) -> None:
     names = ("rise_end", "strong_end", "decay")
     lines = [
-        f'{name} = "{getattr(ENVELOPE, name)} {"1/s" if name == "decay" else "s"}"' for name in names
+        f'{name} = "{getattr(ENVELOPE, name)} {"1/s" if name == "decay" else "s"}"'
+        for name in names
     ]
     with warnings.catch_warnings():
         warnings.simplefilter("error")

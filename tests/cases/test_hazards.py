@@ -99,7 +99,13 @@ def test_risk_of_a_case_is_that_from_python(answered):
     pair = case.buildings[0].structure, case.buildings[1].structure
     common = {"paths": 128, "envelope": case.site.course.envelope}
     one = sl.pounding_risk(
-        *pair, case.site.ground, 0.04, case.site.hazard, case.site.course.duration, years=30.0, **common
+        *pair,
+        case.site.ground,
+        0.04,
+        case.site.hazard,
+        case.site.course.duration,
+        years=30.0,
+        **common,
     )
     for name in ("annual_rate", "annual_rate_standard_error", "probability_in_years_upper"):
         assert float(table[f"risk_{name}"][0]) == pytest.approx(float(one[name]), rel=1e-12)

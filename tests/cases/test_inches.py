@@ -47,8 +47,12 @@ def test_lengths_in_a_text(american: Path, metric: str, both: str | None) -> Non
 
 def test_tables_have_a_column_or_a_row_more_and_texts_of_the_user_stay(american: Path) -> None:
     case = sl.read_case(american)
-    of_columns = TableBlock.of(("rule", "gap [cm]", "apart"), [("srss", "13.6 (2.54 to 25.4)", "98 %")])
-    of_rows = TableBlock.of(("", "mean"), [("  displacement [cm]", "8.3 +- 0.28"), ("impacts", "3")])
+    of_columns = TableBlock.of(
+        ("rule", "gap [cm]", "apart"), [("srss", "13.6 (2.54 to 25.4)", "98 %")]
+    )
+    of_rows = TableBlock.of(
+        ("", "mean"), [("  displacement [cm]", "8.3 +- 0.28"), ("impacts", "3")]
+    )
     title = TextBlock("Wall 5 cm from the line", "title")
     blocks = [title, Items(["5.08 cm"]), of_columns, of_rows]
     (section,) = sections_with_inches(case, [ViewSection("", blocks)])

@@ -37,7 +37,9 @@ def stiffness(mass: float, height: float, ratio: float) -> float:
     return float(mass * (2 * np.pi / (0.05 * ratio * height**0.75)) ** 2)
 
 
-def storey(mass: float = 1e5, height: float = 3.0, ratio: float = 2.0, **more: Any) -> sl.ShearBuilding:
+def storey(
+    mass: float = 1e5, height: float = 3.0, ratio: float = 2.0, **more: Any
+) -> sl.ShearBuilding:
     return sl.ShearBuilding([mass], [stiffness(mass, height, ratio)], [height], 0.05, **more)
 
 
@@ -133,7 +135,13 @@ def jumping_spectrum(folder: Path, jump: float) -> Path:
 
 def far_spectrum(folder: Path, displacement: float) -> Path:
     """A file of a spectrum, by its displacement at 10 s."""
-    rows = [(0.0, 3.0), (0.5, 6.0), (1.0, 6.0), (2.0, 4.0), (10.0, displacement * (2 * np.pi / 10) ** 2)]
+    rows = [
+        (0.0, 3.0),
+        (0.5, 6.0),
+        (1.0, 6.0),
+        (2.0, 4.0),
+        (10.0, displacement * (2 * np.pi / 10) ** 2),
+    ]
     return spectrum_through(folder, rows)
 
 
@@ -150,7 +158,9 @@ def pressed(depth: float) -> object:
     shaken = motion(SINE)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", sl.ImplausibleInput)
-        deepest = float(sl.pound(PAIR, 0.0, sl.LinearSpring(STIFF), shaken).deepest_compression.max())
+        deepest = float(
+            sl.pound(PAIR, 0.0, sl.LinearSpring(STIFF), shaken).deepest_compression.max()
+        )
     return sl.pound(PAIR, 0.0, sl.LinearSpring(STIFF), motion(depth / deepest * shaken))
 
 
@@ -177,7 +187,9 @@ PYTHON: dict[str, Callable[[float, Path], object]] = {
         0.1, 0.1, behaviour_1=2.0, deflection_1=2 * x
     ),
     "yield drift upwards": lambda x, _: storeys([0.005, 0.005 * x]),
-    "mean height of three storeys": lambda x, _: sl.code_gaps(0.1, 0.1, height_1=3 * x, storeys_1=3),
+    "mean height of three storeys": lambda x, _: sl.code_gaps(
+        0.1, 0.1, height_1=3 * x, storeys_1=3
+    ),
     "pga of 10 years": lambda x, _: sl.HazardCurve([0.5 * x, x, 6.0], [0.2, 0.1, 1 / 475]),
     "contact stiffness": lambda x, _: sl.LinearSpring(x),
     "last second over the peak": lambda x, folder: sl.read_record(cut_off(folder, x)),
@@ -198,7 +210,9 @@ PYTHON: dict[str, Callable[[float, Path], object]] = {
     ),
     "rarest of a hazard": lambda x, _: sl.HazardCurve([0.5, 1.5], [0.05, 1 / x]),
     "link over buildings": lambda x, _: mitigated(x),
-    "damper over critical": lambda x, _: storey(dampers=x * 2 * np.sqrt(1e5 * stiffness(1e5, 3.0, 2.0))),
+    "damper over critical": lambda x, _: storey(
+        dampers=x * 2 * np.sqrt(1e5 * stiffness(1e5, 3.0, 2.0))
+    ),
     "peak over other samples": lambda x, folder: sl.read_record(lone_peak(folder, x)),
     "end of the plateau": lambda x, folder: sl.read_spectrum(plateau(folder, x), elastic=True),
     "ground_damping": lambda x, _: sl.KanaiTajimi(0.6, x),
@@ -226,7 +240,9 @@ PYTHON: dict[str, Callable[[float, Path], object]] = {
     "base_shear_coefficient": lambda x, _: sl.ShearBuilding.regular(
         **OF_ONE, hardening=0.05, base_shear_coefficient=x
     ),
-    "intensity": lambda x, _: sl.simulated_motions(sl.named_ground("firm", intensity=x), 2.0, paths=2),
+    "intensity": lambda x, _: sl.simulated_motions(
+        sl.named_ground("firm", intensity=x), 2.0, paths=2
+    ),
     "duration": lambda x, _: sl.peak_response(PAIR[0], FIRM, x),
     "pga": lambda x, _: sl.scale_ground(FIRM, 2.0, pga=x, paths=64),
     "design_pga": lambda x, _: sl.code_gaps(0.1, 0.1, design_pga=x),
@@ -239,7 +255,9 @@ PYTHON: dict[str, Callable[[float, Path], object]] = {
     "risk": lambda x, _: sl.required_gap(*PAIR, FIRM, WIDE, risk=x, **FEW),
     "mean storey height": lambda x, _: sl.code_gaps(0.1, 0.1, height_1=2 * x, storeys_1=2),
     "period over 0.05 h^0.75": lambda x, _: storey(ratio=x),
-    "stiffness upwards": lambda x, _: sl.ShearBuilding([1e5] * 3, [1e8, 1e8, x * 1e8], [3.0] * 3, 0.05),
+    "stiffness upwards": lambda x, _: sl.ShearBuilding(
+        [1e5] * 3, [1e8, 1e8, x * 1e8], [3.0] * 3, 0.05
+    ),
     "mass upwards": lambda x, _: sl.ShearBuilding([1e5, x * 1e5], [1e8] * 2, [3.0] * 2, 0.05),
     "height upwards": lambda x, _: sl.ShearBuilding([1e5] * 2, [1e8] * 2, [3.0, x * 3.0], 0.05),
     "mode downwards": lambda x, _: sl.ModalBuilding([0.4], [[x, 1.0]], [2e5] * 2, [3.0] * 2, 0.05),
@@ -268,7 +286,9 @@ PYTHON: dict[str, Callable[[float, Path], object]] = {
     "displacement of a pushover": lambda x, folder: sl.read_pushover(pushover(folder, x)),
     "force of a pushover": lambda x, folder: sl.read_pushover(pushover(folder, force=x)),
     "divided_by": lambda x, folder: sl.read_spectrum(spectrum(folder, 1.0), divided_by=x),
-    "scale of a record": lambda x, _: sl.scale_records({"a": motion(SINE)}, pga=x * abs(SINE).max()),
+    "scale of a record": lambda x, _: sl.scale_records(
+        {"a": motion(SINE)}, pga=x * abs(SINE).max()
+    ),
 }
 
 FIRM_SITE = 'ground = "firm"\nintensity = "0.01 m^2/s^3"'
@@ -333,7 +353,9 @@ FILES: dict[str, Callable[[float, Path], dict[str, str]]] = {
         f"intensities = {[f'{each!r} m/s^2' for each in kinked(x)[0]]}"
     },
     "last second over the peak": lambda x, folder: with_record(cut_off(folder, x)),
-    "contact stiffness": lambda x, _: {"contact": f'model = "linear_spring"\nstiffness = "{x!r} N/m"'},
+    "contact stiffness": lambda x, _: {
+        "contact": f'model = "linear_spring"\nstiffness = "{x!r} N/m"'
+    },
     "damper over critical": lambda x, _: oscillator(
         f'{BY_STOREYS}masses = ["1e5 kg"]\n{stiffness_of()}\n'
         f'dampers = "{float(x * 2 * np.sqrt(1e5 * stiffness(1e5, 3.0, 2.0)))!r} N s/m"'
@@ -343,7 +365,9 @@ FILES: dict[str, Callable[[float, Path], dict[str, str]]] = {
         "site": f'spectrum = "{plateau(folder, x).name}"\nelastic = true'
     },
     "ground_damping": lambda x, _: {"site": f"{KANAI_TAJIMI}damping = {x!r}"},
-    "ground_period": lambda x, _: {"site": f"{KANAI_TAJIMI.replace('0.6 s', f'{x!r} s')}damping = 0.6"},
+    "ground_period": lambda x, _: {
+        "site": f"{KANAI_TAJIMI.replace('0.6 s', f'{x!r} s')}damping = 0.6"
+    },
     "acceleration at yield": lambda x, _: {
         "building_1": f'{OSCILLATOR}{YIELDS}yield_displacement = "{x / (2 * np.pi) ** 2!r} m"'
     },
@@ -374,7 +398,9 @@ FILES: dict[str, Callable[[float, Path], dict[str, str]]] = {
         "building_1": f'modes = "{modes(folder, 0.6).name}"\ndamping = 0.05\n{YIELDS}'
         f'yield_displacements = "{x!r} m"'
     },
-    "reduction_factor": lambda x, _: {"building_1": f"{OSCILLATOR}{YIELDS}reduction_factor = {x!r}"},
+    "reduction_factor": lambda x, _: {
+        "building_1": f"{OSCILLATOR}{YIELDS}reduction_factor = {x!r}"
+    },
     "base_shear_coefficient": lambda x, _: {
         "building_1": f'{REGULAR}{YIELDS}storey_height = "3 m"\nbase_shear_coefficient = {x!r}'
     },
@@ -426,7 +452,9 @@ FILES: dict[str, Callable[[float, Path], dict[str, str]]] = {
         "site": f'{FIRM_SITE}\n{OF_HAZARD}intensities = ["0.5 m/s^2", "1.5 m/s^2"]\n'
         f'return_periods = ["20 yr", "{x!r} yr"]'
     },
-    "mean storey height": lambda x, _: oscillator(f'{OSCILLATOR}height = "{2 * x!r} m"\nstoreys = 2'),
+    "mean storey height": lambda x, _: oscillator(
+        f'{OSCILLATOR}height = "{2 * x!r} m"\nstoreys = 2'
+    ),
     "period over 0.05 h^0.75": lambda x, _: oscillator(
         f'damping = 0.05\nheight = "16 m"\nperiod = "{0.05 * 8 * x!r} s"'
     ),
@@ -442,7 +470,9 @@ FILES: dict[str, Callable[[float, Path], dict[str, str]]] = {
         f'damping = 0.05\nmasses = ["1e5 kg", "1e5 kg"]\nheights = ["3 m", "{3 * x!r} m"]\n'
         f'stiffnesses = ["1e8 N/m", "1e8 N/m"]'
     ),
-    "mode downwards": lambda x, folder: oscillator(f'damping = 0.05\nmodes = "{modes(folder, x).name}"'),
+    "mode downwards": lambda x, folder: oscillator(
+        f'damping = 0.05\nmodes = "{modes(folder, x).name}"'
+    ),
     "yield drift": lambda x, _: {
         "building_1": f'{BY_STOREYS}{YIELDS}masses = ["1e5 kg"]\n{stiffness_of()}\n'
         f'yield_drifts = "{3 * x!r} m"'
@@ -453,7 +483,9 @@ FILES: dict[str, Callable[[float, Path], dict[str, str]]] = {
     },
     "peak of a record": lambda x, folder: with_record(record(folder, peak=x)),
     "velocity of a record": lambda x, folder: with_record(written(shaken(x, 4.0), folder)),
-    "velocity over acceleration of a record": lambda x, folder: with_record(written(jerk(x), folder)),
+    "velocity over acceleration of a record": lambda x, folder: with_record(
+        written(jerk(x), folder)
+    ),
     "peak over that of the site": lambda x, folder: {
         "site": f'ground = "firm"\npga = "2 m/s^2"\n[[site.records]]\n'
         f'path = "{record(folder, peak=2 * x).name}"'
@@ -490,8 +522,8 @@ FILES: dict[str, Callable[[float, Path], dict[str, str]]] = {
     },
     "scale of a record": lambda x, folder: with_record(record(folder), f"scale = {x!r}"),
 }
-# In a case file a gap is `existing`, displacements are those of a design, and years are 50; forces in
-# contacts are those of `stochlin pound`.
+# In a case file a gap is `existing`, displacements are those of a design, and years are 50; forces
+# in contacts are those of `stochlin pound`.
 OF_PYTHON = {
     *("gap of a result", "gaps", "peak", "peak_factor", "penetration", "years"),
     *("damping_constant", "importance", "link over buildings"),
@@ -594,7 +626,8 @@ def test_the_documentation_has_every_limit():
     rows = [line for line in text.splitlines() if line.endswith(" |") and line.count("|") == 4]
     for limits, names in named.items():
         low, high = (
-            f"{limit:.3g}" if 0 < limit < float("inf") else "-" for limit in (limits.low, limits.high)
+            f"{limit:.3g}" if 0 < limit < float("inf") else "-"
+            for limit in (limits.low, limits.high)
         )
         assert f"| {', '.join(names)} | {low} | {high} |" in rows
 

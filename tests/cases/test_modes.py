@@ -106,7 +106,9 @@ def test_damping_and_strength_may_be_uncertain_and_damping_of_each_mode(tmp_path
     uncertain = YIELDING.replace("0.05", '"5 % +- 20 %"', 1).replace('"2 cm"', '"1.5 to 2.5 cm"')
     first = case_of(tmp_path, uncertain).buildings[0]
     assert {*first.sampled.uncertain} == {"damping", "yield_displacements"}
-    each = case_of(tmp_path, OF_FILE.replace("0.05", '["5 %", "4 %", "3 %"]')).buildings[0].structure
+    each = (
+        case_of(tmp_path, OF_FILE.replace("0.05", '["5 %", "4 %", "3 %"]')).buildings[0].structure
+    )
     assert each.arrays()["damping"].values.tolist() == [0.05, 0.04, 0.03]
 
 
@@ -120,7 +122,9 @@ def test_a_base_shear_coefficient_means_the_same_by_storeys_and_by_modes(tmp_pat
     ).assign(mass=("floor", [2e5] * 6), height=("floor", [3.2] * 6))
     with pytest.warns(sl.DoubtfulInput, match="of the mass"):
         tower = sl.ModalBuilding.from_table(modes, **shared)
-    assert tower.oscillator().yield_displacement == pytest.approx(chain.oscillator().yield_displacement)
+    assert tower.oscillator().yield_displacement == pytest.approx(
+        chain.oscillator().yield_displacement
+    )
 
 
 @pytest.mark.parametrize("law", with_slow(["bilinear", "bouc_wen"], {"bilinear"}))
@@ -149,7 +153,9 @@ def test_a_strength_of_the_whole_building_needs_most_of_the_mass_in_mode_1(tmp_p
     modes["period"] = "mode", [0.5, 0.4, 0.3]
     modes["shape"] = ("mode", "floor"), modes["shape"].values[[1, 0, 2]]
     options = {"damping": 0.05, "hardening": 0.1}
-    with pytest.raises(ValueError, match=r"mode 2 has more effective mass .*; yield_displacements give"):
+    with pytest.raises(
+        ValueError, match=r"mode 2 has more effective mass .*; yield_displacements give"
+    ):
         sl.ModalBuilding.from_table(modes, **options, base_shear_coefficient=0.1)
     tower = sl.ModalBuilding.from_table(modes, **options, yield_displacements=[1.0, 0.02])
     assert tower.oscillator().yield_displacement == 0.02

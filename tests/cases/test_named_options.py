@@ -69,5 +69,7 @@ def test_a_case_file_has_keys_that_can_be_pasted(folder: Path, building, asked, 
 
 def test_a_record_of_a_case_file_has_keys(folder: Path) -> None:
     record = '\n[[site.records]]\npath = "record.txt"\nunits = "g"\n'
-    with pytest.raises(ValueError, match=r'give column = "\.\.\." .*, or wrapped = true for one series'):
+    with pytest.raises(
+        ValueError, match=r'give column = "\.\.\." .*, or wrapped = true for one series'
+    ):
         case_of(folder, 'period = "1 s"\ndamping = 0.05\nelastic = true\n', record)

@@ -177,7 +177,9 @@ def test_a_file_is_asked_about_also_where_it_is_refused(tmp_path: Path) -> None:
     pushed = f'[building_2]\n{building}damping = "5 %"\npushover = "push.csv"\n'
     (tmp_path / "case.toml").write_text(EXAMPLE.replace(second, pushed), encoding="utf-8")
     with (
-        pytest.warns(sl.DoubtfulInput, match=r"line \d+: building_2.pushover.* displacement is 26 m"),
+        pytest.warns(
+            sl.DoubtfulInput, match=r"line \d+: building_2.pushover.* displacement is 26 m"
+        ),
         pytest.raises(ValueError, match="pushover does not bend"),
     ):
         read_case(tmp_path / "case.toml")
@@ -194,7 +196,9 @@ def test_a_mistake_in_a_measure_is_refused_with_its_line(lines: str, tmp_path: P
     ("line", "side"),
     [('dampers_1 = "20 MN s/m"', 1), ('dampers_2 = "50 MN/m"', 2), ('link = "5 MN/m"', 0)],
 )
-def test_a_number_in_place_of_a_table_is_refused_with_a_table_that_is_read(line, side, tmp_path: Path):
+def test_a_number_in_place_of_a_table_is_refused_with_a_table_that_is_read(
+    line, side, tmp_path: Path
+):
     """It is pasted as it is shown, with its quotation marks."""
     with pytest.raises(ValueError, match="is no table; allowed: ") as refused:
         read(tmp_path, "[contact]", f"[measures.m]\n{line}\n[contact]")
@@ -202,7 +206,10 @@ def test_a_number_in_place_of_a_table_is_refused_with_a_table_that_is_read(line,
     case, _ = read(tmp_path, "[contact]", f"[measures.m]\n{shown}\n[contact]")
     (link,) = case.measures["m"].links
     assert link.structures == ((side, side) if side else (1, 2))
-    assert {link.stiffness, link.damping_constant} == {0.0, float(line.split('"')[1].split()[0]) * 1e6}
+    assert {link.stiffness, link.damping_constant} == {
+        0.0,
+        float(line.split('"')[1].split()[0]) * 1e6,
+    }
 
 
 @pytest.mark.parametrize("what", DOUBTS)

@@ -53,7 +53,10 @@ def inline(table: dict[str, Any]) -> str:
 @pytest.mark.parametrize(
     ("changes", "says"),
     [
-        ({"building_1": BUILDING | {"period": "0.6"}}, r"case: building_1.period = '0.6' has no unit"),
+        (
+            {"building_1": BUILDING | {"period": "0.6"}},
+            r"case: building_1.period = '0.6' has no unit",
+        ),
         ({"building_1": None}, "case: building_1 = None is no table"),
         (
             {"site": CASE["site"] | {"records": [{"path": "/etc/passwd"}]}},

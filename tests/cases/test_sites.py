@@ -63,7 +63,9 @@ def suite(tmp_path_factory: pytest.TempPathFactory) -> Path:
         path.write_text("\n".join(["PEER STRONG MOTION", title, *rest]), encoding="utf-8")
     (folder / "bad.txt").write_text("1\ntwo\n", encoding="utf-8")
     listed = ["records/m00.at2", "bad.txt", "records/m01.at2"]
-    (folder / "suite.csv").write_text("\n".join(["file,units,dt", *(f"{n},g,0.01" for n in listed)]))
+    (folder / "suite.csv").write_text(
+        "\n".join(["file,units,dt", *(f"{n},g,0.01" for n in listed)])
+    )
     return folder
 
 
@@ -85,7 +87,9 @@ def test_a_ground_fitted_to_a_record_is_scaled_with_its_shape_kept(suite):
     assert scaled.site.ground.period == plain.site.ground.period
     assert scaled.site.ground == sl.scale_ground(plain.site.ground, **QUAKE, pga=0.5 * G)
     stronger = read(suite, site.format("") + "scale = 2\n")
-    assert stronger.site.ground.intensity == pytest.approx(4 * plain.site.ground.intensity, rel=1e-6)
+    assert stronger.site.ground.intensity == pytest.approx(
+        4 * plain.site.ground.intensity, rel=1e-6
+    )
     np.testing.assert_allclose(stronger.site.records["m00.at2"], 2 * plain.site.records["m00.at2"])
 
 
@@ -122,7 +126,9 @@ def test_a_return_period_by_hand(tmp_path):
 
 def test_beyond_the_hazard_is_refused_with_its_range(tmp_path):
     (tmp_path / "h.csv").write_text("pga [g],f\n0.1,0.01\n0.2,0.004\n")
-    with pytest.raises(ValueError, match=r"return_period = '475 yr' is not in the hazard: .*100 to 250"):
+    with pytest.raises(
+        ValueError, match=r"return_period = '475 yr' is not in the hazard: .*100 to 250"
+    ):
         read(tmp_path, HAZARD + 'file = "h.csv"\n')
 
 
@@ -270,11 +276,20 @@ def test_what_was_taken_of_other_files_is_said(tmp_path):
 @pytest.mark.parametrize(
     ("lines", "message"),
     [
-        ("", "does not say whether it is elastic; allowed: the line elastic = true, or divided_by = 4"),
+        (
+            "",
+            "does not say whether it is elastic; allowed: the line elastic = true, or divided_by = 4",
+        ),
         ("elastic = false\n", "does not say whether it is elastic; allowed: the line"),
-        ("elastic = true\ndivided_by = 4\n", "as well as elastic; allowed: one of elastic, divided_by"),
+        (
+            "elastic = true\ndivided_by = 4\n",
+            "as well as elastic; allowed: one of elastic, divided_by",
+        ),
         ("divided_by = 0.5\n", r"divided_by = 0\.5 is out of range; allowed: 1 <= value"),
-        ('divided_by = {periods = ["0 s"], factors = [1, 2]}\n', "factors = .* as many as periods, 1"),
+        (
+            'divided_by = {periods = ["0 s"], factors = [1, 2]}\n',
+            "factors = .* as many as periods, 1",
+        ),
         (
             'divided_by = {periods = ["0 s", "1 s"], factors = [1, 2]}\n',
             "0 to 1 s; allowed: a table",
@@ -291,7 +306,9 @@ def test_a_spectrum_of_a_file_says_whether_it_is_elastic(lines, message, tmp_pat
 def test_a_design_acceleration_above_the_plateau_is_doubted(tmp_path):
     spectrum_file(tmp_path, 4.0)
     wanted = SHORT.replace("[separation]", '[separation]\ndesign_pga = "0.3 g"', 1)
-    with pytest.warns(sl.DoubtfulInput, match=r"design_pga = '0\.3 g' is above the plateau .* 0\.188 g"):
+    with pytest.warns(
+        sl.DoubtfulInput, match=r"design_pga = '0\.3 g' is above the plateau .* 0\.188 g"
+    ):
         read(tmp_path, 'spectrum = "site.csv"\nelastic = true\n', wanted)
 
 

@@ -71,7 +71,9 @@ def test_laws_dampers_and_the_weight_are_read_by_storey(tmp_path: Path) -> None:
     lines += 'dampers = ["2 MN s/m", "0 N s/m"]\np_delta = true\nstoreys = 2\n'
     lines += "damping_modes = [2, 1]\n"
     found = (
-        read(tmp_path, REGULAR, SINGLE.replace("damping", f"{lines}damping", 1)).buildings[1].structure
+        read(tmp_path, REGULAR, SINGLE.replace("damping", f"{lines}damping", 1))
+        .buildings[1]
+        .structure
     )
     expected = sl.ShearBuilding(
         [3e5, 2.5e5],
@@ -93,9 +95,7 @@ def of_levels(number: int, heights: Sequence[float]) -> str:
     each = [f'"{h} m"' for h in heights]
     kept = {"masses": ['"300 t"'] * len(each), "stiffnesses": ['"500 MN/m"'] * len(each)}
     lines = "".join(f"{key} = [{', '.join(values)}]\n" for key, values in kept.items())
-    return (
-        f'[building_{number}]\n{lines}heights = [{", ".join(each)}]\ndamping = "5 %"\nelastic = true\n\n'
-    )
+    return f'[building_{number}]\n{lines}heights = [{", ".join(each)}]\ndamping = "5 %"\nelastic = true\n\n'
 
 
 def test_slabs_on_columns_are_found_from_the_ground_up(tmp_path: Path) -> None:

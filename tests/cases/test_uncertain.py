@@ -48,7 +48,9 @@ def case_text(building: str, site: str = FIRM_SITE) -> str:
 
 def changed(text: str, key: str, value: str) -> str:
     """The lines with another value of a key."""
-    lines = [f"{key} = {value}" if line.startswith(f"{key} =") else line for line in text.splitlines()]
+    lines = [
+        f"{key} = {value}" if line.startswith(f"{key} =") else line for line in text.splitlines()
+    ]
     assert f"{key} = {value}" in lines
     return "\n".join([*lines, ""])
 
@@ -119,5 +121,7 @@ def test_answers_contain_what_is_not_known(tmp_path):
     building = changed(changed(OSCILLATOR, "period", '"1.0 s +- 20 %"'), "damping", '"3 to 7 %"')
     answer = answer_case(read(tmp_path, case_text(building)))
     assert answer.separation.input.values.tolist() == ["structure_1.period", "structure_1.damping"]
-    assert answer.matters.attrs["paths"] == answer.separation.attrs["paths"] == 128  # as many, not 512
+    assert (
+        answer.matters.attrs["paths"] == answer.separation.attrs["paths"] == 128
+    )  # as many, not 512
     assert "input_factor" in judge_gap(answer.case, 0.05)

@@ -29,7 +29,12 @@ NAMES = {
     },
     **{"yr": 1.0, "years": 1.0, "a": 1.0, "g": 9.80665, "gal": 0.01, "%": 0.01},
     **{"N": 1.0, "kN": 1e3, "MN": 1e6, "kgf": 9.80665, "tonf": 9806.65, "ton": 9806.65},
-    **{"lb": 4.4482216152605, "lbf": 4.4482216152605, "kip": 4448.2216152605, "kips": 4448.2216152605},
+    **{
+        "lb": 4.4482216152605,
+        "lbf": 4.4482216152605,
+        "kip": 4448.2216152605,
+        "kips": 4448.2216152605,
+    },
     **{"seg": 1.0, "sek": 1.0, "mg": 9.80665e-3, "%g": 9.80665e-2},
     "psi": 6894.757293168361,
 }
@@ -37,7 +42,9 @@ NAMES = {
 
 def cases(name):
     """All spellings of a name with capitals or small letters."""
-    return {"".join(letters) for letters in product(*({each.lower(), each.upper()} for each in name))}
+    return {
+        "".join(letters) for letters in product(*({each.lower(), each.upper()} for each in name))
+    }
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -87,7 +94,12 @@ def test_a_unit_in_any_case_has_its_size_or_is_unknown(quantity, unit):
             ("M", "m", 1.0),
             ("Kip", "N", 4448.22),
         ),
-        *(("KN/M", "N/m", 1e3), ("MN/M", "N/m", 1e6), ("KN S/M", "N s/m", 1e3), ("MM/M", "1", 1e-3)),
+        *(
+            ("KN/M", "N/m", 1e3),
+            ("MN/M", "N/m", 1e6),
+            ("KN S/M", "N s/m", 1e3),
+            ("MM/M", "1", 1e-3),
+        ),
         *(("KG", "kg", 1.0), ("T", "kg", 1e3), ("KGF", "N", 9.80665), ("PSI", "N/m^2", 6894.757)),
     ],
 )
@@ -99,7 +111,12 @@ REFUSED = [
     *(("Ms", "s", "ms"), ("MS", "s", "ms"), ("mS", "s", "ms"), ("Msec", "s", "msec")),
     *(("mN", "N", "MN"), ("Mn", "N", "MN"), ("mn", "N", "MN"), ("mN/m", "N/m", "MN/m")),
     *(("mN s/m", "N s/m", "MN s/m"), ("mN-s/m", "N s/m", "MN-s/m"), ("Mm", "m", "mm")),
-    *(("mM/s^2", "m/s^2", "mm/s^2"), ("kN/Mm", "N/m", "kN/mm"), ("% %", "1", "%"), ("%/s", "1", "%")),
+    *(
+        ("mM/s^2", "m/s^2", "mm/s^2"),
+        ("kN/Mm", "N/m", "kN/mm"),
+        ("% %", "1", "%"),
+        ("%/s", "1", "%"),
+    ),
     *(("% s", "s", "s"), ("m %", "m", "m"), ("%2", "1", "%"), ("s Mm/S", "m", "s mm/S")),
 ]
 
@@ -122,7 +139,9 @@ def test_a_unit_of_a_caller_or_a_file_is_refused_with_the_likely_one():
     likely = "did you mean 'mm/s\\^2'\\? "
     with pytest.raises(ValueError, match=f"^units = 'Mm/s.2' is not a known unit; {likely}allowed"):
         stated_size("acceleration", "", "Mm/s^2", "a.txt")
-    with pytest.raises(ValueError, match=f"^a.txt: 'Mm/s.2' is not a known .*; {likely}give units="):
+    with pytest.raises(
+        ValueError, match=f"^a.txt: 'Mm/s.2' is not a known .*; {likely}give units="
+    ):
         stated_size("acceleration", "Mm/s^2", None, "a.txt")
 
 
@@ -133,10 +152,18 @@ def test_times_and_records_of_files_are_refused_with_the_likely_unit(tmp_path):
     path.write_text("\n".join(["t [Ms],acc [g]", *rows]), encoding="utf-8")
     with pytest.raises(ValueError, match="in 'Ms'; did you mean 'ms'\\? allowed: s, ms"):
         sl.read_record(path, time_column=1)
-    for unit, read in (("MSEC", True), ("msec", True), ("MS", True), ("Msec", False), ("Ms", False)):
+    for unit, read in (
+        ("MSEC", True),
+        ("msec", True),
+        ("MS", True),
+        ("Msec", False),
+        ("Ms", False),
+    ):
         values = "\n".join(f"{value:.5f}" for value in wave)
         path = tmp_path / "wave.at2"
-        path.write_text(f"A\nB\nUNITS OF G\nNPTS= 40, DT= 20.0 {unit}\n{values}\n", encoding="utf-8")
+        path.write_text(
+            f"A\nB\nUNITS OF G\nNPTS= 40, DT= 20.0 {unit}\n{values}\n", encoding="utf-8"
+        )
         if read:
             assert sl.read_record(path).attrs["dt"] == 0.02
         else:

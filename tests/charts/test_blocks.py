@@ -15,13 +15,18 @@ from stochlin.views.shared.screen import lines
 pytestmark = pytest.mark.cli
 SECTIONS = [
     ViewSection("", [TextBlock("", "doubt"), TextBlock("Block & annex", "title")]),
-    ViewSection("Nothing here", [TextBlock(""), Items([]), TableBlock.of(("rule", "gap [cm]"), [])]),
+    ViewSection(
+        "Nothing here", [TextBlock(""), Items([]), TableBlock.of(("rule", "gap [cm]"), [])]
+    ),
     ViewSection(
         "The rules",
         [
             TableBlock(
                 ("rule", "gap [cm]", "verdict"),
-                [Row(("srss", "9.5", "safe"), label="1 SRSS"), Row(("sum", "12.0", "within error"))],
+                [
+                    Row(("srss", "9.5", "safe"), label="1 SRSS"),
+                    Row(("sum", "12.0", "within error")),
+                ],
                 words=("verdict",),
             ),
             TextBlock("The gap depends on rho.", "note"),
@@ -54,7 +59,9 @@ def test_the_screen_has_a_line_between_sections_and_around_tables() -> None:
 
 def test_a_table_that_is_hardly_too_wide_moves_together() -> None:
     cells = ("a" * 33, "b" * 33, "c" * 32)
-    (line,) = (line for line in lines([ViewSection("", [TableBlock.of("xyz", [cells])])]) if "b" in line)
+    (line,) = (
+        line for line in lines([ViewSection("", [TableBlock.of("xyz", [cells])])]) if "b" in line
+    )
     assert line == " ".join(cells)
 
 

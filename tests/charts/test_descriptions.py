@@ -10,7 +10,9 @@ from stochlin.models.grounds import GROUNDS
 pytestmark = pytest.mark.cli
 
 RANGE = xr.DataArray([0.02, 0.6], dims="cell")
-STOREYS = sl.ShearBuilding([2e5] * 2, [1e8, 3e8], [3.0] * 2, 0.05, damping_modes=(1, 2), p_delta=True)
+STOREYS = sl.ShearBuilding(
+    [2e5] * 2, [1e8, 3e8], [3.0] * 2, 0.05, damping_modes=(1, 2), p_delta=True
+)
 SAID = [
     (
         sl.Bilinear(

@@ -44,7 +44,8 @@ def test_fig6_draws_both_elements_of_the_paper_and_their_laws():
     kelvin, impact, loops = draw(sl.charts.contact_loop_chart()).axes
     assert any("max(v, 0)" in text.get_text().replace("\\", "") for text in impact.texts)
     assert not any("max" in text.get_text() for text in kelvin.texts)
-    # With e = 0.65 the dashpot of the Kelvin element pulls at the end, that of the other has let go.
+    # With e = 0.65 the dashpot of the Kelvin element pulls at the end, that of the other has let
+    # go.
     d, force = curve(loops, "Kelvin")
     xi = sl.Kelvin.damping_ratio(0.65)
     assert force[0] == pytest.approx(2 * xi)

@@ -55,7 +55,8 @@ def test_gaps_are_those_of_the_library_in_the_motion_that_the_caption_states(cha
 def test_the_period_of_the_ground_only_sets_the_units(chart):
     other = required_gap_chart(FEW, sl.KanaiTajimi(0.4, 0.6))
     for name in chart.data_vars:
-        # The bandwidth of a difference, an integral over frequencies, is less exact than the variances.
+        # The bandwidth of a difference, an integral over frequencies, is less exact than the
+        # variances.
         few_digits = 2e-3 if name == "required_gap" else 1e-6
         np.testing.assert_allclose(other[name], chart[name], rtol=few_digits)
 
@@ -68,7 +69,9 @@ def test_the_comment_has_the_largest_errors_to_both_sides(saved):
         for name in ("", *(f"_{rule}" for rule in RULES))
     }
     for errors in off.values():
-        low, high = (of(["reduction_factor", "period_ratio"]).values for of in (errors.min, errors.max))
+        low, high = (
+            of(["reduction_factor", "period_ratio"]).values for of in (errors.min, errors.max)
+        )
         ranges = (f"{a:+.0f} to {b:+.0f}" for a, b in zip(low, high, strict=True))
         assert " and ".join(ranges) in saved.comment
     assert float(abs(off[""]).max()) < 30
@@ -76,12 +79,17 @@ def test_the_comment_has_the_largest_errors_to_both_sides(saved):
     assert float(off["_eq_3_linearized"].min()) < -50
     assert float(off["_srss"].min()) > 0
     flagged = int((saved.caution > 0).where(saved.required_gap_simulated.notnull(), 0).sum())
-    assert f"caution at {flagged} of {int(saved.required_gap_simulated.count())} points" in saved.comment
+    assert (
+        f"caution at {flagged} of {int(saved.required_gap_simulated.count())} points"
+        in saved.comment
+    )
 
 
 @pytest.mark.invariant
 def test_simulated_gaps_are_within_their_intervals_of_a_few_percent(saved):
-    lower, middle, upper = (saved[f"required_gap_simulated{end}"] for end in ("_lower", "", "_upper"))
+    lower, middle, upper = (
+        saved[f"required_gap_simulated{end}"] for end in ("_lower", "", "_upper")
+    )
     known = middle.notnull()
     assert bool(((lower <= middle) & (middle <= upper)).where(known, True).all())
     assert float(((upper - lower) / 2 / middle).median()) < 0.03
@@ -97,10 +105,14 @@ def test_a_panel_has_every_method_in_a_look_of_its_own(saved, width):
     grid = figure.axes[0].get_gridspec()
     assert (grid.nrows, grid.ncols) == (down, across)
     panel = figure.axes[0]
-    curves = {line.get_label(): line for line in panel.lines if not line.get_label().startswith("_")}
+    curves = {
+        line.get_label(): line for line in panel.lines if not line.get_label().startswith("_")
+    }
     looks = [(line.get_color(), line.get_linewidth() > 1.2) for line in curves.values()]
     assert looks == [(color, n == 0) for n, (color, _) in enumerate(CURVES[:4])]
-    np.testing.assert_array_equal(curves["drift closure in time"].get_ydata(), saved.required_gap[0, 0])
+    np.testing.assert_array_equal(
+        curves["drift closure in time"].get_ydata(), saved.required_gap[0, 0]
+    )
     known = saved.required_gap_srss[0, 0].dropna("period_ratio")
     np.testing.assert_array_equal(curves["SRSS"].get_ydata(), known)
     assert [text.get_text() for text in figure.legends[0].get_texts()] == [*curves, "simulated"]

@@ -23,14 +23,19 @@ def test_every_kind_of_picture_belongs_to_a_chart():
     charts = [compute() for compute in sl.charts.chart_functions(SETTINGS).values()]
     charts.append(sl.charts.chart_functions(replace(SETTINGS, simulated_points=0))["fig5a"]())
     kinds = {
-        chart.attrs[key] for chart in charts for key in ("chart", "comparison") if key in chart.attrs
+        chart.attrs[key]
+        for chart in charts
+        for key in ("chart", "comparison")
+        if key in chart.attrs
     }
     assert kinds == set(sl.charts.PICTURES)
 
 
 def test_what_is_no_chart_is_refused_with_the_kinds_there_are():
     for attrs in ({}, {"chart": "pie"}):
-        with pytest.raises(ValueError, match=r"attribute chart = .* known chart; allowed: .*curves"):
+        with pytest.raises(
+            ValueError, match=r"attribute chart = .* known chart; allowed: .*curves"
+        ):
             sl.charts.draw(xr.Dataset(attrs=attrs))
 
 
@@ -70,7 +75,10 @@ def test_every_tenth_has_a_number_on_its_contour_that_is_not_cut():
     """They keep away from the edges, and no line is drawn along a ridge at the highest level."""
     x = np.linspace(0.1, 4.0, 41)
     rho = xr.DataArray(
-        np.exp(-np.abs(np.subtract.outer(x, x))), dims=("a", "b"), coords={"a": x, "b": x}, name="rho"
+        np.exp(-np.abs(np.subtract.outer(x, x))),
+        dims=("a", "b"),
+        coords={"a": x, "b": x},
+        name="rho",
     )
     figure = FigureCanvasAgg(Figure()).figure
     axes = figure.add_subplot()
@@ -82,5 +90,7 @@ def test_every_tenth_has_a_number_on_its_contour_that_is_not_cut():
         box = text.get_window_extent(figure.canvas.get_renderer())
         assert frame.x0 < box.x0 < box.x1 < frame.x1
         assert frame.y0 < box.y0 < box.y1 < frame.y1
-    drawn = [lines for lines in axes.collections if isinstance(lines, ContourSet) and not lines.filled]
+    drawn = [
+        lines for lines in axes.collections if isinstance(lines, ContourSet) and not lines.filled
+    ]
     assert max(drawn[0].levels) < 1

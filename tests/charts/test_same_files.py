@@ -59,7 +59,9 @@ def test_data_have_six_digits_and_neither_version_nor_history(path):
             if array.dtype.kind == "f":
                 values = array.values[np.isfinite(array.values)]
                 assert all(float(f"{value:.5e}") == value for value in values.ravel()), name
-                assert not ((values != 0) & (np.abs(values) < 0.9e-9 * np.abs(values).max())).any(), name
+                assert not (
+                    (values != 0) & (np.abs(values) < 0.9e-9 * np.abs(values).max())
+                ).any(), name
         assert not {"stochlin_version", "history"} & set(chart.attrs)
         assert sl.__version__ not in str(chart.attrs)
     picture = path.with_suffix(".png").read_bytes()

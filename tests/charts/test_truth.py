@@ -15,14 +15,18 @@ pytestmark = pytest.mark.paper
 
 JENG, IWAN = "jeng_kasai_maison_1992_unverified", "iwan_1980"
 PUBLISHED = "Jeng, Kasai and Maison (1992), constants unverified"
-SETTINGS = sl.charts.ChartSettings(points=5, simulated_points=3, paths=32, reduction_factors=(2.0, 4.0))
+SETTINGS = sl.charts.ChartSettings(
+    points=5, simulated_points=3, paths=32, reduction_factors=(2.0, 4.0)
+)
 CHARTS = sl.charts.chart_functions(SETTINGS)
 LAKEBED = sl.KanaiTajimi(2.0, 0.05)
 
 
 def pair(ratio, factor):
     """Those of Fig. 4c."""
-    return [sl.Bilinear(period, 0.05, 0.05, reduction_factor=factor) for period in (ratio * 1.0, 1.0)]
+    return [
+        sl.Bilinear(period, 0.05, 0.05, reduction_factor=factor) for period in (ratio * 1.0, 1.0)
+    ]
 
 
 def words(figure):
@@ -87,7 +91,9 @@ def test_points_with_a_slow_drift_are_open_with_motions_beside_them_and_in_no_er
     factor, ratio = slow.stack(cell=slow.dims).idxmax().item()
     solid = [
         replace(
-            each, reduction_factor=None, yield_displacement=sl.linearize(each, ground).yield_displacement
+            each,
+            reduction_factor=None,
+            yield_displacement=sl.linearize(each, ground).yield_displacement,
         )
         for each in pair(float(ratio), float(factor))
     ]
@@ -164,7 +170,9 @@ def test_the_comparison_of_fig5a_is_white_where_the_drift_is_slow(fig5a):
 def test_the_charts_of_a_motion_are_those_of_a_record(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("record.at2").write_text(answered("gap", "--example-record").output, encoding="utf-8")
-    assert "1 charts" in answered("charts", "fig2", "--record", "record.at2", "--points", "5").output
+    assert (
+        "1 charts" in answered("charts", "fig2", "--record", "record.at2", "--points", "5").output
+    )
     record = sl.read_record("record.at2")
     with xr.open_dataset("figures/fig2.nc") as chart:
         expected = sl.charts.recorded_gap_chart(record, 0.05, 5)

@@ -81,8 +81,8 @@ ACROSS = [1 - 10.0**-p for p in range(1, 16)] + [0.1, 0.3, 0.5, 0.53, 0.56, 0.6,
 
 
 def test_hertz_damp_to_the_last_digits():
-    # Lambert's W solves the energy balance for e, in another way. The error of a, relative, shows in e
-    # as a part of 1 - e, since a is about 1.5 (1 - e) near 1.
+    # Lambert's W solves the energy balance for e, in another way. The error of a, relative, shows
+    # in e as a part of 1 - e, since a is about 1.5 (1 - e) near 1.
     with mpmath.workdps(80):
         for e in ACROSS:
             a = mpmath.mpf(sl.HertzDamp.damping_factor(e))
@@ -131,7 +131,9 @@ def test_answers_have_the_shape_of_the_question(kind):
     assert isinstance(kind.restitution(np.float32(0.5)), float)
     table = kind.restitution([0.1, np.nan, -1.0])
     np.testing.assert_array_equal(np.isnan(table), [False, True, True])
-    given_values = xr.DataArray([0, 1], dims="x", coords={"x": [3, 4]}, name="xi", attrs={"units": "-"})
+    given_values = xr.DataArray(
+        [0, 1], dims="x", coords={"x": [3, 4]}, name="xi", attrs={"units": "-"}
+    )
     found = kind.restitution(given_values)
     assert found.dims == ("x",)
     assert found.attrs == {"units": "1"}
@@ -144,8 +146,16 @@ def test_answers_have_the_shape_of_the_question(kind):
     [
         ({}, ValueError, "neither is given; allowed: exactly one"),
         ({"damping_ratio": 0.1, "restitution": 0.5}, ValueError, "both are given"),
-        ({"damping_ratio": -0.1}, ValueError, "damping_ratio = -0.1 is out of range; allowed: 0 <="),
-        ({"restitution": 0}, ValueError, "restitution = 0 is out of range; allowed: 0 < value <= 1"),
+        (
+            {"damping_ratio": -0.1},
+            ValueError,
+            "damping_ratio = -0.1 is out of range; allowed: 0 <=",
+        ),
+        (
+            {"restitution": 0},
+            ValueError,
+            "restitution = 0 is out of range; allowed: 0 < value <= 1",
+        ),
         ({"restitution": 0.5, "stiffness": -1}, ValueError, "stiffness = -1 is out of range"),
     ],
 )

@@ -54,11 +54,16 @@ def test_nearly_equal_structures_are_on_the_safe_side():
     """As their bias says; with the signatures alone 23 % of such pairs were off by more than -10 %."""
     apart = sl.Bilinear([1.05, 1.0], 0.05, 0.1, reduction_factor=4)
     table = sl.correlate(
-        sl.Bilinear(1.0, 0.05, 0.1, reduction_factor=4), apart, sl.KanaiTajimi(1.0, 0.3), closure="drift"
+        sl.Bilinear(1.0, 0.05, 0.1, reduction_factor=4),
+        apart,
+        sl.KanaiTajimi(1.0, 0.3),
+        closure="drift",
     )
     bias = table.relative_displacement_bias.values
     assert 0.04 < bias[0] < 0.07
-    assert bias[1] == table.relative_displacement_std[1] == table.relative_displacement_error[1] == 0
+    assert (
+        bias[1] == table.relative_displacement_std[1] == table.relative_displacement_error[1] == 0
+    )
 
 
 @pytest.mark.parametrize("ground", [sl.KanaiTajimi(1.0, 0.3), sl.WhiteNoise()])

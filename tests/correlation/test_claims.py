@@ -68,7 +68,9 @@ def by_rule(ductility_1, ductility_2):
     both = {f"{name}_{n}": 0.05 for name in ("damping", "hardening") for n in (1, 2)}
     given = {"ductility_1": ductility_1, "ductility_2": ductility_2, **both}
     ratios = xr.DataArray(RATIOS, dims="ratio")
-    return {name: sl.rules.rho_effective(ratios, 1.0, rule=name, **given).rho.values for name in RULES}
+    return {
+        name: sl.rules.rho_effective(ratios, 1.0, rule=name, **given).rho.values for name in RULES
+    }
 
 
 def apart(one, other):
@@ -112,13 +114,14 @@ def test_the_rule_named_after_jeng_is_nearer_to_linearization_on_broad_band_than
 # ---- On narrow band: what eq. (4) with effective properties, and linearization, make of a gap ----
 
 
-# Mean distance of rho from the simulated: linearization, the drift closure, the rules in their order.
+# Mean distance of rho from the simulated: linearization, the drift closure, the rules in their
+# order.
 OFF = {
     BROAD: (0.08, 0.02, 0.41, 0.16, 0.10, 0.24, 0.21, 0.14, 0.16),
     NARROW: (0.17, 0.025, 0.40, 0.18, 0.13, 0.23, 0.21, 0.17, 0.18),
 }
-# On narrow band: how often rho of a rule is 0.05 and more above the simulated, and how often the gap
-# of it and of the true standard deviations is too small by a twentieth and more.
+# On narrow band: how often rho of a rule is 0.05 and more above the simulated, and how often the
+# gap of it and of the true standard deviations is too small by a twentieth and more.
 TOO_HIGH = {
     "secant": (0.58, 0.49),
     "iwan_1980": (0.18, 0.14),
@@ -153,7 +156,9 @@ def test_how_near_linearization_and_the_rules_are_to_simulation(band):
         by_period = np.reshape(away["linearization"], (len(PERIODS), -1)).mean(axis=1)
         assert by_period == pytest.approx([0.26, 0.10, 0.15], abs=0.007)
         for name, expected in TOO_HIGH.items():
-            assert (np.mean(higher[name]), np.mean(short[name])) == pytest.approx(expected, abs=0.03)
+            assert (np.mean(higher[name]), np.mean(short[name])) == pytest.approx(
+                expected, abs=0.03
+            )
         assert min(np.mean(higher[name]) for name in SIMPLIFIED) == np.mean(higher["fema_440"])
 
 
@@ -200,7 +205,9 @@ def test_eq_4_for_linear_structures_holds_on_broad_band_alone(band, gap, rho):
         for name in ("period_1", "period_2")
     )
     ground = sl.KanaiTajimi(GROUND_PERIOD, band)
-    exact, formula = (sl.correlate(first, second, ground, m) for m in ("linearization", "white_noise"))
+    exact, formula = (
+        sl.correlate(first, second, ground, m) for m in ("linearization", "white_noise")
+    )
     needed, found = (
         sl.critical_gap(exact.displacement_std_1, exact.displacement_std_2, table.rho).gap
         for table in (exact, formula)

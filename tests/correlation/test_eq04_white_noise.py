@@ -21,7 +21,9 @@ def random_pairs():
 def covariances(periods, dampings):
     for period, damping in zip(periods.T, dampings.T, strict=True):
         w = 2 * np.pi / period
-        pair = [(frequency**2, 2 * xi * frequency) for frequency, xi in zip(w, damping, strict=True)]
+        pair = [
+            (frequency**2, 2 * xi * frequency) for frequency, xi in zip(w, damping, strict=True)
+        ]
         yield cases.lyapunov(cases.augmented_system(pair), 0.7)
 
 

@@ -26,7 +26,9 @@ def exact(period_1, period_2, damping_1, damping_2):
         t1, t2, x1, x2 = map(mpmath.mpf, (period_1, period_2, damping_1, damping_2))
         w1, w2 = mpmath.sqrt(t2 / t1), mpmath.sqrt(t1 / t2)
         mixed, crossed = x1 * w1 + x2 * w2, x1 * w2 + x2 * w1
-        return float(8 * mpmath.sqrt(x1 * x2) * mixed / ((w1**2 - w2**2) ** 2 + 4 * mixed * crossed))
+        return float(
+            8 * mpmath.sqrt(x1 * x2) * mixed / ((w1**2 - w2**2) ** 2 + 4 * mixed * crossed)
+        )
 
 
 @given(POWER, st.one_of(POWER, st.floats(-1e-6, 1e-6)), SHARE, SHARE)
@@ -36,7 +38,9 @@ def test_eq_4_holds_for_all_exponents(power, apart, xi_1, xi_2):
     pair = period, other, 10.0**xi_1, 10.0**xi_2
     table = sl.rho_white_noise(*pair)
     # Periods that are nearly equal amplify the rounding of their ratio by 1/xi.
-    rounding = 4e-15 * (1 + abs(np.log(other / period)) / max(pair[2:])) if abs(apart) < 1 else 1e-14
+    rounding = (
+        4e-15 * (1 + abs(np.log(other / period)) / max(pair[2:])) if abs(apart) < 1 else 1e-14
+    )
     assert int(table.status) == labels.CONVERGED
     assert float(table.rho) == pytest.approx(exact(*pair), rel=rounding, abs=1e-200)
 
@@ -77,11 +81,15 @@ def check(table, *names):
         assert bool(np.isfinite(table[name]).where(solved, True).all()), name
 
 
-KINDS = with_slow([sl.WhiteNoise, sl.KanaiTajimi, sl.CloughPenzien], [sl.WhiteNoise, sl.CloughPenzien])
+KINDS = with_slow(
+    [sl.WhiteNoise, sl.KanaiTajimi, sl.CloughPenzien], [sl.WhiteNoise, sl.CloughPenzien]
+)
 
 
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("strength", [ELASTIC, STRENGTH, FACTOR], ids=["elastic", "strength", "factor"])
+@pytest.mark.parametrize(
+    "strength", [ELASTIC, STRENGTH, FACTOR], ids=["elastic", "strength", "factor"]
+)
 def test_what_cannot_be_linearized_has_a_status(kind, strength):
     of = Extremes(len(strength) + 7)
     for closure in CLOSURES:

@@ -66,7 +66,9 @@ def test_bilinear_oscillator_under_white_noise(xi, alpha, strength_ratio, known)
     structure = oscillator(1.0, xi, hardening=alpha, yield_displacement=1.0)
     table = sl.linearize(structure, ground)
     for name, value in known.items():
-        assert float(table[name]) == pytest.approx(value, abs=5.01e-9), name  # eight digits are known
+        assert float(table[name]) == pytest.approx(value, abs=5.01e-9), (
+            name
+        )  # eight digits are known
 
 
 @pytest.mark.parametrize(

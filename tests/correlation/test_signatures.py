@@ -45,7 +45,8 @@ def correlations(rng, size, rank):
     return factor @ factor.T
 
 
-# --- algebra ----------------------------------------------------------------------------------------
+# --- algebra
+# ----------------------------------------------------------------------------------------
 
 
 @settings(deadline=None, max_examples=100)
@@ -61,11 +62,14 @@ def test_correlation_is_a_projection_and_what_is_left_of_it(seed, references, ra
     both = [corrected(d, k - d) for d, k in zip(own, known, strict=True)]
     rho = by_signatures(derived[:1, 1], *both)[0]
     # The same by partial correlations with the references, which have a share of their own.
-    blurred = [(1 - OWN) * matrix[2:, 2:] + OWN * np.eye(references) for matrix in (derived, simulated)]
+    blurred = [
+        (1 - OWN) * matrix[2:, 2:] + OWN * np.eye(references) for matrix in (derived, simulated)
+    ]
 
     # Where a correction is large, the simulated signature is shortened, as another test says.
     shorter = [
-        np.linalg.norm(each.simulated) / np.linalg.norm(k) for each, k in zip(both, known, strict=True)
+        np.linalg.norm(each.simulated) / np.linalg.norm(k)
+        for each, k in zip(both, known, strict=True)
     ]
 
     def explained(matrix, gram, i, j):
@@ -114,7 +118,8 @@ def test_a_form_is_found_from_the_correlations_of_its_neighbours(seed):
     np.testing.assert_allclose(found[AXES:], across, rtol=0, atol=1e-9)
 
 
-# --- the map that ships -----------------------------------------------------------------------------
+# --- the map that ships
+# -----------------------------------------------------------------------------
 
 
 @pytest.mark.slow
@@ -124,7 +129,9 @@ def test_shipped_signatures_are_those_simulated_anew(monkeypatch):
     monkeypatch.setattr(stationary_motions, "MOST_STEPS", np.inf)  # as its main function does
     point = {"elastic_ductility_std": 2.0, "hardening": 0.2, "ground_damping": 0.17}
     result = module.part(*point.values(), seed=2)
-    corrections = drift_map().signature_correction.rename(signature_strength="elastic_ductility_std")
+    corrections = drift_map().signature_correction.rename(
+        signature_strength="elastic_ductility_std"
+    )
     shipped = corrections.sel(point)
     periods, dampings = shipped.signature_period.values[::7], [0.02, 0.1]
     structure, ground = module.grid(periods, dampings)
@@ -149,13 +156,16 @@ def test_shipped_displacements_are_those_simulated_anew(monkeypatch):
         result = module.coarse_part(2.0, 0.2, ground_damping, seed=7)
         dampings = xr.DataArray(list(module.COARSE["damping"]), dims="damping")
         periods = xr.DataArray(module.COARSE_PERIOD, dims="period")
-        ground = sl.WhiteNoise() if np.isinf(ground_damping) else sl.KanaiTajimi(1.0, ground_damping)
+        ground = (
+            sl.WhiteNoise() if np.isinf(ground_damping) else sl.KanaiTajimi(1.0, ground_damping)
+        )
         table = sl.linearize(module.building(periods, 2.0, 0.2, dampings), ground, "drift")
         off = table.ductility_std.transpose("damping", "period") / result["ductility_std"] - 1
         assert (np.abs(off) > 3 * result["error"].max() + 0.01).sum() <= 5
 
 
-# --- pairs ------------------------------------------------------------------------------------------
+# --- pairs
+# ------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -186,7 +196,9 @@ def test_cautions_are_those_of_each_cell():
     narrow = sl.KanaiTajimi(1.0, 0.02)
     assert int(sl.correlate(building(), building(1.5), narrow, closure="drift").caution) == 2
     for high_pass_period, caution in ((10.0, 0), (40.0, 2)):
-        penzien = sl.CloughPenzien(1.0, 0.3, high_pass_period=high_pass_period, high_pass_damping=0.6)
+        penzien = sl.CloughPenzien(
+            1.0, 0.3, high_pass_period=high_pass_period, high_pass_damping=0.6
+        )
         table = sl.correlate(building(), building(1.5), penzien, closure="drift")
         assert int(table.caution) == int(table.relative_displacement_caution) == caution
     elastic = sl.correlate(sl.Bilinear(1.0, 0.05), sl.Bilinear(9.0, 0.05), LAKEBED, closure="drift")

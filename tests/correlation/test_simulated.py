@@ -13,7 +13,9 @@ LAKEBED = sl.KanaiTajimi(period=2.0, damping=0.05)
 
 
 def building(period, **changes):
-    return sl.Bilinear(period, **{"damping": 0.05, "hardening": 0.1, "reduction_factor": 4} | changes)
+    return sl.Bilinear(
+        period, **{"damping": 0.05, "hardening": 0.1, "reduction_factor": 4} | changes
+    )
 
 
 def test_table_has_the_numbers_of_simulate():
@@ -74,5 +76,7 @@ def test_many_grounds_are_refused_by_the_time_of_all_of_them(monkeypatch):
     one, several = (sl.KanaiTajimi(2.0, axis("bandwidth", np.full(n, 0.3))) for n in (1, 40))
     sl.correlate(*pair, one, "simulation", **FEW)
     monkeypatch.setattr("stochlin.solver.correlation.simulated.simulate", None)
-    with pytest.raises(ValueError, match=r"the simulations on 40 grounds would take .*fewer grounds"):
+    with pytest.raises(
+        ValueError, match=r"the simulations on 40 grounds would take .*fewer grounds"
+    ):
         sl.correlate(*pair, several, "simulation", **FEW)

@@ -93,13 +93,19 @@ def test_reduction_factor_is_a_strength_by_definition(structure, ground, peak_fa
     assert float(one.displacement_std) == pytest.approx(float(other.displacement_std), rel=1e-9)
 
 
-@given(structures(cases.PRACTICE), structures(cases.PRACTICE), spread((0.15, 4.0)), spread((0.03, 0.8)))
-def test_clough_penzien_ground_without_its_high_pass_is_kanai_tajimi(first, second, period, damping):
+@given(
+    structures(cases.PRACTICE), structures(cases.PRACTICE), spread((0.15, 4.0)), spread((0.03, 0.8))
+)
+def test_clough_penzien_ground_without_its_high_pass_is_kanai_tajimi(
+    first, second, period, damping
+):
     """A high-pass below all motion; drift frequencies of the structures are some 1e-3 rad/s."""
     soil = {"period": period, "damping": damping}
     high_pass = {"high_pass_period": 1e9, "high_pass_damping": 0.7}
     expected = rho(first, second, (sl.KanaiTajimi, soil))
-    assert rho(first, second, (sl.CloughPenzien, soil | high_pass)) == pytest.approx(expected, abs=1e-5)
+    assert rho(first, second, (sl.CloughPenzien, soil | high_pass)) == pytest.approx(
+        expected, abs=1e-5
+    )
 
 
 @given(structures(cases.PRACTICE), structures(cases.PRACTICE), grounds())

@@ -43,7 +43,9 @@ def test_a_table_has_the_numbers_of_its_pairs_side_by_side(options, period):
         pair = [sl.Bilinear(each, 0.05, 0.05, reduction_factor=4) for each in periods]
         return sl.correlate(*pair, sl.KanaiTajimi(1.0, 0.1), **options)
 
-    table = correlation(*(xr.DataArray(axis, dims=dim) for axis, dim in zip(axes, "ab", strict=True)))
+    table = correlation(
+        *(xr.DataArray(axis, dims=dim) for axis, dim in zip(axes, "ab", strict=True))
+    )
     sides = np.meshgrid(*axes, indexing="ij")
     pairs = correlation(*(xr.DataArray(side.ravel(), dims="c") for side in sides))
     for name, values in pairs.items():

@@ -43,7 +43,13 @@ def textbook_solution(pair, filters, intensity):
         for s, (log_slip, log_k) in zip(pair, y.reshape(2, 2), strict=True):
             w, alpha = s["w"], s["hardening"]
             blocks.append(
-                (w**2, 2 * s["damping"] * w, (1 - alpha) * w**2, np.exp(log_slip) - 1, np.exp(log_k) * w)
+                (
+                    w**2,
+                    2 * s["damping"] * w,
+                    (1 - alpha) * w**2,
+                    np.exp(log_slip) - 1,
+                    np.exp(log_k) * w,
+                )
             )
         return cases.lyapunov(cases.augmented_system(blocks, filters), intensity)
 
@@ -67,7 +73,9 @@ def textbook_solution(pair, filters, intensity):
 def compare(rng, filters, ground, intensity):
     pair = [cases.draw_structure(rng, cases.PRACTICE) for _ in range(2)]
     table = sl.correlate(*(sl.Bilinear(**s) for s in pair), ground)
-    x, uy = textbook_solution([s | {"w": 2 * np.pi / s["period"]} for s in pair], filters, intensity)
+    x, uy = textbook_solution(
+        [s | {"w": 2 * np.pi / s["period"]} for s in pair], filters, intensity
+    )
     std = np.sqrt(np.diag(x)[[0, 3]])
     # The conditioning of the 8 x 8 solve and the root finder's own tolerance share these digits.
     assert float(table.rho) == pytest.approx(x[0, 3] / std.prod(), abs=1e-9)

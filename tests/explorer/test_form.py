@@ -39,7 +39,9 @@ def shown(text: str, table: str, name: str):
     return next(entry for entry in entries(text) if (entry.table, entry.name) == (table, name))
 
 
-@pytest.mark.parametrize(("text", "least"), [(EXAMPLE, 20), (STOREYS, 18)], ids=["short", "storeys"])
+@pytest.mark.parametrize(
+    ("text", "least"), [(EXAMPLE, 20), (STOREYS, 18)], ids=["short", "storeys"]
+)
 def test_an_entry_says_what_the_file_says(text, least):
     for entry in entries(text):
         assert entry.value == tomllib.loads(text)[entry.table][entry.name]
@@ -124,4 +126,6 @@ def test_every_word_that_is_offered_makes_a_case(tmp_path):
 def test_a_file_of_many_tables_has_a_form_of_few():
     """A file of a megabyte may have thirty thousand, each with fields that a browser would show."""
     many = "".join(f"[building_{n}]\nperiod = {n}\n" for n in range(1, 20_000))
-    assert [title for title, _ in form_of(many)] == [f"Building {n}" for n in range(1, MOST_TABLES + 1)]
+    assert [title for title, _ in form_of(many)] == [
+        f"Building {n}" for n in range(1, MOST_TABLES + 1)
+    ]

@@ -48,7 +48,15 @@ def response(address: str, path: str, **headers: str) -> http.client.HTTPRespons
         connection.close()
 
 
-PATHS = ("docs", "openapi.json", "redoc", "nothing", "a/b", "_nicegui/nothing", "_nicegui/3/static/x.js")
+PATHS = (
+    "docs",
+    "openapi.json",
+    "redoc",
+    "nothing",
+    "a/b",
+    "_nicegui/nothing",
+    "_nicegui/3/static/x.js",
+)
 
 
 @pytest.mark.parametrize("path", ["", "favicon.ico", *PATHS])
@@ -66,7 +74,9 @@ def test_the_page_comes_from_this_machine_alone_and_has_an_answer(page, address)
     assert "eq. (3) with a correlation coefficient" in page.text("answer")
     messages = [json.loads(e["message"])["message"] for e in page.driver.get_log("performance")]
     asked = [
-        m["params"]["request"]["url"] for m in messages if m["method"] == "Network.requestWillBeSent"
+        m["params"]["request"]["url"]
+        for m in messages
+        if m["method"] == "Network.requestWillBeSent"
     ]
     own = (f"http://{address}/", "data:", "chrome", "blob:")
     assert any(url.startswith(own[0]) for url in asked)

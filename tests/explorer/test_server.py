@@ -59,7 +59,9 @@ def posted(size: int, headers: dict[str, str]) -> tuple[int, int]:
         if message["type"] == "http.response.start":
             sent.append(message["status"])
 
-    raw = [(name.encode(), text.encode()) for name, text in {"host": "localhost", **headers}.items()]
+    raw = [
+        (name.encode(), text.encode()) for name, text in {"host": "localhost", **headers}.items()
+    ]
     scope = {"type": "http", "method": "POST", "path": "/", "headers": raw}
     asyncio.run(Guard(pages)(scope, receive, send))
     (status,) = sent

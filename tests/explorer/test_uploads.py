@@ -96,7 +96,9 @@ def test_a_file_that_changes_is_read_again(tmp_path):
     text = with_site(f'ground = "fitted"\n[[site.records]]\n{of_record}')
     fitted = []
     for factor, other in ((1, text), (10, text), (10, text.replace("5 cm", "6 cm")), (1, text)):
-        record.write_text("acc [m/s2]\n" + "\n".join(f"{factor * each:.9f}" for each in samples.values))
+        record.write_text(
+            "acc [m/s2]\n" + "\n".join(f"{factor * each:.9f}" for each in samples.values)
+        )
         fitted.append(strength(other))
     assert fitted[1] == pytest.approx(100 * fitted[0], rel=1e-3)
     assert fitted[2:] == [fitted[1], fitted[0]]

@@ -19,13 +19,25 @@ from stochlin.views.explorer.workers import GRACE, Job, NoAnswer, Stopped, Worke
 pytestmark = pytest.mark.invariant
 
 HERE = Path(__file__).parent
-SHADOWED = ("json", "pickle", "queue", "selectors", "signal", "socket", "struct", "threading", "numpy")
+SHADOWED = (
+    "json",
+    "pickle",
+    "queue",
+    "selectors",
+    "signal",
+    "socket",
+    "struct",
+    "threading",
+    "numpy",
+)
 
 
 def of_worker(scenario: Callable[..., Coroutine[Any, Any, None]]) -> Callable[..., None]:
     """A test of a worker that has answered once, in a folder with modules that nobody may run."""
 
-    def test_(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture) -> None:
+    def test_(
+        tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+    ) -> None:
         async def run() -> None:
             worker = Worker("questions")
             try:

@@ -70,7 +70,11 @@ OF_HIGH_PASS = NAMES | {"high_pass_period": "corner", "high_pass_damping": "widt
 SAME = [
     (sl.WhiteNoise(0.01), Flat(0.01), {}),
     (sl.KanaiTajimi(0.8, 0.3, 0.01), Tone(0.3, 0.8, 0.01), NAMES),
-    (sl.CloughPenzien(0.8, 0.3, CORNER, 0.6, 0.01), Corner(0.3, 0.8, 0.01, CORNER, 0.6), OF_HIGH_PASS),
+    (
+        sl.CloughPenzien(0.8, 0.3, CORNER, 0.6, 0.01),
+        Corner(0.3, 0.8, 0.01, CORNER, 0.6),
+        OF_HIGH_PASS,
+    ),
 ]
 WAYS = [
     lambda ground: sl.linearize(FIRST, ground),
@@ -113,7 +117,10 @@ def test_another_filter_is_not_calibrated_by_what_it_is_derived_from():
 @pytest.mark.parametrize(
     ("declared", "says"),
     [
-        (Calibration((0.1,) * 4, soil=("length", "ratios")), "'ratios', which calibration.soil needs"),
+        (
+            Calibration((0.1,) * 4, soil=("length", "ratios")),
+            "'ratios', which calibration.soil needs",
+        ),
         (Calibration((0.1,) * 4, ranges={"a": (1, 2)}), "'a', which calibration.ranges needs"),
         (Calibration((0.1,) * 4, high_pass="b"), "'b', which calibration.high_pass needs"),
         (Calibration((0.1,) * 4, ranges={"ratio": (1, 2)}), "ranges and high_pass need a soil"),

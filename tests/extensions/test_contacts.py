@@ -61,11 +61,17 @@ def test_an_element_from_outside_pounds_as_its_force_law_says(toy, tmp_path):
         assert table.sizes["impact"] > 3
         assert float(table.energy_balance_error.max()) < 1e-6
         xi = float(
-            re.search(r"^Tsuji \(stiffness 9e\+11 N/m\^1.5, damping (.*)\)$", table.attrs["contact"])[1]
+            re.search(
+                r"^Tsuji \(stiffness 9e\+11 N/m\^1.5, damping (.*)\)$", table.attrs["contact"]
+            )[1]
         )
-        assert integrated_restitution(xi) == pytest.approx(RESTITUTION, abs=1e-5)  # damping is rounded
+        assert integrated_restitution(xi) == pytest.approx(
+            RESTITUTION, abs=1e-5
+        )  # damping is rounded
 
     refused = toy("pound", case_file(tmp_path, "rubber"))
     assert refused.returncode != 0
-    assert "contact.model = 'rubber' is not known; allowed: linear_spring, kelvin," in refused.stderr
+    assert (
+        "contact.model = 'rubber' is not known; allowed: linear_spring, kelvin," in refused.stderr
+    )
     assert "stereomechanical, tsuji" in " ".join(refused.stderr.split())

@@ -21,7 +21,9 @@ SETS = [(3.0, 0.2, 50.0, 2.0), (0.5, 0.05, 1e-3, 4.0), (6.0, 1.5, 2.0, 0.3)]  # 
 
 @pytest.mark.oracle
 @pytest.mark.parametrize(("rise", "decay", "level", "bend"), SETS)
-def test_the_envelope_of_the_page_is_its_formula_over_the_maximum(example, rise, decay, level, bend):
+def test_the_envelope_of_the_page_is_its_formula_over_the_maximum(
+    example, rise, decay, level, bend
+):
     time = rise / decay * np.append(0, np.geomspace(1e-6, 1, 400_001))
     shape = np.sqrt(time**rise * np.exp(-decay * time) / (level + time**bend))
     envelope = example("An envelope", ENVELOPES)(rise, decay, level, bend)

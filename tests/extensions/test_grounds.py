@@ -55,7 +55,9 @@ class Growing(Ground):
     @staticmethod
     def filter(values):
         w = 2 * np.pi / values["period"]
-        return Filter(values["intensity"], ("x", "v"), [[0, 1], [-(w**2), 0.2 * w]], [0, 1], [w**2, 0])
+        return Filter(
+            values["intensity"], ("x", "v"), [[0, 1], [-(w**2), 0.2 * w]], [0, 1], [w**2, 0]
+        )
 
 
 PAIR = [sl.Bilinear(1.3, 0.05), sl.Bilinear(0.9, 0.05)]

@@ -16,7 +16,8 @@ from stochlin.models.symbolic import compiled
 V, Z = sympy.symbols("v z")
 SITE = {"damping": 0.05, "hardening": 0.1, "reduction_factor": 4}
 # The same formulas on the same motions: quadrature agrees to 1e-12 or so, and the implicit steps of
-# both end within 1e-12 of their solutions; loops that dissipate do not amplify that, and steps add up.
+# both end within 1e-12 of their solutions; loops that dissipate do not amplify that, and steps add
+# up.
 ROUNDING = 1e-9
 
 

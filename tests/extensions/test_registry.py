@@ -62,7 +62,9 @@ def test_an_unknown_name_lists_those_that_are_known():
     registry = Registry("thing", "some_kind")
     registry.register("one_thing")(1)
     assert registry.named("ONE-thing") == 1
-    with pytest.raises(ValueError, match=r"kind = 'other' is not a known thing; allowed: one_thing$"):
+    with pytest.raises(
+        ValueError, match=r"kind = 'other' is not a known thing; allowed: one_thing$"
+    ):
         registry.named("other", "kind")
 
 
@@ -73,7 +75,9 @@ def test_a_file_that_cannot_be_imported_is_named_and_the_others_still_work(folde
     registry = Registry("thing", "some_kind")
     registry.register("useful")(object())
     for _ in range(2):
-        with pytest.raises(UserWarning, match=r"some_kind\.broken is not used, .*SyntaxError.*line 1"):
+        with pytest.raises(
+            UserWarning, match=r"some_kind\.broken is not used, .*SyntaxError.*line 1"
+        ):
             list(registry)
     with pytest.warns(UserWarning, match=r"some_kind\.") as messages:
         assert list(registry) == ["useful"]
@@ -89,11 +93,18 @@ def test_a_module_of_a_folder_needs_no_other_file(folder):
 
 
 def test_the_page_has_every_registry_and_names_files_that_are_there():
-    page, sources = PAGE.read_text(encoding="utf-8"), [*Path(stochlin.__file__).parent.rglob("*.py")]
+    page, sources = (
+        PAGE.read_text(encoding="utf-8"),
+        [*Path(stochlin.__file__).parent.rglob("*.py")],
+    )
     texts = [path.read_text(encoding="utf-8") for path in sources]
-    kinds = {name for text in texts for name in re.findall(r"^(\w+): Registry\[", text, re.MULTILINE)}
+    kinds = {
+        name for text in texts for name in re.findall(r"^(\w+): Registry\[", text, re.MULTILINE)
+    }
     assert len(kinds) >= 13
-    assert {kind for kind in kinds if not re.search(rf"^\| .*\b{kind}`", page, re.MULTILINE)} == set()
+    assert {
+        kind for kind in kinds if not re.search(rf"^\| .*\b{kind}`", page, re.MULTILINE)
+    } == set()
     named = set(re.findall(r"`(?:[\w/]*/)?(\w+\.(?:py|toml))`", page))
     assert len(named) >= 7
     assert named <= {path.name for path in sources}
@@ -134,7 +145,9 @@ class NoRestitution(Contact): ...
         ),
         (
             CODE_RULES,
-            CodeRule(name="atlantis", reference="7.3", gap_of=lambda site: site.number * site.peak_1),
+            CodeRule(
+                name="atlantis", reference="7.3", gap_of=lambda site: site.number * site.peak_1
+            ),
             "atlantis: the formula fails with both peaks alone; .* or by a number",
         ),
     ],

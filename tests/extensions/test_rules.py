@@ -71,7 +71,9 @@ def eq_4(period_1, period_2, damping_1, damping_2):
 
 @pytest.mark.cli
 def test_rho_takes_the_rule(toy, tmp_path):
-    given = "--hardening .1 --reduction-factor 4 --method effective --rule gulkan_sozen --out table.nc"
+    given = (
+        "--hardening .1 --reduction-factor 4 --method effective --rule gulkan_sozen --out table.nc"
+    )
     done = toy("rho", "--period-1", "0.7s", "--period-2", "1.1s", *given.split())
     assert done.returncode == 0, done.stderr
     with xr.open_dataset(tmp_path / "table.nc") as table:

@@ -68,7 +68,15 @@ VALUES = """nan|inf|0|-1|1e999|-1e-320|0x10|true|""|"1"|"5 cm"|"1e999 s"|"nan s"
 [1, 2]|["5 cm", "3 cm"]|{}|{ model = "hertz" }|[[1], [1, 2]]|1979-05-27|"none"|"clough_penzien"|"kelvin"
 "bouc_wen"|"hertz_damp"|"../../etc/passwd"|"a\\u001b[2J"|=|#|[|]]|.|,|;|NPTS|DT|E|D"""
 SIGNS = ["'''", '"' * 3, "\r\n", "\x1b[2J", *"\n\x00\ufeff\u2028\u202eé\U0001f3e2"]
-PIECES = [*re.split(r"[|\n]", VALUES), *SIGNS, " ", "\t", "1" + "0" * 400, "9" * 5000, f'"{"A" * 5000}"']
+PIECES = [
+    *re.split(r"[|\n]", VALUES),
+    *SIGNS,
+    " ",
+    "\t",
+    "1" + "0" * 400,
+    "9" * 5000,
+    f'"{"A" * 5000}"',
+]
 LINES = """elastic = true|law = "bouc_wen"|beta = 1e-9|exponent = 200|ductility = 1e9|seed = -1
 paths = 1|existing = 5|storys = 8|[building_3]|[[site.records]]|[site]|storey_height = "3 m"|zone = "II"
 heights = ["4 m", "3 m"]|floor_mass = "400 t"|base_shear_coefficient = 1e9|yield_drifts = ["9 m", "1 mm"]
@@ -149,7 +157,9 @@ def test_mutated_case_files_are_read_or_refused_in_words(folder: Path, text: str
 
 @examples(4000)
 @given(
-    text=mutated([*RECORDS.values(), *FORMATS]), options=st.sampled_from(OPTIONS), cut=st.integers(0, 60)
+    text=mutated([*RECORDS.values(), *FORMATS]),
+    options=st.sampled_from(OPTIONS),
+    cut=st.integers(0, 60),
 )
 def test_mutated_records_are_read_or_refused_in_words(
     folder: Path, text: str, options: dict[str, Any], cut: int

@@ -1,9 +1,9 @@
 """Numbers in words: the sentences of `claims.toml`, and what computes the values of their fields.
 
-A claim is a sentence of a file, or a part of one, with expressions in braces in place of its numbers. It
-stands below the name of its source: a function of this file, which returns the names that the
-expressions use; ``code``, the code of the page itself, which `test_docs.py` runs; or ``given``, for what
-is not computed.
+A claim is a sentence of a file, or a part of one, with expressions in braces in place of its
+numbers. It stands below the name of its source: a function of this file, which returns the names
+that the expressions use; ``code``, the code of the page itself, which `test_docs.py` runs; or
+``given``, for what is not computed.
 """
 
 import itertools
@@ -37,7 +37,10 @@ from stochlin.kernels.correlation.errors import OF_NEARLY_EQUAL, OF_OTHERS
 ROOT = Path(__file__).parents[2]
 GALLERY = FILE.parent
 CLAIMS = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
-LAKE_BED, BROAD = sl.KanaiTajimi(2.0, 0.05, intensity=0.01), sl.KanaiTajimi(0.42, 0.6, intensity=0.01)
+LAKE_BED, BROAD = (
+    sl.KanaiTajimi(2.0, 0.05, intensity=0.01),
+    sl.KanaiTajimi(0.42, 0.6, intensity=0.01),
+)
 CALCULATED = (  # period and R of both
     *((0.6, 4, 1.0, 4), (1.0, 6, 1.2, 2), (1.2, 5, 1.22, 4.4)),
     *((1.1, 3, 1.9, 5), (1.3, 5, 1.5, 3), (1.7, 4, 2.0, 2)),
@@ -59,7 +62,9 @@ def plain(text: str) -> str:
 
 def stated(file: str, source: str, names: dict[str, Any]) -> list[str]:
     """The claims of a file by one source, with their numbers."""
-    return [plain(Filled().vformat(words, (), names)) for words in CLAIMS.get(file, {}).get(source, ())]
+    return [
+        plain(Filled().vformat(words, (), names)) for words in CLAIMS.get(file, {}).get(source, ())
+    ]
 
 
 def missing(file: str, source: str, names: dict[str, Any]) -> list[str]:
@@ -73,7 +78,8 @@ def rows(cells: Sequence[Sequence[object]]) -> str:
     return "\n".join("| " + " | ".join(map(str, row)) + " |" for row in cells)
 
 
-# --- Sources ------------------------------------------------------------------------------------------
+# --- Sources
+# ------------------------------------------------------------------------------------------
 
 
 def given() -> dict[str, Any]:
@@ -116,7 +122,9 @@ def stationary() -> dict[str, Any]:
     strength = xr.DataArray([2.0, 4.0, 6.0], dims="R")
     stiff = [sl.Bilinear(T, 0.05, 0.05, reduction_factor=strength) for T in (0.25, 0.5)]
     linear, exact = (
-        sl.correlate(*stiff, LAKE_BED, method, closure="gaussian", paths=2048).relative_displacement_std
+        sl.correlate(
+            *stiff, LAKE_BED, method, closure="gaussian", paths=2048
+        ).relative_displacement_std
         for method in ("linearization", "simulation")
     )
     return {**results, "stiff_gap": linear / exact}
@@ -137,7 +145,8 @@ def drift_times() -> dict[str, Any]:
     structure = sl.Bilinear(1.0, 0.05, 0.05, reduction_factor=strength)
     grounds = {"broad": BROAD, "lake_bed": LAKE_BED}
     return {
-        name: sl.linearize(structure, ground, "drift").drift_time for name, ground in grounds.items()
+        name: sl.linearize(structure, ground, "drift").drift_time
+        for name, ground in grounds.items()
     }
 
 
@@ -293,12 +302,19 @@ def _parts(table: xr.Dataset) -> Iterator[xr.Dataset]:
 def _errors(table: xr.Dataset, closure: str) -> tuple[Any, ...]:
     """Of sigma (relative, both structures), of rho, and of the deviation of u_1 - u_2 with its sign."""
     exact, results = table.sel(closure=SIMULATION), table.sel(closure=closure)
-    std = [abs(results[name] / exact[name] - 1) for name in ("displacement_std_1", "displacement_std_2")]
+    std = [
+        abs(results[name] / exact[name] - 1)
+        for name in ("displacement_std_1", "displacement_std_2")
+    ]
     apart = [
         test_caution.difference(each.displacement_std_1, each.displacement_std_2, each.rho)
         for each in (results, exact)
     ]
-    return np.concatenate(std), abs(results.rho - exact.rho).values, (apart[0] / apart[1] - 1).values
+    return (
+        np.concatenate(std),
+        abs(results.rho - exact.rho).values,
+        (apart[0] / apart[1] - 1).values,
+    )
 
 
 def expected() -> dict[str, Any]:
@@ -326,7 +342,9 @@ def cautions() -> dict[str, Any]:
         cells += [f"{share(off < -limit):.1f} %" for limit in (0.1, 0.2)] + [
             f"{share(caution == 0):.0f} %"
         ]
-        cells += [f"{share(trusted < -limit):.1f} %" for limit in (0.1, 0.2)] + [f"{trusted.min():.2f}"]
+        cells += [f"{share(trusted < -limit):.1f} %" for limit in (0.1, 0.2)] + [
+            f"{trusted.min():.2f}"
+        ]
         lines.append([name, off.size, *cells])
     return {"table": rows(lines)}
 
@@ -392,7 +410,11 @@ def calculator() -> dict[str, Any]:
     code = (ROOT / "docs" / "start.md").read_text(encoding="utf-8")
     page = {"sl": sl, "gumbel_r": gumbel_r}
     exec(code[code.index("def gaps") : code.index("random =")], page)
-    motion = {"duration": 30, "envelope": sl.AminAng(rise_end=4, strong_end=15, decay=0.35), "seed": 7}
+    motion = {
+        "duration": 30,
+        "envelope": sl.AminAng(rise_end=4, strong_end=15, decay=0.35),
+        "seed": 7,
+    }
     shares, sizes = [], []
     for ground, pair in itertools.product((BROAD, LAKE_BED), CALCULATED):
         sides = (sl.Bilinear(T, 0.05, 0.05, reduction_factor=R) for T, R in (pair[:2], pair[2:]))

@@ -1,15 +1,15 @@
 """`make mutants SEED=1`: the share of random changes of the code that its nearest tests catch.
 
-A mutant is the package with one small change: of an operator, a comparison, a number, a sign, `and` to
-`or`, `min` to `max`, or a condition negated. The places are drawn from all kernels, the solver and its
-applications. Each mutant is written into a copy of the repository in a temporary folder, where the
-nearest tests run until one fails: the examples of the mutated module, the tests that import it, those
-with its name, and the others of its room, of a room with its name, and, where no test imports it, of
-the rooms that do. A survivor is a hole in the tests, or a change without effect, as of a tolerance or
-the size of a chunk.
+A mutant is the package with one small change: of an operator, a comparison, a number, a sign, `and`
+to `or`, `min` to `max`, or a condition negated. The places are drawn from all kernels, the solver
+and its applications. Each mutant is written into a copy of the repository in a temporary folder,
+where the nearest tests run until one fails: the examples of the mutated module, the tests that
+import it, those with its name, and the others of its room, of a room with its name, and, where no
+test imports it, of the rooms that do. A survivor is a hole in the tests, or a change without
+effect, as of a tolerance or the size of a chunk.
 
-At the end, the tests that caught a mutant run on the unchanged copy, where they have to pass. Each copy
-compiles the kernels that its tests call. 60 mutants take an hour on a free core.
+At the end, the tests that caught a mutant run on the unchanged copy, where they have to pass. Each
+copy compiles the kernels that its tests call. 60 mutants take an hour on a free core.
 """
 
 import ast
@@ -38,7 +38,10 @@ TESTS = sorted(ROOT.glob("tests/**/test_*.py"))
 COUNT = 60
 LIMIT = 180  # seconds for one test, compilation included; one that takes longer hangs
 MEMORY = 12 << 30  # bytes of data of one process; of addresses, a browser needs more
-SURVIVED, MISUSED = (0, 5), 4  # exit statuses of pytest: all pass, or there is no test; wrong arguments
+SURVIVED, MISUSED = (
+    (0, 5),
+    4,
+)  # exit statuses of pytest: all pass, or there is no test; wrong arguments
 NOT_COPIED = (".git", ".venv", "build", "dist", ".*_cache", ".hypothesis")
 
 
@@ -47,7 +50,9 @@ def both_ways(*pairs: tuple[Any, Any]) -> dict[Any, Any]:
 
 
 OPERATORS = {
-    **both_ways((ast.Add, ast.Sub), (ast.Mult, ast.Div), (ast.BitAnd, ast.BitOr), (ast.And, ast.Or)),
+    **both_ways(
+        (ast.Add, ast.Sub), (ast.Mult, ast.Div), (ast.BitAnd, ast.BitOr), (ast.And, ast.Or)
+    ),
     **{ast.Pow: ast.Mult, ast.FloorDiv: ast.Mult, ast.Mod: ast.FloorDiv},
 }
 BOUNDS = both_ways((ast.Lt, ast.LtE), (ast.Gt, ast.GtE))
@@ -110,7 +115,9 @@ def changes(node: ast.AST) -> list[ast.AST]:
 
 
 def is_text(*nodes: ast.AST) -> bool:
-    return any(isinstance(n, ast.JoinedStr) or isinstance(getattr(n, "value", 0), str) for n in nodes)
+    return any(
+        isinstance(n, ast.JoinedStr) or isinstance(getattr(n, "value", 0), str) for n in nodes
+    )
 
 
 def places(path: Path) -> Iterator[tuple[ast.AST, list[ast.AST]]]:
@@ -145,7 +152,11 @@ def nearest(path: Path) -> list[str]:
     rooms = {*parts[2:], *(module.relative_to(ROOT).parts[2] for module in others)}
     tests = sorted(
         (test for test in TESTS if test in importing or test.parent.name in rooms),
-        key=lambda test: (test not in importing, parts[-1] not in test.stem, test.parent.name != room),
+        key=lambda test: (
+            test not in importing,
+            parts[-1] not in test.stem,
+            test.parent.name != room,
+        ),
     )
     return [str(each.relative_to(ROOT)) for each in (path, *tests)]
 
@@ -163,7 +174,8 @@ def run_tests(tests: list[str], mutant: Mutant | None = None) -> tuple[bool, set
         done = subprocess.run(
             [sys.executable, "-m", "pytest", *options, *tests],
             cwd=copy,
-            env=os.environ | {"PYTHONPATH": str(copy), "OPENBLAS_NUM_THREADS": "1", "MPLBACKEND": "agg"},
+            env=os.environ
+            | {"PYTHONPATH": str(copy), "OPENBLAS_NUM_THREADS": "1", "MPLBACKEND": "agg"},
             capture_output=True,
             text=True,
             check=False,
@@ -182,7 +194,11 @@ def main(seed: int) -> None:
         caught, by = run_tests(nearest(mutant.path), mutant)
         catching |= by
         survivors += [] if caught else [mutant]
-        how = f"caught by {', '.join(by) or 'a crash, or a test that hangs'}" if caught else "SURVIVED"
+        how = (
+            f"caught by {', '.join(by) or 'a crash, or a test that hangs'}"
+            if caught
+            else "SURVIVED"
+        )
         print(f"{number}. {mutant}\n    {how}, {time.monotonic() - begin:.0f} s", flush=True)
     share = 1 - len(survivors) / COUNT
     print(f"\nSeed {seed}: {share:.0%} of {COUNT} mutants are caught. Survivors:")

@@ -49,7 +49,10 @@ def summary(figure: Any) -> dict[str, Any]:
     for number, panel in enumerate(figure.axes):
         words = [panel.get_title(), panel.get_xlabel(), panel.get_ylabel()]
         words += [text.get_text() for text in panel.texts]
-        panels[str(number)] = {"words": words, "data": [_moments(each) for each in _coordinates(panel)]}
+        panels[str(number)] = {
+            "words": words,
+            "data": [_moments(each) for each in _coordinates(panel)],
+        }
     return panels
 
 
@@ -86,7 +89,9 @@ def _words(panel: dict[str, Any]) -> tuple[list[str], int]:
 
 
 def _near(before: list[list[float]], now: list[list[float]]) -> bool:
-    return np.allclose(np.reshape(before, (-1, 3)), np.reshape(now, (-1, 3)), rtol=TOLERANCE, atol=1e-9)
+    return np.allclose(
+        np.reshape(before, (-1, 3)), np.reshape(now, (-1, 3)), rtol=TOLERANCE, atol=1e-9
+    )
 
 
 def write(picture: Path, figure: Any) -> None:

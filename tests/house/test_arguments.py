@@ -37,7 +37,9 @@ PUBLIC = {
 
 def test_every_closure_is_by_default_that_of_the_paper_and_the_charts() -> None:
     parameters = [inspect.signature(each).parameters for each in PUBLIC.values()]
-    in_time = {f"stochlin.pounding_{name}" for name in ("probability", "fragility")}  # with the drift
+    in_time = {
+        f"stochlin.pounding_{name}" for name in ("probability", "fragility")
+    }  # with the drift
     of_others = [each for name, each in zip(PUBLIC, parameters, strict=True) if name not in in_time]
     assert {each["closure"].default for each in of_others if "closure" in each} == {"gaussian"}
     building = sl.Bilinear(0.5, 0.05, 0.05, reduction_factor=4)
@@ -64,11 +66,31 @@ def test_the_signature_stays() -> None:
 
 WRONG = [
     ((1.0, 2.0), {}, TypeError, "ground = 1.0 is of the wrong kind; allowed: CloughPenzien, "),
-    ((SITE,), {"duration": "2"}, ValueError, "duration = '2' is no number; allowed: a positive, finite"),
-    ((SITE, 2.0, 90), {}, ValueError, "share = 90 is out of range; allowed: .*; for 90 % write 0.9"),
+    (
+        (SITE,),
+        {"duration": "2"},
+        ValueError,
+        "duration = '2' is no number; allowed: a positive, finite",
+    ),
+    (
+        (SITE, 2.0, 90),
+        {},
+        ValueError,
+        "share = 90 is out of range; allowed: .*; for 90 % write 0.9",
+    ),
     ((SITE, 2.0), {"path": 2}, TypeError, "path is no argument; did you mean 'paths'"),
-    ((SITE, 2.0), {"paths": 0}, ValueError, "paths = 0 is out of range; allowed: a whole number from"),
-    ((SITE, 2.0), {"paths": 2.5}, ValueError, "paths = 2.5 is no whole number; allowed: a whole number"),
+    (
+        (SITE, 2.0),
+        {"paths": 0},
+        ValueError,
+        "paths = 0 is out of range; allowed: a whole number from",
+    ),
+    (
+        (SITE, 2.0),
+        {"paths": 2.5},
+        ValueError,
+        "paths = 2.5 is no whole number; allowed: a whole number",
+    ),
     ((SITE, 2.0), {"paths": True}, ValueError, "paths = True is no whole number; allowed: a whole"),
     ((SITE, 10**400), {}, ValueError, "duration = about 1e400 is no number; allowed: a positive"),
     ((SITE,), {}, TypeError, "missing 1 required positional argument: 'duration'"),
@@ -101,7 +123,9 @@ def literals(public: Callable[..., object]) -> dict[str, tuple[object, ...]]:
     """The words that the types of a public call list, by argument, without those of open lists."""
     later = {"sympy": sympy, "Figure": Figure, "xr": xr}  # imported where they are needed
     hints = typing.get_type_hints(public, localns=later, include_extras=True)
-    parts = {name: (hint, *typing.get_args(hint)) for name, hint in hints.items() if name != "return"}
+    parts = {
+        name: (hint, *typing.get_args(hint)) for name, hint in hints.items() if name != "return"
+    }
     listed = {
         name: sum((typing.get_args(each) for each in of if typing.get_origin(each) is Literal), ())
         for name, of in parts.items()
@@ -138,7 +162,9 @@ def test_an_unknown_argument_is_answered_with_the_nearest() -> None:
         argument = max((each.name for each in named), key=len)
         needed = {each.name: None for each in named if each.default is each.empty}
         needed.pop(argument, None)
-        with pytest.raises(TypeError, match=f"{argument}_ is no argument; did you mean '{argument}'"):
+        with pytest.raises(
+            TypeError, match=f"{argument}_ is no argument; did you mean '{argument}'"
+        ):
             called(**needed, **{f"{argument}_": None})
 
 

@@ -35,12 +35,25 @@ def test_rho_of_a_pair_is_the_librarys() -> None:
 def test_sweeps_become_dimensions_of_the_saved_table(tmp_path: Path) -> None:
     out = tmp_path / "table.nc"
     result = answered(
-        *("rho", "--period-1", "0.2s:2s:4", "--period-2", "0.5s:2s:3:log", "--hardening", "0.02,0.1"),
+        *(
+            "rho",
+            "--period-1",
+            "0.2s:2s:4",
+            "--period-2",
+            "0.5s:2s:3:log",
+            "--hardening",
+            "0.02,0.1",
+        ),
         *("--reduction-factor", 4, "--ground", "kanai-tajimi", "--ground-period", "2s"),
         *("--ground-damping", "0.05,0.3", "--out", out),
     )
     with xr.open_dataset(out) as table:
-        assert dict(table.sizes) == {"period_1": 4, "hardening": 2, "ground_damping": 2, "period_2": 3}
+        assert dict(table.sizes) == {
+            "period_1": 4,
+            "hardening": 2,
+            "ground_damping": 2,
+            "period_2": 3,
+        }
         np.testing.assert_allclose(table.period_2, [0.5, 1, 2])
         chosen = table.sel(hardening=0.1, ground_damping=0.3).isel(period_1=1, period_2=2)
         pair = [sl.Bilinear(T, 0.05, 0.1, reduction_factor=4) for T in (0.8, 2.0)]
@@ -69,7 +82,10 @@ def test_a_reader_that_has_seen_enough_is_no_error() -> None:
 
 @pytest.mark.slow
 def test_the_package_runs_without_its_script() -> None:
-    for arguments, says in ((["--version"], "stochlin, version"), (["rho"], "python -m stochlin rho")):
+    for arguments, says in (
+        (["--version"], "stochlin, version"),
+        (["rho"], "python -m stochlin rho"),
+    ):
         command = [sys.executable, "-m", "stochlin", *arguments]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         assert says in done.stdout + done.stderr
@@ -165,7 +181,12 @@ def test_an_interrupted_command_ends_at_once(number: int, seconds: float, tmp_pa
     # What runs in the background of a shell is told to ignore the signal, and hands that down.
     heed = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
     with subprocess.Popen(
-        [sys.executable, "-c", "\n".join((heed, SAYS_THAT_THREADS_COMPUTE, COMMAND_LINE)), *command],
+        [
+            sys.executable,
+            "-c",
+            "\n".join((heed, SAYS_THAT_THREADS_COMPUTE, COMMAND_LINE)),
+            *command,
+        ],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         env=os.environ | {"TMPDIR": str(tmp_path)},

@@ -26,7 +26,9 @@ def things(folder: Path) -> list[Any]:
     kinds = {name: getattr(sl, name) for name in NAMES if inspect.isclass(getattr(sl, name, None))}
     made = [kind(**arguments(name, folder)) for name, kind in kinds.items() if name != "Case"]
     case, _ = open_case({"case.toml": example_case().encode()})
-    rules = [rule for rules in (CODE_RULES, EFFECTIVE_RULES, PEAK_FACTORS) for rule in rules.values()]
+    rules = [
+        rule for rules in (CODE_RULES, EFFECTIVE_RULES, PEAK_FACTORS) for rule in rules.values()
+    ]
     return [*made, *rules, case, ChartSettings()]
 
 

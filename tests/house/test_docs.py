@@ -29,7 +29,9 @@ pytestmark = pytest.mark.cli
 
 DOCS = ROOT / "docs"
 SCRIPTS = sorted((DOCS / "gallery").glob("plot_*.py"))
-PAGES = {path: path.read_text(encoding="utf-8") for path in (ROOT / "README.md", *DOCS.glob("*.md"))}
+PAGES = {
+    path: path.read_text(encoding="utf-8") for path in (ROOT / "README.md", *DOCS.glob("*.md"))
+}
 README, THEORY = PAGES[ROOT / "README.md"], PAGES[DOCS / "theory.md"]
 # Pages whose commands and code need one another, with the files of their cases.
 WORKED = {
@@ -56,7 +58,9 @@ def blocks(text: str, *languages: str) -> list[str]:
 
 def command_lines() -> list[str]:
     shells = {path: ("", "sh") for path in PAGES if path.stem in ("README", "start")}
-    text = "".join("".join(blocks(PAGES[path], "console", *shells.get(path, ()))) for path in RUN_HERE)
+    text = "".join(
+        "".join(blocks(PAGES[path], "console", *shells.get(path, ()))) for path in RUN_HERE
+    )
     lines = [line.split("  #")[0].strip() for line in text.replace("\\\n", " ").splitlines()]
     printed = {re.sub(" +", " ", line) for line in lines if line.startswith("stochlin ")}
     assert printed >= ELSEWHERE
@@ -102,7 +106,9 @@ def test_command_lines_run(line: str, monkeypatch: pytest.MonkeyPatch) -> None:
     run_as_printed(line, command_lines())
 
 
-@pytest.mark.parametrize("page", with_slow(PROGRAMS, {"buildings", "pounding", "probability", "sites"}))
+@pytest.mark.parametrize(
+    "page", with_slow(PROGRAMS, {"buildings", "pounding", "probability", "sites"})
+)
 def test_code_of_a_page_runs_from_top_to_bottom(page: str) -> None:
     namespace: dict[str, object] = {}
     for number, block in enumerate(blocks(PAGES[PROGRAMS[page]], "python")):
@@ -144,11 +150,15 @@ def test_a_worked_case_shows_what_its_commands_and_code_print(name: str) -> None
                 for line in block.splitlines():
                     printed.write(answered(*shlex.split(line)[1:]).output)
         said += printed.getvalue()
-    texts = [path.read_text(encoding="utf-8") for path in Path().iterdir() if path.suffix in WRITTEN]
+    texts = [
+        path.read_text(encoding="utf-8") for path in Path().iterdir() if path.suffix in WRITTEN
+    ]
     said = as_on_a_screen("\n".join([said, *texts]))
     shown = "".join(blocks(page, "text")).splitlines()
     assert [line for line in shown if as_on_a_screen(line) not in said] == []
-    numbers = {number for text in re.findall(r"\*\*(.+?)\*\*", page) for number in NUMBER.findall(text)}
+    numbers = {
+        number for text in re.findall(r"\*\*(.+?)\*\*", page) for number in NUMBER.findall(text)
+    }
     assert numbers <= set(NUMBER.findall(said))
 
 
@@ -189,7 +199,8 @@ def test_theory_has_every_equation_of_the_paper_and_its_code() -> None:
 def test_pages_are_written_in_what_the_site_understands_and_name_tests_that_exist() -> None:
     notebooks = {path: path.read_text(encoding="utf-8") for path in ROOT.glob("notebooks/*.ipynb")}
     for path, text in (PAGES | notebooks).items():
-        # The site sets an index of a letter with a dot below it, unless an empty group is between them.
+        # The site sets an index of a letter with a dot below it, unless an empty group is between
+        # them.
         assert not re.search(r"\\d?dot *(\{[^}]*\}|\\*[A-Za-z]+)_", text), path
     for path, text in PAGES.items():
         assert all(tomllib.loads(block) for block in blocks(text, "toml")), path

@@ -105,4 +105,6 @@ def test_the_name_that_was_probably_meant() -> None:
     ],
 )
 def test_a_hint_needs_three_letters_and_seven_tenths_of_them(written, known, likely):
-    assert hint(written, [known, "something else"]) == (f"did you mean {known!r}? " if likely else "")
+    assert hint(written, [known, "something else"]) == (
+        f"did you mean {known!r}? " if likely else ""
+    )

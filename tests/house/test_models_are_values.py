@@ -89,7 +89,9 @@ MORE = [
     *(sl.Hysteretic(1.0, 0.05, 0.1, reduction_factor=2, law=law) for law in LAWS),
     *(dataclasses.replace(SHEAR, hardening=0.1, yield_drifts=0.01, law=law) for law in LAWS),
     dataclasses.replace(SHEAR, law="bouc_wen", law_parameters={"beta": 0.4, "gamma": 0.6}),
-    sl.Bilinear(sl.Uncertain(1.0, 0.2), 0.05, sl.Uncertain.between(0.1, 0.2), reduction_factor=[2, 4]),
+    sl.Bilinear(
+        sl.Uncertain(1.0, 0.2), 0.05, sl.Uncertain.between(0.1, 0.2), reduction_factor=[2, 4]
+    ),
     sl.ShearBuilding.regular(
         period=sl.Uncertain(0.8, 0.1), storeys=2, storey_height=3.2, mass=4e5, damping=0.05
     ),
@@ -208,7 +210,9 @@ def test_what_differs_is_not_equal() -> None:
     assert len({table, sl.Bilinear(axis.copy(), 0.05), sl.Bilinear(1.0, 0.05)}) == 2
     assert sl.Bilinear([1, 2], 0.05) == sl.Bilinear(np.array([1.0, 2.0]), 0.05)
     firm = sl.named_ground("firm")
-    assert dataclasses.replace(firm, source="") == firm  # where numbers are from describes no motion
+    assert (
+        dataclasses.replace(firm, source="") == firm
+    )  # where numbers are from describes no motion
 
 
 def test_a_large_table_is_not_written_out_and_python_does_not_take_what_is() -> None:
@@ -239,7 +243,10 @@ def test_a_large_table_is_not_written_out_and_python_does_not_take_what_is() -> 
             lambda: sl.Bilinear(sl.Uncertain(1.0, 0.1)),
             "Bilinear: missing a required argument: 'damping'",
         ),
-        (lambda: sl.Bilinear(1.0, 0.05, period=1.0), "Bilinear: multiple values for argument 'period'"),
+        (
+            lambda: sl.Bilinear(1.0, 0.05, period=1.0),
+            "Bilinear: multiple values for argument 'period'",
+        ),
         (
             lambda: sl.KanaiTajimi(1.0, sl.Uncertain(0.3, 0.1), depth=""),
             "KanaiTajimi: depth is no argument",

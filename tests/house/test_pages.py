@@ -67,7 +67,9 @@ def anchors(text: str) -> set[str]:
 def dead(file: Path, text: str) -> list[str]:
     """Links of a page to files or headings that are not in the repository."""
     return [
-        str(link) for link in places(file, blanked(text, WHOLE, CODE), LINK) if not leads(link, text)
+        str(link)
+        for link in places(file, blanked(text, WHOLE, CODE), LINK)
+        if not leads(link, text)
     ]
 
 
@@ -102,7 +104,10 @@ def test_a_page_is_plain_markdown(file: Path) -> None:
     [
         ("A [page](nowhere.md).", "line 1: nowhere.md"),
         ("One line.\n\n![A picture\nof it](pictures/none.png)", "line 4: pictures/none.png"),
-        ("```\n[code](none.md)\n```\n[a heading](theory.md#of-nothing)", "line 4: theory.md#of-nothing"),
+        (
+            "```\n[code](none.md)\n```\n[a heading](theory.md#of-nothing)",
+            "line 4: theory.md#of-nothing",
+        ),
         ("# Here\n[there](#there)", "line 2: #there"),
         ("[what only the site has](auto_gallery/index.rst)", "line 1: auto_gallery/index.rst"),
     ],
@@ -112,7 +117,9 @@ def test_a_link_that_leads_nowhere_is_named_with_its_line(text: str, place: str)
 
 
 def test_links_that_lead_somewhere_are_not_named() -> None:
-    headings = "# A `b` [c](index.md)\n# A b c\n[x](#a-b-c) [y](#a-b-c-1) [out](https://example.org)\n"
+    headings = (
+        "# A `b` [c](index.md)\n# A b c\n[x](#a-b-c) [y](#a-b-c-1) [out](https://example.org)\n"
+    )
     links = "[`mitigate`](reference/index.md#mitigate) `[w](none.md)` ![p](pictures/explorer.png)"
     assert dead(DOCS / "page.md", headings + links) == []
 
@@ -126,7 +133,9 @@ def test_pages_show_what_the_code_says() -> None:
     assert stale == []
 
 
-def test_a_stale_part_of_a_page_is_written_anew(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_stale_part_of_a_page_is_written_anew(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     page = tmp_path / "docs" / "page.md"
     page.parent.mkdir()
     page.write_text(
@@ -146,7 +155,9 @@ def test_the_reference_has_every_public_name_below_its_heading() -> None:
     text = (DOCS / "reference" / "index.md").read_text(encoding="utf-8")
     parts = re.split(r"^## (.*)\n", text, flags=re.MULTILINE)[1:]
     shown = dict(zip(parts[::2], parts[1::2], strict=True))
-    listed = {heading: re.findall(r"^### (.+)$", part, re.MULTILINE) for heading, part in shown.items()}
+    listed = {
+        heading: re.findall(r"^### (.+)$", part, re.MULTILINE) for heading, part in shown.items()
+    }
     assert listed == pages.sections()
     names = {name.partition(".")[0] for names in listed.values() for name in names}
     assert names == {*sl.__all__}
@@ -166,7 +177,9 @@ def test_pictures_of_the_pages_are_small_and_all_are_shown() -> None:
             assert json.loads(image.info[pictures.SUMMARY]), picture.name
 
 
-def test_a_picture_is_compared_by_what_it_shows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_picture_is_compared_by_what_it_shows(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setenv("MPLBACKEND", "agg")
     import matplotlib.pyplot as plt
 

@@ -47,16 +47,21 @@ def test_no_public_name_is_among_them() -> None:
 
 
 def test_python_says_what_to_use_instead() -> None:
-    with pytest.raises(AttributeError, match="no attribute 'gone'; it was removed: the gap says it"):
+    with pytest.raises(
+        AttributeError, match="no attribute 'gone'; it was removed: the gap says it"
+    ):
         _ = sl.gone  # type: ignore[attr-defined]
     with pytest.raises(AttributeError, match=r"charts' has no attribute 'gone'; it was removed"):
         _ = sl.charts.gone
     with pytest.raises(AttributeError, match="KanaiTajimi has no attribute 'gone'; it was removed"):
         _ = sl.KanaiTajimi.gone  # type: ignore[attr-defined]
-    with pytest.raises(TypeError, match="KanaiTajimi: gone is no argument; it was removed: the gap"):
+    with pytest.raises(
+        TypeError, match="KanaiTajimi: gone is no argument; it was removed: the gap"
+    ):
         sl.KanaiTajimi(1.0, 0.6, gone=1)
     with pytest.raises(
-        TypeError, match="named: gone is no argument; it was removed: the gap says it; allowed: depth"
+        TypeError,
+        match="named: gone is no argument; it was removed: the gap says it; allowed: depth",
     ):
         checked(named)(gone=1)
     with pytest.raises(TypeError, match="named: dept is no argument; did you mean 'depth'"):
@@ -75,11 +80,14 @@ def test_command_line_and_case_files_say_what_to_use_instead(tmp_path: Path) -> 
     assert said in refused("gap", "--gone")
     pair = ("--period-1", "1s", "--period-2", "2s", "--hardening", 0.1, "--reduction-factor", 4)
     chosen = refused("rho", *pair, "--closure", "gone")
-    assert "--closure 'gone' is not available for Bilinear; it was removed: the gap says it" in chosen
+    assert (
+        "--closure 'gone' is not available for Bilinear; it was removed: the gap says it" in chosen
+    )
     written = "; was 'gone' = 'gone'?"
     assert NAMED.findall(written) == ["gone"]  # not the value, which the key may know
     case = tmp_path / "case.toml"
     case.write_text(example_case().replace("[site]", "[site]\ngone = 1"), encoding="utf-8")
-    assert "site.gone = 1 is not a key that is known here; it was removed: the gap says it" in refused(
-        "gap", case
+    assert (
+        "site.gone = 1 is not a key that is known here; it was removed: the gap says it"
+        in refused("gap", case)
     )

@@ -68,7 +68,8 @@ def room_of(parts: Sequence[str]) -> tuple[str, str]:
 def test_rooms_import_what_is_written_down_and_in_no_circle_and_floors_only_those_below() -> None:
     """Nor does anything below the package root import that.
 
-    A room that is not written down, such as that of a new command, may import any other on its floor.
+    A room that is not written down, such as that of a new command, may import any other on its
+    floor.
     """
     arrows: dict[str, dict[str, set[str]]] = {floor: {} for floor in FLOORS}
     upwards = []
@@ -85,7 +86,9 @@ def test_rooms_import_what_is_written_down_and_in_no_circle_and_floors_only_thos
             if level == "" or (level in FLOORS and level not in below):
                 upwards.append((path, name))
     written = {floor: {a: set(b) for a, b in rooms.items()} for floor, rooms in ROOMS.items()}
-    assert {floor: {a: arrows[floor][a] for a in rooms} for floor, rooms in written.items()} == written
+    assert {
+        floor: {a: arrows[floor][a] for a in rooms} for floor, rooms in written.items()
+    } == written
     assert upwards == []
     for rooms in arrows.values():
         assert list(TopologicalSorter(rooms).static_order())  # raises where there is a circle
@@ -108,7 +111,9 @@ def test_views_compute_nothing() -> None:
 
 def test_modules_import_one_another_in_no_circle() -> None:
     """Wherever they do: inside functions, too."""
-    names = {path: ".".join(path.relative_to(ROOT.parent).with_suffix("").parts) for path in MODULES}
+    names = {
+        path: ".".join(path.relative_to(ROOT.parent).with_suffix("").parts) for path in MODULES
+    }
     names = {path: name.removesuffix(".__init__") for path, name in names.items()}
     arrows = {name: {*names.values()} & {*imports(path)} - {name} for path, name in names.items()}
     assert list(TopologicalSorter(arrows).static_order())
@@ -136,7 +141,9 @@ def test_variables_and_arguments_have_names_that_say_what_they_are() -> None:
 
 def test_every_public_name_is_there_and_listed_once() -> None:
     text = (ROOT / "__init__.pyi").read_text(encoding="utf-8")
-    listed = [alias.name for node in ast.walk(ast.parse(text)) for alias in getattr(node, "names", ())]
+    listed = [
+        alias.name for node in ast.walk(ast.parse(text)) for alias in getattr(node, "names", ())
+    ]
     assert sorted(listed) == sorted(sl.__all__) == dir(sl)
     assert [name for name in listed if getattr(sl, name).__name__.rpartition(".")[2] != name] == []
 
@@ -155,8 +162,16 @@ def test_type_checkers_and_editors_see_the_public_names(tmp_path: Path) -> None:
         "    sl.linearize(a, g, closure='of_an_extension')\n"
         "    sl.correlate(a, a, g, method='simulation', rule='of_an_extension')\n"
     )
-    command = [sys.executable, "-m", "mypy", "--strict", str(snippet)]  # with what mypy knows already
-    said = subprocess.run(command, capture_output=True, text=True, check=False, cwd=ROOT.parent).stdout
+    command = [
+        sys.executable,
+        "-m",
+        "mypy",
+        "--strict",
+        str(snippet),
+    ]  # with what mypy knows already
+    said = subprocess.run(
+        command, capture_output=True, text=True, check=False, cwd=ROOT.parent
+    ).stdout
     *lines, closing = said.splitlines()
     for text, line in zip(
         (
@@ -213,7 +228,9 @@ def faults_of_results(returned: str) -> Iterator[str]:
 
 def faults_of_docstring(name: str, thing: object) -> Iterator[str]:
     parts = sections(thing)
-    if inspect.isclass(thing) and issubclass(thing, Warning):  # which functions give, and no user makes
+    if inspect.isclass(thing) and issubclass(
+        thing, Warning
+    ):  # which functions give, and no user makes
         yield from () if "Examples" in parts else ("no example",)
         return
     yield from faults_of_parameters(thing, parts.get("Parameters", ""))

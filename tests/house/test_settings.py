@@ -12,7 +12,16 @@ pytestmark = pytest.mark.cli
 
 UNCOMPILED = {"NUMBA_DISABLE_JIT": "1"}
 
-YIELDING = ("--period-1", ".7s", "--period-2", "1s", "--hardening", ".05", "--reduction-factor", "4")
+YIELDING = (
+    "--period-1",
+    ".7s",
+    "--period-2",
+    "1s",
+    "--hardening",
+    ".05",
+    "--reduction-factor",
+    "4",
+)
 RHO = ["rho", *YIELDING]
 SHORTER = {
     "paths = 2048": "paths = 100",
@@ -31,7 +40,9 @@ def case(text: str) -> str:
 
 
 @pytest.mark.slow
-def test_what_is_not_compiled_gives_the_same_numbers_and_says_that_it_is_slow(tmp_path: Path) -> None:
+def test_what_is_not_compiled_gives_the_same_numbers_and_says_that_it_is_slow(
+    tmp_path: Path,
+) -> None:
     path, table = tmp_path / "case.toml", tmp_path / "pound.nc"
     path.write_text(case(example_case()), encoding="utf-8")
     (tmp_path / "wave.txt").write_text("\n".join(f"{0.1 * (n % 7 - 3):g}" for n in range(50)))

@@ -107,12 +107,16 @@ def test_what_is_not_written_to_its_end_leaves_nothing(tmp_path: Path) -> None:
         (f"{'a' * 300}.csv", "give another name"),
     ],
 )
-def test_what_cannot_be_written_is_refused_before_the_work(name: str, says: str, tmp_path: Path) -> None:
+def test_what_cannot_be_written_is_refused_before_the_work(
+    name: str, says: str, tmp_path: Path
+) -> None:
     (tmp_path / "round.csv").symlink_to("round.csv")
     (tmp_path / "folder.csv").mkdir()
     long = (*PAIR, "--period-1", "0.1s:2s:100", "--hardening", 0.05, "--reduction-factor", 4)
     begin = time.perf_counter()
-    result = refused("rho", *long, "--method", "simulation", "--paths", 8192, "--out", tmp_path / name)
+    result = refused(
+        "rho", *long, "--method", "simulation", "--paths", 8192, "--out", tmp_path / name
+    )
     assert time.perf_counter() - begin < 5  # the run takes minutes
     if name != "folder.csv":  # click says it itself
         assert says in result

@@ -61,7 +61,14 @@ ROWS = {"long array"}  # each cell of which has a status of its own
 TAKEN: dict[str, set[str]] = {
     "nothing": {"links", "second"},
     "text": {"component"},
-    "truth": {"elastic", "floors_align", "p_delta", "same_property", "same_system", "skip_unreadable"},
+    "truth": {
+        "elastic",
+        "floors_align",
+        "p_delta",
+        "same_property",
+        "same_system",
+        "skip_unreadable",
+    },
     "infinite": {"exceedance.gap"},
     "minus infinity": {"exceedance.gap"},
     "negative": {
@@ -70,7 +77,11 @@ TAKEN: dict[str, set[str]] = {
     },
     "zero": {
         *("component", "hardening", "peak_1", "peak_2", "BoucWen.gamma", "Flag.beta"),
-        *("BoucWenBaberNoori.pinching_start", "BoucWenBaberNoori.pinching_spread", "critical_gap.rho"),
+        *(
+            "BoucWenBaberNoori.pinching_start",
+            "BoucWenBaberNoori.pinching_spread",
+            "critical_gap.rho",
+        ),
         *("equivalent_coefficients.velocity_z_corr", "eurocode_8.damping", "pound.gaps"),
         *("exceedance.gap", "scatter"),
         *("pounding_fragility.paths", "pounding_probability.paths"),  # the formula alone
@@ -93,7 +104,8 @@ INNER = re.compile(
 
 
 SMOOTH = {"hardening": 0.1, "law": "bouc_wen", "law_parameters": {"beta": 0.6}}
-# Beside the arguments of their examples, for what these leave out, and for a call that does not last.
+# Beside the arguments of their examples, for what these leave out, and for a call that does not
+# last.
 OWN: dict[str, dict[str, Any]] = {
     "Link": {"damping_exponent": 0.5, "hardening": 0.1, "yield_displacement": 0.01},
     "ShearBuilding": SMOOTH | {"yield_drifts": 0.01, "dampers": 1e5, "damping_modes": (1, 2)},
@@ -104,7 +116,9 @@ OWN: dict[str, dict[str, Any]] = {
 
 
 CALLED = {name: thing for name in sl.__all__ if callable(thing := getattr(sl, name))}
-NAMES = [n for n, thing in CALLED.items() if not (inspect.isclass(thing) and issubclass(thing, Warning))]
+NAMES = [
+    n for n, thing in CALLED.items() if not (inspect.isclass(thing) and issubclass(thing, Warning))
+]
 NAMES += ["ShearBuilding.regular"]
 LONG = {
     *(
@@ -121,7 +135,10 @@ LONG = {
     *("pounding_fragility", "pounding_probability", "pounding_risk", "required_gap", "sensitivity"),
     "separation",
 }
-ALSO = {"name": "name_rule_model", "yield_displacement": "yield_strength_hardening"}  # said in its place
+ALSO = {
+    "name": "name_rule_model",
+    "yield_displacement": "yield_strength_hardening",
+}  # said in its place
 ALSO |= {"reduction_factor": "reduction_strength_hardening", "structure": "structure_strength"}
 ALSO |= {"wrapped": "wrapped_dt", "path": "path_case"}
 
@@ -174,7 +191,9 @@ def unfit(error: BaseException | None, parameter: str) -> str:
 
 
 @pytest.mark.parametrize("name", with_slow(NAMES, LONG))
-def test_what_is_wrong_is_said_in_a_line_that_names_the_parameter(name: str, tmp_path: Path) -> None:
+def test_what_is_wrong_is_said_in_a_line_that_names_the_parameter(
+    name: str, tmp_path: Path
+) -> None:
     call = attrgetter(name)(sl)
     parameters = inspect.signature(call).parameters
     passed = arguments(name, tmp_path)
@@ -193,15 +212,20 @@ def test_what_is_wrong_is_said_in_a_line_that_names_the_parameter(name: str, tmp
             if error is None and not is_taken(kind, name, parameter):
                 fault = "is not refused"
             if fault:
-                said.append(f"{parameter}, {kind}: {fault}: {type(error).__name__} {str(error)[:200]!r}")
+                said.append(
+                    f"{parameter}, {kind}: {fault}: {type(error).__name__} {str(error)[:200]!r}"
+                )
     assert not said, "\n".join(said)
 
 
-# --- Structures of every kind -------------------------------------------------------------------------
+# --- Structures of every kind
+# -------------------------------------------------------------------------
 
 
 def oscillators(kind: Any, **law: Any) -> tuple[Any, Any]:
-    first, second = (kind(T, 0.05, 0.05, yield_displacement=5e-4, mass=1e5, **law) for T in (0.1, 0.14))
+    first, second = (
+        kind(T, 0.05, 0.05, yield_displacement=5e-4, mass=1e5, **law) for T in (0.1, 0.14)
+    )
     return first, second
 
 
@@ -232,7 +256,11 @@ def kinds() -> list[tuple[Any, Any]]:
     return [*pairs, (by_modes(2), by_modes(3)), (pairs[0][0], shear("bilinear")[1])]
 
 
-GROUNDS = sl.KanaiTajimi(0.2, 0.6, 0.01), sl.WhiteNoise(0.01), sl.CloughPenzien(0.2, 0.6, 1.0, 0.6, 0.01)
+GROUNDS = (
+    sl.KanaiTajimi(0.2, 0.6, 0.01),
+    sl.WhiteNoise(0.01),
+    sl.CloughPenzien(0.2, 0.6, 1.0, 0.6, 0.01),
+)
 SIZES = {"duration": 0.15, "paths": 16, "relaxation_times": 1.0, "points": 5}
 WAYS: dict[str, list[dict[str, Any]]] = {
     "linearize": [{"closure": "clipped"}, {"closure": "drift"}],
@@ -270,16 +298,22 @@ def test_structures_of_any_kind_are_answered_or_refused_in_words(name: str, tmp_
     parameters = inspect.signature(call).parameters
     short = {key: value for key, value in SIZES.items() if key in parameters}
     short |= {"record": RECORD[:20]} if "record" in passed else {}
-    pairs = [(pair, GROUNDS[0]) for pair in kinds()] + [(kinds()[0], ground) for ground in GROUNDS[1:]]
+    pairs = [(pair, GROUNDS[0]) for pair in kinds()] + [
+        (kinds()[0], ground) for ground in GROUNDS[1:]
+    ]
     said = []
     for way in [{}, *WAYS.get(name, [])]:
         for pair, ground in pairs:
             here = {
-                key: of(*pair) for key, of in OF_PAIR.items() if key in passed or key[:-1] == "modes_"
+                key: of(*pair)
+                for key, of in OF_PAIR.items()
+                if key in passed or key[:-1] == "modes_"
             }
             here |= {"ground": ground} if "ground" in passed else {}
             tried = passed | short | here | way
-            error = complaint(call, {key: value for key, value in tried.items() if key in parameters})
+            error = complaint(
+                call, {key: value for key, value in tried.items() if key in parameters}
+            )
             words = "" if error is None else str(error)
             fine = any(word in words for word in ("allowed", "give", "write", "follow"))
             if error is not None and not (fine and words.isprintable() and len(words) <= LONGEST):

@@ -94,7 +94,10 @@ def test_an_oscillator_on_a_record_follows_an_ode_solver():
     [
         ({"pinching": 1.0}, "pinching = 1 .*allowed: 0 <= value < 1, .*all stiffness"),
         ({"exponent": 0.5}, "exponent = 0.5 is out of range; allowed: 1 <= value"),
-        ({"strength_decay": -0.1}, "strength_decay = -0.1 .*allowed: 0 <= value, .*nothing stronger"),
+        (
+            {"strength_decay": -0.1},
+            "strength_decay = -0.1 .*allowed: 0 <= value, .*nothing stronger",
+        ),
         ({"beta": 0.0}, "beta = 0 .*allowed: 0 < value, .*dissipate nothing"),
     ],
     ids=str,
@@ -104,7 +107,9 @@ def test_parameters_out_of_range_are_refused(changed, message):
         worn(**changed)
 
 
-@pytest.mark.parametrize("one", [worn(), sl.ModifiedClough(**GIVEN)], ids=lambda one: type(one).__name__)
+@pytest.mark.parametrize(
+    "one", [worn(), sl.ModifiedClough(**GIVEN)], ids=lambda one: type(one).__name__
+)
 def test_stationary_analyses_name_the_finite_motion_instead(one):
     other, message = sl.Bilinear(0.7, 0.05), type(one).__name__ + " .*{} simulate with a duration"
     for linearizing in (

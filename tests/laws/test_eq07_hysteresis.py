@@ -66,5 +66,7 @@ def test_far_below_yield_the_tail_keeps_its_relative_accuracy():
         value = bilinear.gaussian(np.array([[1.0], [sz], [r]]), np.empty((0, 1)))
         with mpmath.workdps(40):
             h, a = 1 / mpmath.mpf(sz), mpmath.mpf(r) / mpmath.sqrt(1 - mpmath.mpf(r) ** 2)
-            tail = mpmath.quad(lambda t, a=a: mpmath.npdf(t) * mpmath.ncdf(a * t), [h, h + 1, h + 10])
+            tail = mpmath.quad(
+                lambda t, a=a: mpmath.npdf(t) * mpmath.ncdf(a * t), [h, h + 1, h + 10]
+            )
         assert value.coefficients[0, 0] == pytest.approx(float(2 * tail), rel=1e-12)

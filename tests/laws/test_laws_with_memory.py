@@ -43,7 +43,12 @@ def hysteretic(law=None, **changed):
 
 
 def test_it_is_the_law_that_is_known_by_its_name():
-    own = {"exponent": "n", "strength_decay": "d_nu", "stiffness_decay": "d_eta", "pinching": "zeta_s"}
+    own = {
+        "exponent": "n",
+        "strength_decay": "d_nu",
+        "stiffness_decay": "d_eta",
+        "pinching": "zeta_s",
+    }
     own |= {"pinching_rate": "p", "pinching_start": "q", "pinching_width": "psi"}
     own |= {"beta": "beta", "pinching_spread": "d_psi", "pinching_coupling": "share"}
     known = sl.BoucWenBaberNoori(**GIVEN, **{name: PINCHING[key] for name, key in own.items()})
@@ -72,7 +77,9 @@ def test_storeys_of_a_building_have_the_law():
 
 
 def test_storeys_that_wear_have_no_stationary_response():
-    message = "number 1: law = .* no stationary response: .* for ever .e.; .*simulate with a duration"
+    message = (
+        "number 1: law = .* no stationary response: .* for ever .e.; .*simulate with a duration"
+    )
     with pytest.raises(ValueError, match=message):
         sl.simulate([building(hysteretic().law)], GROUND, paths=32)
 

@@ -39,7 +39,11 @@ def test_the_loop_of_a_record_is_that_of_its_displacements():
 @pytest.mark.parametrize(
     ("structure", "displacement", "message"),
     [
-        (sl.Bilinear(0.5, 0.05, 0.1, reduction_factor=2), [0.1, 0.2], "allowed: its yield_displacement"),
+        (
+            sl.Bilinear(0.5, 0.05, 0.1, reduction_factor=2),
+            [0.1, 0.2],
+            "allowed: its yield_displacement",
+        ),
         (sl.Bilinear([0.5, 0.6], 0.05), [0.1, 0.2], "period is an array"),
         (sl.Bilinear(0.5, 0.05), [0.1], "displacement = .*allowed: two or more finite numbers"),
         (sl.Bilinear(0.5, 0.05), [0.1, np.nan], "allowed: two or more finite numbers in metres"),

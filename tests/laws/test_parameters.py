@@ -13,7 +13,9 @@ pytestmark = pytest.mark.oracle
 
 V, Z, LIMIT, SHARE = sympy.symbols("v z limit share")
 GROUND = sl.KanaiTajimi(period=0.8, damping=0.3)
-SOFTENING = V * (1 - SHARE * sympy.Abs(Z)) - sympy.Abs(V) * sympy.sign(Z) * sympy.Max(abs(Z) - LIMIT, 0)
+SOFTENING = V * (1 - SHARE * sympy.Abs(Z)) - sympy.Abs(V) * sympy.sign(Z) * sympy.Max(
+    abs(Z) - LIMIT, 0
+)
 
 
 @dataclass(frozen=True)
@@ -47,13 +49,17 @@ def test_a_table_has_the_law_of_each_cell_and_bad_cells_keep_to_themselves():
 
 def test_a_law_without_a_drift_closure_says_what_it_has():
     structure = Softening(1.0, 0.05, 0.1, reduction_factor=4)
-    with pytest.raises(ValueError, match="'drift' is not available for Softening; allowed: gaussian"):
+    with pytest.raises(
+        ValueError, match="'drift' is not available for Softening; allowed: gaussian"
+    ):
         sl.linearize(structure, GROUND, "drift")
 
 
 @pytest.mark.parametrize("gamma", [-0.5, -0.6, -50.0])
 def test_bouc_wen_without_a_bound_is_refused(gamma):
     """In loading ``z' = v (1 - (beta + gamma) |z|^n)``, which only a positive sum ends."""
-    message = rf"BoucWen: gamma = {gamma:g} .*allowed: -beta < value, where z is bounded; beta is 0\.5"
+    message = (
+        rf"BoucWen: gamma = {gamma:g} .*allowed: -beta < value, where z is bounded; beta is 0\.5"
+    )
     with pytest.raises(ValueError, match=message):
         sl.BoucWen(1.0, 0.05, 0.1, reduction_factor=4, beta=0.5, gamma=gamma)

@@ -102,7 +102,9 @@ def test_p_delta_is_a_softer_oscillator_with_less_hardening():
     one, other = sl.respond(leaning, ground, refine=4), sl.respond(plain, ground, refine=4)
     assert float(abs(other.displacement).max()) > 0.04
     np.testing.assert_allclose(one.displacement[:, 0], other.displacement, atol=2e-4)
-    with pytest.raises(ValueError, match=r"hardening = -0\.0326.* leaves no stiffness after yielding"):
+    with pytest.raises(
+        ValueError, match=r"hardening = -0\.0326.* leaves no stiffness after yielding"
+    ):
         sl.linearize(plain, GROUND)
 
 
@@ -131,7 +133,9 @@ def test_a_structure_falls_where_its_force_is_gone():
     stepped = sl.recorded_gap(structure, sl.Flag(0.4, 0.05), ground)
     assert np.isposinf(stepped.separation)
     assert np.isposinf(
-        sl.response_spectrum(ground, 0.5, 0.01, hardening=alpha, yield_displacement=uy).displacement_max
+        sl.response_spectrum(
+            ground, 0.5, 0.01, hardening=alpha, yield_displacement=uy
+        ).displacement_max
     )
     heavy = sl.Bilinear(0.5, 0.01, alpha, uy, mass=1e5)
     with pytest.raises(

@@ -147,11 +147,19 @@ def test_an_oscillator_on_a_record_follows_central_differences(structure):
     ("kind", "changed", "message"),
     [
         (sl.ModifiedClough, {"unloading_exponent": 1.0}, "allowed: 0 <= value < 1"),
-        (sl.ModifiedClough, CAPPED | {"cap_ductility": 0.9}, "allowed: 1 <= value, .*not before yield"),
+        (
+            sl.ModifiedClough,
+            CAPPED | {"cap_ductility": 0.9},
+            "allowed: 1 <= value, .*not before yield",
+        ),
         (sl.ModifiedClough, CAPPED | {"residual": 1.0}, "allowed: 0 <= value < 1, .*1 at the cap"),
         (sl.ModifiedClough, {"cracking": 0.4}, "cracking is given without uncracked_stiffness"),
         (sl.ModifiedClough, {"softening": 0.4}, "softening is given without cap_ductility"),
-        (sl.ModifiedClough, CAPPED | {"softening": 0.11}, r"no descending branch.*0\.111111 < value"),
+        (
+            sl.ModifiedClough,
+            CAPPED | {"softening": 0.11},
+            r"no descending branch.*0\.111111 < value",
+        ),
         (sl.Flag, {"beta": 1.1}, "allowed: 0 <= value <= 1"),
     ],
     ids=str,
@@ -163,7 +171,10 @@ def test_branches_that_do_not_fit_together_are_refused(kind, changed, message):
 
 def test_a_crack_along_the_elastic_line_or_a_cap_out_of_reach_change_nothing():
     plain = sl.ModifiedClough(**GIVEN)
-    for changed in ({"cracking": 0.3, "uncracked_stiffness": 1.0}, CAPPED | {"cap_ductility": 50.0}):
+    for changed in (
+        {"cracking": 0.3, "uncracked_stiffness": 1.0},
+        CAPPED | {"cap_ductility": 50.0},
+    ):
         structures = [plain, sl.ModifiedClough(**GIVEN, **changed)]
         table = sl.simulate(structures, GROUND, paths=32, duration=6.0)
         assert float(table.peak.min()) > GIVEN["yield_displacement"]

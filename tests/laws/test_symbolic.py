@@ -100,7 +100,9 @@ def test_law_is_regressed_under_the_gaussian_density(law, function, latent):
     by_z = gaussian_average(lambda v, z: (v - function(v, z)) * z, *latent)
     expected = cases.regressed((by_v, by_z), sv * sv, sz * sz, r * sv * sz)
     found = compiled(law).gaussian(np.array(latent)[:, None], np.empty((0, 1))).coefficients[:, 0]
-    np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-10)  # ACCURACY of the law's own check
+    np.testing.assert_allclose(
+        found, expected, rtol=1e-9, atol=1e-10
+    )  # ACCURACY of the law's own check
 
 
 @pytest.mark.parametrize(

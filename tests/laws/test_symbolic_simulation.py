@@ -101,7 +101,9 @@ FINITE_MOTION = sl.KanaiTajimi(0.4, 0.6, 0.02)
 @pytest.mark.parametrize(
     "verb",
     [
-        lambda one, _: sl.simulate([sl.Bilinear(0.7, 0.05), one], FINITE_MOTION, paths=32, duration=8.0),
+        lambda one, _: sl.simulate(
+            [sl.Bilinear(0.7, 0.05), one], FINITE_MOTION, paths=32, duration=8.0
+        ),
         lambda one, _: sl.simulate([sl.Bilinear(0.7, 0.05), one], FINITE_MOTION, paths=32),
         sl.respond,
         lambda one, record: sl.pound([one], motion=record),

@@ -78,7 +78,8 @@ LAWS = {
 }
 
 
-# Changes of the slope on a leg, of laws of straight branches; up to seven kinks, slopes from -2 to 4.
+# Changes of the slope on a leg, of laws of straight branches; up to seven kinks, slopes from -2 to
+# 4.
 KINKS = {"bilinear": 5, "flag": 5, "modified Clough": 7 * 6}
 
 
@@ -91,14 +92,16 @@ def test_work_from_the_virgin_state_is_never_negative(name, data, seed, legs, si
     turns = random_turns(seed, LANES, legs, size)
     law, own = (FLAG, [2.0]) if step == BILINEAR else (step, structure.law_parameters())
     reached, least = by_steps(law, turns, PIECES, [float(value) for value in own])
-    # A kink within a piece changes the rule by an eighth of its square at most, times the change of the
-    # slope.
+    # A kink within a piece changes the rule by an eighth of its square at most, times the change of
+    # the slope.
     piece, kinks = np.abs(np.diff(turns, axis=0)) / PIECES, KINKS.get(name, 0)
     assert (least > -(kinks / 8) * (piece**2).sum(axis=0) - (0.0 if kinks else 1e-4)).all()
     assert (np.abs(reached[:, 0]) <= 1.0 + (1e-12 if kinks else 1e-6)).all()
 
 
-@pytest.mark.parametrize(("law", "own"), [(MODIFIED_CLOUGH, (0.5, 1, 1, 0, 9, 0, 0)), (FLAG, (0.6,))])
+@pytest.mark.parametrize(
+    ("law", "own"), [(MODIFIED_CLOUGH, (0.5, 1, 1, 0, 9, 0, 0)), (FLAG, (0.6,))]
+)
 def test_an_extension_that_stays_changes_nothing(law, own):
     turns = np.array([0.0, 3.0, 3.0, -1.5, -1.5, 0.5, 0.5, 2.0, 2.0])[:, None]
     reached, _ = by_steps(law, turns, 1, own)

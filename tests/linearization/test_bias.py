@@ -12,7 +12,9 @@ LAKEBED = sl.KanaiTajimi(period=2.0, damping=0.05)
 UNKNOWN = 2
 
 
-def building(period=1.0, hardening=0.05, reduction_factor=4.0, damping=0.05, law=sl.Bilinear, **options):
+def building(
+    period=1.0, hardening=0.05, reduction_factor=4.0, damping=0.05, law=sl.Bilinear, **options
+):
     return law(period, damping, hardening, reduction_factor=reduction_factor, **options)
 
 

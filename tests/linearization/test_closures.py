@@ -37,7 +37,11 @@ def clipped_moments(sv, sz, r):
         accuracy = {"epsabs": 1e-15, "epsrel": 1e-12}
         return sum(quad(weighted, a, b, **accuracy)[0] for a, b in pairwise(borders)) / np.sqrt(TAU)
 
-    return sv * sv, average(lambda t: clip(sz * t) ** 2), average(lambda t: r * sv * t * clip(sz * t))
+    return (
+        sv * sv,
+        average(lambda t: clip(sz * t) ** 2),
+        average(lambda t: r * sv * t * clip(sz * t)),
+    )
 
 
 def integrated_clipped(latent):
@@ -54,7 +58,9 @@ def test_clipped_moments_and_regression_agree_with_integration():
         np.testing.assert_allclose(value.covariance[:, 0], moments, rtol=1e-11, atol=1e-13)
         # The regression divides by the share of Var z that v leaves unexplained.
         left = 1 - moments[2] ** 2 / (moments[0] * moments[1])
-        np.testing.assert_allclose(value.coefficients[:, 0], coefficients, rtol=1e-10 / left, atol=1e-12)
+        np.testing.assert_allclose(
+            value.coefficients[:, 0], coefficients, rtol=1e-10 / left, atol=1e-12
+        )
 
 
 @pytest.mark.parametrize("closure", [gaussian.gaussian, gaussian.clipped])

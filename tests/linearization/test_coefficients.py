@@ -22,7 +22,8 @@ def test_bilinear_coefficients(moments, c_eq, k_eq):
 
 
 @pytest.mark.parametrize(
-    ("exponent", "c_eq", "k_eq"), [(1, -0.7406875177, 0.5186249645), (2, -0.8279797081, 0.4827442838)]
+    ("exponent", "c_eq", "k_eq"),
+    [(1, -0.7406875177, 0.5186249645), (2, -0.8279797081, 0.4827442838)],
 )
 def test_bouc_wen_coefficients(exponent, c_eq, k_eq):
     found = sl.equivalent_coefficients(1, 0.5, 0.3, "bouc_wen", exponent=exponent)
@@ -49,7 +50,10 @@ def test_tables_by_dimension_name_and_cells_that_cannot_be():
         ({"law": "other"}, "law = 'other' is not a known law; allowed: bilinear"),
         ({"law": "hysteretic"}, "give the sympy expression"),
         ({"law": V * Z**2}, r"law = v\*z\*\*2 leaves z at 0, .*; allowed: G\(v, 0\) = v"),
-        ({"law": V * sympy.Integral(sympy.cos(Z), (Z, 0, Z))}, "has 'Integral.*, which has no numeric"),
+        (
+            {"law": V * sympy.Integral(sympy.cos(Z), (Z, 0, Z))},
+            "has 'Integral.*, which has no numeric",
+        ),
         ({"law": V * sympy.Integer(10) ** 400}, "has '1000"),
         ({"law": V * sympy.oo}, "has 'oo', which has no numeric form; allowed: numbers below"),
         ({"exponent": 2.0}, "the law has no exponent; allowed: none"),
@@ -66,5 +70,7 @@ def test_no_part_of_a_law_is_run_as_code(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     name = "__import__('pathlib').Path('written').touch() or (lambda z: z)"
     with pytest.raises(ValueError, match="which has no numeric form; allowed"):
-        sl.Hysteretic(1.0, 0.05, 0.05, yield_displacement=0.02, law=V * sympy.Function(name)(Z) ** 2)
+        sl.Hysteretic(
+            1.0, 0.05, 0.05, yield_displacement=0.02, law=V * sympy.Function(name)(Z) ** 2
+        )
     assert not list(tmp_path.iterdir())

@@ -12,7 +12,9 @@ pytestmark = pytest.mark.invariant
 
 DOMAINS = {"practice": cases.PRACTICE, "beyond": cases.BEYOND}
 LIMITS = [1e3, 1e4, 2e4]
-SOLVED = 1e-7  # mismatch of log sigma and atanh r before the last step: rtol = 1e-10 of a stiff equation
+SOLVED = (
+    1e-7  # mismatch of log sigma and atanh r before the last step: rtol = 1e-10 of a stiff equation
+)
 every_domain = pytest.mark.parametrize("domain", DOMAINS.values(), ids=list(DOMAINS))
 
 
@@ -125,4 +127,7 @@ def test_strong_shaking_is_a_thousand_times_the_yield_displacement(solve):
     structures = structure if solve is sl.linearize else [structure]
     table = solve(structures, sl.WhiteNoise(0.01), max_iterations=1)
     meanings = table.status.attrs["flag_meanings"].split()
-    assert [meanings[code] for code in table.status.values] == ["not_converged", "shaking_too_strong"]
+    assert [meanings[code] for code in table.status.values] == [
+        "not_converged",
+        "shaking_too_strong",
+    ]

@@ -15,7 +15,12 @@ pytestmark = pytest.mark.oracle
 
 GROUND = sl.KanaiTajimi(2 * np.pi / 15, 0.6, intensity=0.02)
 TALL = sl.ShearBuilding(
-    np.array([2, 2, 2, 1.5]) * 1e5, np.array([4, 3.6, 3, 2.2]) * 1e8, [3.0] * 4, 0.05, 0.05, [0.005] * 4
+    np.array([2, 2, 2, 1.5]) * 1e5,
+    np.array([4, 3.6, 3, 2.2]) * 1e8,
+    [3.0] * 4,
+    0.05,
+    0.05,
+    [0.005] * 4,
 )
 ONE = sl.Bilinear(0.5, 0.05, mass=1e6)
 BETWEEN = sl.Link(
@@ -61,7 +66,9 @@ def test_oscillator_on_white_noise(exponent):
     rate = np.exp(scipy.optimize.brentq(excess, -20, 5, xtol=1e-14))
     table = sl.linearize_system([ONE], sl.WhiteNoise(s0), [damper(constant, exponent)])
     assert float(table.velocity_std[0]) == pytest.approx(rate, rel=1e-11)
-    assert float(table.displacement_std[0]) == pytest.approx(rate * ONE.period / (2 * np.pi), rel=1e-11)
+    assert float(table.displacement_std[0]) == pytest.approx(
+        rate * ONE.period / (2 * np.pi), rel=1e-11
+    )
     told = float(table.equivalent_damping_constant.sel(link="link 1"))
     assert told == pytest.approx(factor * rate ** (exponent - 1), rel=1e-11)
     force = constant * np.sqrt(absolute_moment(2 * exponent, rate))
@@ -82,7 +89,9 @@ def test_end_of_the_loop_is_that_of_the_linear_dashpots_it_names():
     np.testing.assert_allclose(table.covariance, again.covariance, rtol=0, atol=1e-12)
     assert "equivalent_damping_constant" not in again
     space = sl.statespace([TALL, ONE], GROUND, table.c_eq.values, table.k_eq.values, links=linear)
-    np.testing.assert_allclose(sl.stationary_covariance(space), table.covariance, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(
+        sl.stationary_covariance(space), table.covariance, rtol=0, atol=1e-12
+    )
     names = list(table.state.values)
     rate = np.zeros(len(names))
     rate[names.index("v_1.4")], rate[names.index("v_2")] = 1, -1
@@ -110,12 +119,14 @@ def test_force_of_a_link_with_spring_and_dashpot():
 def test_simulation_of_dampers_in_every_storey(exponent):
     """Within the error of simulation and what linearization may be off, 3 % of the drifts.
 
-    Dampers of a twentieth of the weight at .3 m/s. Where they hold storeys fast much of the time the
-    rates are not Gaussian: of a fifth of the weight, a = .3, the upper drift comes out 23 % too small.
+    Dampers of a twentieth of the weight at .3 m/s. Where they hold storeys fast much of the time
+    the rates are not Gaussian: of a fifth of the weight, a = .3, the upper drift comes out 23 % too
+    small.
     """
     low = sl.ShearBuilding([2e5] * 2, [3e8, 2e8], [3.0] * 2, 0.05)
     links = [
-        replace(one, damping_constant=2e5 / 0.3**exponent, damping_exponent=exponent) for one in STOREYS
+        replace(one, damping_constant=2e5 / 0.3**exponent, damping_exponent=exponent)
+        for one in STOREYS
     ]
     linear = sl.linearize_system([low], GROUND, links[:2])
     exact = sl.simulate([low], GROUND, link=links[:2], paths=128, relaxation_times=10, seed=1)

@@ -68,14 +68,17 @@ def random_systems(rng, count):
     return system, np.stack([np.ones(count), wg, xig])
 
 
-# --- its parts, by other ways -----------------------------------------------------------------------
+# --- its parts, by other ways
+# -----------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("sz", [0.25, 0.5, 1.0, 4.0])
 def test_orders_add_up_to_the_variance_of_the_kick_sizes(sz):
     def moment(power):
         density = lambda a: a / sz**2 * np.exp(-0.5 * (a / sz) ** 2)  # noqa: E731
-        return quad(lambda a: (a - 1) ** power * density(a), 1, 1 + 12 * sz, epsabs=0, epsrel=1e-11)[0]
+        return quad(
+            lambda a: (a - 1) ** power * density(a), 1, 1 + 12 * sz, epsabs=0, epsrel=1e-11
+        )[0]
 
     orders = drift._orders(np.array([sz]))[:, 0]
     assert (orders >= 0).all()
@@ -108,7 +111,10 @@ def test_relaxation_is_the_flow_when_the_mean_of_z_is_shifted(latent):
 
     def flow(by):  # E[y'] with z~ shifted: slip upwards beyond 1, downwards below -1
         up = dblquad(lambda v, z: v * density(v, z - by), 1, 12 * sz, 0, 9 * sv, epsabs=1e-12)[0]
-        return up - dblquad(lambda v, z: v * density(v, z + by), 1, 12 * sz, 0, 9 * sv, epsabs=1e-12)[0]
+        return (
+            up
+            - dblquad(lambda v, z: v * density(v, z + by), 1, 12 * sz, 0, 9 * sv, epsabs=1e-12)[0]
+        )
 
     gradient = (flow(shift) - flow(-shift)) / (2 * shift)
     column = np.array(latent)[:, None]
@@ -116,7 +122,8 @@ def test_relaxation_is_the_flow_when_the_mean_of_z_is_shifted(latent):
     assert gradient == pytest.approx(by_z, rel=1e-4)
     w, d, alpha = 3.0, 0.3, 0.1
     system = EquivalentSystem(*(np.array([x]) for x in (w * w, d, (1 - alpha) * w * w, 0.1, 1.0)))
-    # Slowly: z = -alpha y - d y'/w^2, v = (1 - alpha) y', and y' = P v + (gradient / P(|z~| < 1)) z.
+    # Slowly: z = -alpha y - d y'/w^2, v = (1 - alpha) y', and y' = P v + (gradient / P(|z~| < 1))
+    # z.
     per_z = gradient / erf(1 / sz / np.sqrt(2))
     expected = alpha * per_z / (1 - (1 - alpha) * probability + d * per_z / w**2)
     rate = drift._relaxation(system, column, slip_quadrant(column[1], column[2]))
@@ -184,7 +191,8 @@ def test_correlation_of_drifts_is_one(coherence, shares_1, shares_2, ratio):
         assert drift.drift_covariance(np.ones(1), other, other)[0] == pytest.approx(1, rel=1e-12)
 
 
-# --- limits and symmetries --------------------------------------------------------------------------
+# --- limits and symmetries
+# --------------------------------------------------------------------------
 
 
 @settings(deadline=None, max_examples=25)
@@ -248,15 +256,24 @@ def test_fast_response_is_that_of_the_clipped_closure():
         assert float(kept[name]) == float(lost[name])
 
 
-# --- against simulation -----------------------------------------------------------------------------
+# --- against simulation
+# -----------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
     ("ground", "pair", "tolerance"),
     [
         (sl.WhiteNoise(), (building(0.5, 4.0, 0.04), building(0.9, 7.0, 0.15, 0.03)), (0.03, 0.06)),
-        (sl.KanaiTajimi(1.0, 0.5), (building(1.6, 5.0, 0.07), building(2.3, 3.0, 0.03)), (0.04, 0.06)),
-        (sl.KanaiTajimi(1.0, 0.06), (building(1.1, 6.0, 0.12), building(1.5, 4.0, 0.3)), (0.04, 0.08)),
+        (
+            sl.KanaiTajimi(1.0, 0.5),
+            (building(1.6, 5.0, 0.07), building(2.3, 3.0, 0.03)),
+            (0.04, 0.06),
+        ),
+        (
+            sl.KanaiTajimi(1.0, 0.06),
+            (building(1.1, 6.0, 0.12), building(1.5, 4.0, 0.3)),
+            (0.04, 0.08),
+        ),
     ],
     ids=["white noise", "broad band", "lake bed"],
 )
@@ -273,14 +290,18 @@ def test_unequal_pairs_meet_fresh_simulations(ground, pair, tolerance):
 def test_clough_penzien_ground_meets_fresh_simulations():
     """Mean errors of twelve structures and of their pairs; by the soil's memory alone .23 and .24."""
     random = np.random.default_rng(8)
-    columns = [np.exp(random.uniform(*np.log(ends), 12)) for ends in ((0.3, 3), (0.02, 0.1), (2, 10))]
+    columns = [
+        np.exp(random.uniform(*np.log(ends), 12)) for ends in ((0.3, 3), (0.02, 0.1), (2, 10))
+    ]
     periods, hardenings, factors = columns
     ground = sl.named_ground("ec8_b", 1.0)
     structures = [
         building(period * ground.period, factor, hardening)
         for period, hardening, factor in zip(periods, hardenings, factors, strict=True)
     ]
-    exact = sl.simulate(structures, ground, paths=64, seed=3, relaxation_times=10, steps_per_period=16)
+    exact = sl.simulate(
+        structures, ground, paths=64, seed=3, relaxation_times=10, steps_per_period=16
+    )
     sigma, rho = exact.displacement_std.values, exact.rho.values
     axes = [[xr.DataArray(column, dims=f"structure_{n}") for column in columns] for n in (1, 2)]
     pair = [building(p * ground.period, r, a) for p, a, r in axes]
@@ -309,9 +330,13 @@ def test_caution_outside_of_what_was_simulated():
         assert np.isnan(table.bias)
         assert int(table.caution) == 2
     for high_pass_period, damping, caution in ((10.0, 0.6, 0), (40.0, 0.6, 2), (10.0, 0.1, 2)):
-        ground = sl.CloughPenzien(1.0, 0.3, high_pass_period=high_pass_period, high_pass_damping=damping)
+        ground = sl.CloughPenzien(
+            1.0, 0.3, high_pass_period=high_pass_period, high_pass_damping=damping
+        )
         assert int(sl.linearize(building(), ground, "drift").caution) == caution
-    soft = building(period=8.0)  # its period after yield is beyond what the high-pass oscillator passes
+    soft = building(
+        period=8.0
+    )  # its period after yield is beyond what the high-pass oscillator passes
     ground = sl.CloughPenzien(1.0, 0.3, high_pass_period=3.0, high_pass_damping=0.6)
     assert int(sl.linearize(soft, ground, "drift").caution) == 2
 
@@ -320,7 +345,9 @@ def test_caution_outside_of_what_was_simulated():
 def test_the_least_error_is_0_03_in_place_of_0_01_on_clough_penzien_ground(period, factor):
     structure = building(period=period, reduction_factor=factor)
     grounds = sl.KanaiTajimi(1.0, 0.3), sl.CloughPenzien(1.0, 0.3, 10.0, 0.6)
-    mapped, beyond = (float(sl.linearize(structure, g, "drift").displacement_error) for g in grounds)
+    mapped, beyond = (
+        float(sl.linearize(structure, g, "drift").displacement_error) for g in grounds
+    )
     assert mapped > 0.01
     assert beyond**2 - mapped**2 == pytest.approx(0.03**2 - 0.01**2, rel=1e-9)
 
@@ -363,7 +390,9 @@ def test_correction_has_no_steps_at_the_ends_of_the_map():
 def test_time_intensity_and_strength_are_only_scales(factor):
     table = sl.correlate(building(0.7), building(1.2), LAKEBED, closure="drift")
     slow_ground = sl.KanaiTajimi(factor, 0.05)
-    slow = sl.correlate(building(0.7 * factor), building(1.2 * factor), slow_ground, closure="drift")
+    slow = sl.correlate(
+        building(0.7 * factor), building(1.2 * factor), slow_ground, closure="drift"
+    )
     louder = replace(LAKEBED, intensity=factor)
     strong = sl.correlate(building(0.7), building(1.2), louder, closure="drift")
     for other in (slow, strong):

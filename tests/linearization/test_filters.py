@@ -86,7 +86,9 @@ class Layers(Ground):
         stiffness = (2 * w**2, -(w**2)), (-(w**2), w**2)
         lower = [[-x for x in (*row, *(2 * ratio / w * k for k in row))] for row in stiffness]
         matrix = [[0, 0, 1, 0], [0, 0, 0, 1], *lower]
-        return Filter(values["intensity"], tuple("abcd"), matrix, [0, 0, 1, 1], [-x for x in lower[1]])
+        return Filter(
+            values["intensity"], tuple("abcd"), matrix, [0, 0, 1, 1], [-x for x in lower[1]]
+        )
 
 
 LAYERS = Layers(0.3, 0.2, 0.02)

@@ -106,7 +106,9 @@ def test_the_work_of_white_noise_goes_into_all_energies(structure):
 def test_a_users_law_is_linearized_in_the_same_way():
     slip = (1 + 0.05 * E) * (abs(V) * Z + V * abs(Z)) / 2
     law = {"z": (V - slip) / (1 + E / 10), "e": Z * V}
-    found, expected = (response(one, duration=2.5) for one in (sl.Hysteretic(**GIVEN, law=law), worn()))
+    found, expected = (
+        response(one, duration=2.5) for one in (sl.Hysteretic(**GIVEN, law=law), worn())
+    )
     for name in expected:
         np.testing.assert_allclose(found[name], expected[name], rtol=1e-5, atol=1e-8)
     assert list(found.state.values) == ["e"]
@@ -115,7 +117,10 @@ def test_a_users_law_is_linearized_in_the_same_way():
 @pytest.mark.parametrize(
     ("structure", "message"),
     [
-        (sl.ModifiedClough(**GIVEN), "ModifiedClough cannot .* not given in symbols; .* by simulate"),
+        (
+            sl.ModifiedClough(**GIVEN),
+            "ModifiedClough cannot .* not given in symbols; .* by simulate",
+        ),
         (sl.Flag(**GIVEN), "Flag cannot be linearized: its rates are not given in symbols"),
         (
             sl.Hysteretic(

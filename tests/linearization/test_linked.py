@@ -38,7 +38,8 @@ def test_link_without_constants_is_no_link(make):
     pair = make(0.6, 1e6), make(1.0, 3e6)
     assert_apart(sl.linearize_system(pair, GROUND, [NOTHING]), sl.correlate(*pair, GROUND), 1e-7)
     tables = [
-        sl.simulate(pair, GROUND, paths=32, relaxation_times=5, link=link) for link in (None, NOTHING)
+        sl.simulate(pair, GROUND, paths=32, relaxation_times=5, link=link)
+        for link in (None, NOTHING)
     ]
     np.testing.assert_allclose(tables[0].rho, tables[1].rho, rtol=0, atol=1e-9)
 

@@ -54,12 +54,16 @@ def test_spectrum_of_the_filter_is_the_sum(grounds):
 def test_intensity_scales_them_together(factor):
     scaled = sl.ParallelGround([replace(g, intensity=factor * g.intensity) for g in (SLOW, FAST)])
     before, after = (sl.correlate(ONE, TWO, ground) for ground in (BOTH, scaled))
-    np.testing.assert_allclose(after.displacement_std_1, np.sqrt(factor) * before.displacement_std_1)
+    np.testing.assert_allclose(
+        after.displacement_std_1, np.sqrt(factor) * before.displacement_std_1
+    )
     np.testing.assert_allclose(after.rho, before.rho)
 
 
 @pytest.mark.oracle
-@pytest.mark.parametrize("grounds", [[SLOW, FAST], [SLOW, SLOW], [SLOW, replace(SLOW, period=1.0001)]])
+@pytest.mark.parametrize(
+    "grounds", [[SLOW, FAST], [SLOW, SLOW], [SLOW, replace(SLOW, period=1.0001)]]
+)
 def test_covariances_of_linear_structures_add(grounds):
     parts = [sl.correlate(ONE, TWO, ground) for ground in grounds]
     whole = sl.correlate(ONE, TWO, sl.ParallelGround(grounds))
@@ -84,7 +88,11 @@ def test_moments_are_those_of_simulated_motions():
     [
         ([SLOW], ValueError, "1 grounds; allowed: two or more"),
         ([SLOW, 3], TypeError, "grounds, number 2 = 3 is of the wrong kind; allowed: Clough"),
-        ([SLOW, replace(FAST, period=np.ones(2))], ValueError, "number 2.*has an array; allowed: num"),
+        (
+            [SLOW, replace(FAST, period=np.ones(2))],
+            ValueError,
+            "number 2.*has an array; allowed: num",
+        ),
         ([SLOW, sl.WhiteNoise()], ValueError, "white noise in parallel.*allowed: filtered grounds"),
     ],
 )

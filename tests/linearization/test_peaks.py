@@ -168,7 +168,9 @@ def test_peaks_of_yielding_structures_by_the_drift_closure_are_those_of_motions(
     """Against motions from rest: what the notes say of cells without a caution, and of the Gaussian."""
     period, factor = (0.6, 1.0, 1.0, 2.0), (3.0, 2.0, 5.0, 4.0)
     each = sl.Bilinear(list(period), 0.05, 0.1, reduction_factor=list(factor))
-    alone = [sl.Bilinear(T, 0.05, 0.1, reduction_factor=R) for T, R in zip(period, factor, strict=True)]
+    alone = [
+        sl.Bilinear(T, 0.05, 0.1, reduction_factor=R) for T, R in zip(period, factor, strict=True)
+    ]
     run = sl.simulate(alone, LONG, paths=512, duration=30.0)
     tables = [sl.peak_response(each, LONG, 30.0, closure=c) for c in ("drift", "gaussian")]
     assert (tables[0].caution == 0).all()
@@ -205,7 +207,9 @@ def test_a_motion_without_crossings_has_no_peak():
 
 
 @given(many, st.floats(1.001, 10), bands)
-def test_a_longer_motion_has_no_lower_peak_and_one_side_none_above_that_of_two(n, factor, bandwidth):
+def test_a_longer_motion_has_no_lower_peak_and_one_side_none_above_that_of_two(
+    n, factor, bandwidth
+):
     """By every model; .8 %: the step between two pieces of Der Kiureghian's fit."""
     for model in PEAK_FACTORS.values():
         for sides in (1, 2):

@@ -1,6 +1,7 @@
 """An independent road: response spectra integrated over frequency, without a Lyapunov equation.
 
-``E[u1 u2] = 2 Re Int_0^inf S(w) H1(w) conj(H2(w)) dw``, with ``S`` the two-sided spectrum of the ground.
+``E[u1 u2] = 2 Re Int_0^inf S(w) H1(w) conj(H2(w)) dw``, with ``S`` the two-sided spectrum of the
+ground.
 """
 
 from itertools import pairwise
@@ -23,7 +24,9 @@ class Spectrum:
     def __init__(self, ground, resonances):
         # Around each resonance, borders at a geometric distance down to a fiftieth of its width.
         around = [
-            w * np.exp(sign * np.geomspace(0.02 * xi, 3, 30)) for w, xi in resonances for sign in (-1, 1)
+            w * np.exp(sign * np.geomspace(0.02 * xi, 3, 30))
+            for w, xi in resonances
+            for sign in (-1, 1)
         ]
         borders = np.unique(np.concatenate([[0], *around, np.geomspace(1e-7, 1e6, 60)]))
         half = np.diff(borders)[:, None] / 2
@@ -81,7 +84,9 @@ def test_linearized_response_and_its_self_consistency(kind, seed):
     displacement = []
     for one, table in zip(pair, tables, strict=True):
         u, z = hysteretic_transfer(
-            *(one[k] for k in ("period", "damping", "hardening")), float(table.c_eq), float(table.k_eq)
+            *(one[k] for k in ("period", "damping", "hardening")),
+            float(table.c_eq),
+            float(table.k_eq),
         )
         displacement.append(u)
         uy = float(table.yield_displacement)

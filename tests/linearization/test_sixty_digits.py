@@ -118,7 +118,8 @@ def test_periods_far_apart_keep_their_digits(ratio, slip):
     check(*pair, (2 * np.pi, 0.3))
 
 
-# --- The fixed points: the closures and the covariance in 60 digits -----------------------------------
+# --- The fixed points: the closures and the covariance in 60 digits
+# -----------------------------------
 
 
 def slip_quadrant(sz, r):
@@ -142,7 +143,9 @@ def bilinear(vv, zz, vz):
 def clipped(vv, zz, vz):
     """The Gaussian whose clipped ``z`` has this variance, and the regression of the slip rate."""
 
-    free = zz  # variance before clipping; that after it is concave, so that Newton's steps all go up
+    free = (
+        zz  # variance before clipping; that after it is concave, so that Newton's steps all go up
+    )
     for _ in range(100):
         h = 1 / mpmath.sqrt(free)
         slope = mpmath.erf(h / mpmath.sqrt(2)) - 2 * h * mpmath.npdf(h)
@@ -196,7 +199,9 @@ def solved_exactly(system, soil, forcing_scale, coefficients):
             (here[0] * by_p[1] - here[1] * by_p[0]) / determinant,
         )
         p, k = p + steps[0], k + steps[1]
-        if max(abs(steps[0] / p), abs(steps[1] / k)) < mpf(10) ** -7:  # the next is about its square
+        if (
+            max(abs(steps[0] / p), abs(steps[1] / k)) < mpf(10) ** -7
+        ):  # the next is about its square
             break
     return w2, d, h, p - 1, k
 
@@ -255,17 +260,24 @@ def test_solutions_are_those_of_60_digits(law, soil):
         ((4.8, 0.2), 1e-11),
         ((3.1, 0.03), 1e-11),
         ((4.8, 0.2, 0.6, 0.6), 1e-11),
-        ((3.0, 0.6, 3.0, 0.6), 1e-8),  # equal oscillators, for which the matrix exponential is taken
+        (
+            (3.0, 0.6, 3.0, 0.6),
+            1e-8,
+        ),  # equal oscillators, for which the matrix exponential is taken
     ],
 )
 def test_half_cycles_are_those_of_the_exponential(filters, close):
     """Also where the structure hardly yields, slips almost freely, or has a pole of the soil."""
     rng, extremes = np.random.default_rng(29), [(1e-14, 1e-14), (0.9997, 0.1), (0.999, 0.5)]
     systems = [draw(rng, slip, relaxation) for slip, relaxation in extremes]
-    systems += [draw(rng, rng.uniform(0.01, 0.9), cases.log_uniform(rng, (1e-4, 2.0))) for _ in range(4)]
+    systems += [
+        draw(rng, rng.uniform(0.01, 0.9), cases.log_uniform(rng, (1e-4, 2.0))) for _ in range(4)
+    ]
     if filters:
         w, xi = filters[:2]
-        systems += [EquivalentSystem(w * w, 2 * xi * w, 0.9 * w * w, e, e * w) for e in (1e-12, 1e-6)]
+        systems += [
+            EquivalentSystem(w * w, 2 * xi * w, 0.9 * w * w, e, e * w) for e in (1e-12, 1e-6)
+        ]
     cells = EquivalentSystem(*np.array(systems).T)
     ground = Filter.kanai_tajimi(1.0, *filters[:2]) if filters else Filter(1.0)
     found = half_cycles(cells, ground.clough_penzien(*filters[2:]) if filters[2:] else ground)
@@ -294,6 +306,8 @@ def test_cubics_are_factored_with_relative_errors_of_their_coefficients():
         with mpmath.workdps(DIGITS):
             s, b, c = (mpf(float(x[n])) for x in (root, linear, constant))
             product = b - s, c - s * b, -s * c
-            a2, a1, a0 = (mpf(x) for x in (real[n] + b1[n], b0[n] + real[n] * b1[n], real[n] * b0[n]))
+            a2, a1, a0 = (
+                mpf(x) for x in (real[n] + b1[n], b0[n] + real[n] * b1[n], real[n] * b0[n])
+            )
             errors = [abs(x / y - 1) for x, y in zip(product, (a2, a1, a0), strict=True)]
         assert max(errors) < 8e-15

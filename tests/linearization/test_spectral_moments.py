@@ -36,11 +36,14 @@ def transfer(w, system):
 def exact_first_moment(system, parameters, resonances):
     """``2 Int_0^inf w S |H|^2 dw``, split finely around every resonance.
 
-    On each part the integrand is so smooth that 60 points of Gauss and Legendre are exact to rounding.
+    On each part the integrand is so smooth that 60 points of Gauss and Legendre are exact to
+    rounding.
     """
     points = {0.0}
     for w, xi in resonances:
-        around = [w * (1 + sign * f * 0.7 * xi) for f in (0, 1, 3, 10, 30, 100, 300) for sign in (-1, 1)]
+        around = [
+            w * (1 + sign * f * 0.7 * xi) for f in (0, 1, 3, 10, 30, 100, 300) for sign in (-1, 1)
+        ]
         points |= {float(x) for x in around if x > 0}
     low, high = min(points - {0.0}), max(points)
     points |= {low / 10**n for n in range(1, 6)} | {high * 10**n for n in range(1, 5)}
@@ -82,7 +85,9 @@ def draw(seed, kind):
     resonances = [(1.0, xi), (wg, xig), (wf, 0.6)][: (kind + 1) // 2]
     system = linear_system(np.float64(1.0), np.float64(xi))
     if seed % 2:
-        alpha, slip, relaxation = (cases.log_uniform(rng, r) for r in ((0.02, 0.5), *[(1e-4, 0.5)] * 2))
+        alpha, slip, relaxation = (
+            cases.log_uniform(rng, r) for r in ((0.02, 0.5), *[(1e-4, 0.5)] * 2)
+        )
         system = EquivalentSystem(1.0, 2 * xi, 1 - alpha, slip, relaxation)
         resonances += [(np.sqrt(alpha), xi), (relaxation * alpha, 0.5)]
     return in_a_row(system), [np.array([p]) for p in filters], resonances

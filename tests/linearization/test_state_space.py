@@ -15,10 +15,15 @@ TAU = 2 * np.pi
 def test_elastic_coefficients_are_the_start_of_the_loop(link):
     """Also with a link that yields, an elastic structure, and a strength by its reduction factor."""
     ground = sl.CloughPenzien(0.42, 0.6, 4.2, 0.6)
-    pair = [sl.Bilinear(1.0, 0.05, 0.05, reduction_factor=4, mass=1e5), sl.Bilinear(0.7, 0.05, mass=1e5)]
+    pair = [
+        sl.Bilinear(1.0, 0.05, 0.05, reduction_factor=4, mass=1e5),
+        sl.Bilinear(0.7, 0.05, mass=1e5),
+    ]
     space = sl.statespace(pair, ground, links=link)
     uy = float(sl.linearize(pair[0], ground).yield_displacement)
-    assert space.yield_displacement.values.tolist() == pytest.approx([uy, np.inf, 1e-3][: 2 + len(link)])
+    assert space.yield_displacement.values.tolist() == pytest.approx(
+        [uy, np.inf, 1e-3][: 2 + len(link)]
+    )
     elastic = [sl.Bilinear(one.period, one.damping, mass=one.mass) for one in pair]
     plain = [sl.Link(1e6, 1e4)] if link else []
     x = sl.stationary_covariance(space)

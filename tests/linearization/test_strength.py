@@ -118,5 +118,7 @@ def test_what_is_too_extreme_is_said_in_terms_of_what_was_given(intensity):
         sl.strength_for_ductility(structure, ground, 4.0)
     assert "DuctilityTarget" not in str(caught.value)
     if intensity > 1:
-        with pytest.raises(ArithmeticError, match=r"elastic response of Bilinear \(.*cannot|beyond"):
+        with pytest.raises(
+            ArithmeticError, match=r"elastic response of Bilinear \(.*cannot|beyond"
+        ):
             strength_in_metres(structure, ground)

@@ -33,7 +33,8 @@ def elastic(building):
     return replace(building, hardening=None, yield_drifts=None)
 
 
-# --- The table of drifts and coefficients -------------------------------------------------------------
+# --- The table of drifts and coefficients
+# -------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -75,7 +76,10 @@ def test_end_of_the_loop_is_a_fixed_point_of_the_public_steps():
     kinds = x.state.str[0]
     extension = space.extension.values[:, kinds == "u"]
     blocks = {a + b: x.values[np.ix_(kinds == a, kinds == b)] for a, b in ("vv", "vz", "zz")}
-    rate, z = np.sqrt(np.diag(extension @ blocks["vv"] @ extension.T)), np.sqrt(np.diag(blocks["zz"]))
+    rate, z = (
+        np.sqrt(np.diag(extension @ blocks["vv"] @ extension.T)),
+        np.sqrt(np.diag(blocks["zz"])),
+    )
     corr = np.diag(extension @ blocks["vz"]) / (rate * z)
     strength = table.yield_drift.values
     again = sl.equivalent_coefficients(rate / strength, z / strength, corr)
@@ -83,7 +87,8 @@ def test_end_of_the_loop_is_a_fixed_point_of_the_public_steps():
     np.testing.assert_allclose(again.k_eq, table.k_eq, rtol=1e-9)
 
 
-# --- The closed forms of pairs ------------------------------------------------------------------------
+# --- The closed forms of pairs
+# ------------------------------------------------------------------------
 
 
 def draw_ground(rng):
@@ -163,7 +168,8 @@ def test_oscillator_tuned_to_the_ground_is_defective_and_no_trouble():
     assert float(assert_fast_path([yielding] * 2, ground).rho[0, 1]) == pytest.approx(1, abs=1e-12)
 
 
-# --- 60 digits ----------------------------------------------------------------------------------------
+# --- 60 digits
+# ----------------------------------------------------------------------------------------
 
 SMALL = sl.ShearBuilding([2e5, 1.5e5], [4e8, 2.2e8], [3.0] * 2, 0.05, 0.05, yield_drifts=0.01)
 BESIDE = sl.Bilinear(0.4, 0.03, 0.1, yield_displacement=0.01, mass=1e5)
@@ -210,10 +216,13 @@ def test_covariance_goes_over_into_the_elastic_one():
         scale = np.sqrt(np.diag(kept))
         assert np.abs((kept.values - elastic_one.values) / np.outer(scale, scale)).max() < 1e-12
         drift = kept.sel(state="u_2", state_2="u_2")
-        assert float(found.sel(state="z_2", state_2="z_2")) == pytest.approx(float(drift), rel=1e-11)
+        assert float(found.sel(state="z_2", state_2="z_2")) == pytest.approx(
+            float(drift), rel=1e-11
+        )
 
 
-# --- Spectral moments ---------------------------------------------------------------------------------
+# --- Spectral moments
+# ---------------------------------------------------------------------------------
 
 
 def test_spectral_moments_of_roofs_are_integrals_of_the_spectrum():
@@ -246,14 +255,19 @@ def test_spectral_moments_of_roofs_are_integrals_of_the_spectrum():
 def test_of_several_solutions_it_is_the_one_that_linearize_follows(shape, factor):
     """Bouc-Wen that bulges; and a law without memory, whose z is a function of the displacement."""
     values = {"period": 0.7, "damping": 0.05, "hardening": 0.1, "reduction_factor": factor}
-    one = sl.Hysteretic(**values, law=V * (1 - Z**2)) if shape is None else sl.BoucWen(**values, **shape)
+    one = (
+        sl.Hysteretic(**values, law=V * (1 - Z**2))
+        if shape is None
+        else sl.BoucWen(**values, **shape)
+    )
     for ground in (sl.WhiteNoise(0.01), sl.KanaiTajimi(0.9, 0.2, 0.01)):
         table, alone = sl.linearize_system([one, LOW], ground), sl.linearize(one, ground)
         assert float(table.drift_std[0]) == pytest.approx(float(alone.displacement_std), rel=1e-9)
         assert float(table.c_eq[0]) == pytest.approx(float(alone.c_eq), abs=1e-9)
 
 
-# --- Limits, symmetries -------------------------------------------------------------------------------
+# --- Limits, symmetries
+# -------------------------------------------------------------------------------
 
 
 def test_one_building_twice_moves_as_one():
@@ -262,7 +276,9 @@ def test_one_building_twice_moves_as_one():
     np.testing.assert_allclose(table.drift_std.values, np.tile(alone.drift_std, 2), rtol=1e-10)
     for n in range(4):
         assert float(table.rho[n, 4 + n]) == pytest.approx(1, abs=1e-12)
-        assert float(table.relative_displacement_std[n, 4 + n]) < 1e-7 * float(table.displacement_std[n])
+        assert float(table.relative_displacement_std[n, 4 + n]) < 1e-7 * float(
+            table.displacement_std[n]
+        )
     assert float(table.link_force_std[0]) < 1e-6 * 1e8 * float(table.displacement_std[1])
 
 
@@ -296,7 +312,8 @@ def test_dampers_and_weight_act_as_they_do_on_one_storey():
     )
 
 
-# --- What is refused ----------------------------------------------------------------------------------
+# --- What is refused
+# ----------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -320,7 +337,9 @@ def test_what_cannot_be_is_said(change, message):
 
 
 def test_too_many_storeys_are_refused_before_the_work():
-    tower = sl.ShearBuilding.regular(period=20, storeys=200, storey_height=3, mass=1e6, damping=0.05)
+    tower = sl.ShearBuilding.regular(
+        period=20, storeys=200, storey_height=3, mass=1e6, damping=0.05
+    )
     with pytest.raises(ValueError, match="the iteration would take about"):
         sl.linearize_system([tower, tower], GROUND)
 
@@ -333,7 +352,8 @@ def test_a_loop_that_does_not_end_says_so():
         sl.linearize_system([replace(TALL, yield_drifts=1e-30)], GROUND, max_iterations=50)
 
 
-# --- Whether the loop ends ----------------------------------------------------------------------------
+# --- Whether the loop ends
+# ----------------------------------------------------------------------------
 
 
 def draw_building(rng):
@@ -373,7 +393,8 @@ def test_the_loop_ends_for_random_buildings():
     assert np.mean(rounds[:20]) < 12
 
 
-# --- Scales and symmetry ------------------------------------------------------------------------------
+# --- Scales and symmetry
+# ------------------------------------------------------------------------------
 
 
 def test_lengths_and_masses_have_no_scale():
@@ -384,7 +405,9 @@ def test_lengths_and_masses_have_no_scale():
     small = sl.linearize_system([half], replace(GROUND, intensity=GROUND.intensity / 4))
     np.testing.assert_allclose(small.ductility_std, usual.ductility_std, rtol=1e-11)
     np.testing.assert_allclose(small.k_eq, usual.k_eq, rtol=1e-10)
-    np.testing.assert_allclose(sl.linearize_system([big], GROUND).drift_std, usual.drift_std, rtol=1e-11)
+    np.testing.assert_allclose(
+        sl.linearize_system([big], GROUND).drift_std, usual.drift_std, rtol=1e-11
+    )
 
 
 def test_order_of_the_structures_does_not_matter():

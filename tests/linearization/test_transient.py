@@ -62,7 +62,9 @@ def test_meets_the_stationary_solution_when_the_envelope_stays_at_one(structure,
     late = sl.transient_response(structure, ground, 25.0, points=3).isel(time=-1)
     stationary = sl.linearize(structure, ground)
     for name in ("displacement_std", "velocity_std", "c_eq", "k_eq"):
-        assert float(late[name]) == pytest.approx(float(stationary[name]), rel=1e-4, abs=1e-12), name
+        assert float(late[name]) == pytest.approx(float(stationary[name]), rel=1e-4, abs=1e-12), (
+            name
+        )
     if structure.yields:
         assert float(late.z_std) == pytest.approx(float(stationary.z_std), rel=1e-4)
 
@@ -77,7 +79,9 @@ def test_starts_from_rest_and_scales_with_the_motion():
     )
     assert float(small.displacement_std[0]) == 0
     assert float(small.velocity_std[0]) == 0
-    np.testing.assert_allclose(large.displacement_std, 2 * small.displacement_std, rtol=1e-5, atol=1e-9)
+    np.testing.assert_allclose(
+        large.displacement_std, 2 * small.displacement_std, rtol=1e-5, atol=1e-9
+    )
     np.testing.assert_allclose(large.c_eq, small.c_eq, atol=1e-5)
 
 
@@ -86,7 +90,9 @@ def test_the_flag_of_the_permanent_set_left_out_rises_at_half_of_the_envelope():
     table = sl.transient_response(sl.Bilinear(0.5, 0.05), BROAD, 20.0, envelope=QUAKE, points=201)
     half = 12.0 + np.log(2) / 0.35
     assert table.attrs["strong_shaking_end_s"] == pytest.approx(half, abs=0.01)
-    assert (table.permanent_set_left_out.values.astype(bool) == (table.time.values > half)).mean() > 0.99
+    assert (
+        table.permanent_set_left_out.values.astype(bool) == (table.time.values > half)
+    ).mean() > 0.99
     steady = sl.transient_response(sl.Bilinear(0.5, 0.05), BROAD, 20.0)
     assert not steady.permanent_set_left_out.any()
 
@@ -106,5 +112,7 @@ def test_an_envelope_whose_slope_is_infinite_at_the_start_is_followed():
 @pytest.mark.extreme
 def test_a_structure_that_would_need_too_short_steps_is_refused():
     weak = sl.BoucWen(0.5, 0.05, 0.05, yield_displacement=1e-6, exponent=2.5)
-    with pytest.raises(ArithmeticError, match=r"so weak that .* give it more strength, or simulate"):
+    with pytest.raises(
+        ArithmeticError, match=r"so weak that .* give it more strength, or simulate"
+    ):
         sl.transient_response(weak, BROAD, 80.0, envelope=QUAKE)

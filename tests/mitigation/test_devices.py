@@ -38,9 +38,10 @@ def harmonic(frequency, amplitude=1.0, duration=60.0, dt=0.005):
 def test_energy_of_a_damper_in_white_noise_is_c_times_the_variance_of_its_velocity(within_storey):
     """A damper in an elastic oscillator from rest on white noise.
 
-    The noise puts ``pi S0 m`` into the oscillator in each second, whatever its state. What is not in it
-    at the end, ``m E[v^2] = pi S0 m/(2 xi w)``, has gone into both dashpots, by their constants. In
-    steps of the trapezoidal rule the input is smaller by ``1 + xi w dt + (w dt/2)^2``.
+    The noise puts ``pi S0 m`` into the oscillator in each second, whatever its state. What is not
+    in it at the end, ``m E[v^2] = pi S0 m/(2 xi w)``, has gone into both dashpots, by their
+    constants. In steps of the trapezoidal rule the input is smaller by ``1 + xi w dt + (w
+    dt/2)^2``.
     """
     w, s0, seconds = 2 * np.pi / PERIOD, 0.01, 40.0
     device = sl.Link(0.0, 0.2 * MASS * w, structures=(1, 1), floors=(1, 0))
@@ -57,7 +58,8 @@ def test_energy_of_a_damper_in_white_noise_is_c_times_the_variance_of_its_veloci
     found, error = (float(table[f"link_energy_mean{end}"][0]) for end in ("", "_standard_error"))
     assert abs(found - expected) < 4 * error
     assert error < 0.01 * expected
-    # c E[v^2] T of the stationary response, less what the beginning from rest lacks, 1/(2 xi w) in time
+    # c E[v^2] T of the stationary response, less what the beginning from rest lacks, 1/(2 xi w) in
+    # time
     stationary = device.damping_constant * velocity_variance * (seconds - 1 / (2 * xi * w))
     assert abs(found - stationary) < 4 * error + 0.05 * stationary
     np.testing.assert_allclose(table.peak_link_stroke[:, 0], table.peak.values[:, 0], rtol=1e-12)
@@ -101,7 +103,9 @@ def test_devices_of_measures_are_those_of_simulate():
     braces = [sl.Link(0.0, 1e6, structures=(1, 1), floors=(n, n - 1)) for n in (1, 3)]
     links = [sl.Link(1e7), *braces]
     measures = {"all": sl.Measure(link=links)}
-    row = sl.mitigate(tower, low, FIRM, 0.5, measures, duration=6.0, paths=32, seed=5).sel(measure="all")
+    row = sl.mitigate(tower, low, FIRM, 0.5, measures, duration=6.0, paths=32, seed=5).sel(
+        measure="all"
+    )
     assert row.link_kind.values.tolist() == ["link", "damper", "damper"]
     assert row.link_place.values.tolist() == ["1.2 to 2.2", "1.1 to ground", "1.3 to 1.2"]
     motions = sl.simulate([tower, low], FIRM, paths=32, seed=5, duration=6.0, link=links)

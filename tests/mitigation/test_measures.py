@@ -22,7 +22,8 @@ MEASURES = {
 
 def pair(**changes):
     return [
-        sl.Bilinear(T, 0.05, 0.05, mass=1e6, **({"reduction_factor": 3} | changes)) for T in (0.6, 1.0)
+        sl.Bilinear(T, 0.05, 0.05, mass=1e6, **({"reduction_factor": 3} | changes))
+        for T in (0.6, 1.0)
     ]
 
 
@@ -47,7 +48,8 @@ def test_as_built_and_least_damping_are_those_of_existing_gap(table):
     assert float(built.no_pounding_probability) == float(known.no_pounding_probability)
     np.testing.assert_allclose(built.required_gap, known.required_gap, rtol=1e-9)
     least = table.sel(measure="least damping, both")
-    # Both searches end within CLOSE of the gap, which falls with a third or more of the damping's power.
+    # Both searches end within CLOSE of the gap, which falls with a third or more of the damping's
+    # power.
     np.testing.assert_allclose(least.added_damping_1, known.least_added_damping, rtol=3 * CLOSE)
     np.testing.assert_allclose(least.required_gap, GAP, rtol=CLOSE)
     assert float(least.added_damping_1) == float(least.added_damping_2) > 0
@@ -90,7 +92,10 @@ def test_least_measures_are_just_enough(table):
     ("changes", "told"),
     [
         ({"measures": {"glue": 3}}, r"measures\['glue'\] = 3 is of the wrong kind"),
-        ({"measures": {"d": sl.Measure(0.96)}}, "added_damping_1 = 0.96 raises the damping to 1.01"),
+        (
+            {"measures": {"d": sl.Measure(0.96)}},
+            "added_damping_1 = 0.96 raises the damping to 1.01",
+        ),
         (
             {"measures": {"l": sl.Measure(link=sl.Link(1e6, structures=(1, 3)))}},
             r"measures\['l'\]: link 1: ties the structures 1 and 3 of 2",
@@ -106,7 +111,11 @@ def test_options_out_of_range_are_refused(changes, told):
 @pytest.mark.parametrize(
     ("given", "error", "told"),
     [
-        ({"added_damping_1": [0.1, 0.2]}, ValueError, "added_damping_1 is an array; allowed: a number"),
+        (
+            {"added_damping_1": [0.1, 0.2]},
+            ValueError,
+            "added_damping_1 is an array; allowed: a number",
+        ),
         ({"link": "glue"}, TypeError, "link = 'glue'; allowed: a Link, or a list of them"),
         ({"link": [sl.Link(1e6), 3]}, TypeError, "link, number 2 = 3 is of the wrong kind"),
         ({"link": sl.Link([1e6, 2e6])}, ValueError, "stiffness is an array"),

@@ -29,7 +29,9 @@ RECORD = MOTIONS.isel(path=0, drop=True)
 def test_it_is_a_building_of_a_row_that_never_meets(structure):
     """To the error of the steps, which in a row are chosen for all of it."""
     alone = sl.pound([structure], motion=RECORD, steps_per_contact=128)
-    row = sl.pound([structure, OSCILLATOR, TOWER], [FAR, FAR], CONTACT, RECORD, steps_per_contact=128)
+    row = sl.pound(
+        [structure, OSCILLATOR, TOWER], [FAR, FAR], CONTACT, RECORD, steps_per_contact=128
+    )
     assert row.sizes["impact"] == 0
     assert not {"contact", "impact", "neighbours", "side"} & set(alone.dims)
     for name in ("displacement", "velocity", "acceleration", "storey_shear", "base_shear"):
@@ -47,21 +49,27 @@ def test_an_oscillator_follows_respond_and_its_energies_add_up():
     alone = sl.pound([OSCILLATOR], motion=RECORD, steps_per_contact=128)
     other = sl.respond(OSCILLATOR, RECORD)
     peak = float(alone.peak[0])
-    np.testing.assert_allclose(alone.displacement[:, 0], other.displacement, rtol=0, atol=2e-5 * peak)
+    np.testing.assert_allclose(
+        alone.displacement[:, 0], other.displacement, rtol=0, atol=2e-5 * peak
+    )
     assert float(alone.energy_balance_error.max()) < 1e-9
     assert alone.peak.equals(alone.peak_alone.rename("peak"))
     assert float(alone.amplification[0]) == 1
     assert "contact" not in alone.attrs
 
 
-ONE_ALONE = 'storeys = 4\nstorey_height = "3 m"\nfloor_mass = "200 t"\nbase_shear_coefficient = 0.2\n'
+ONE_ALONE = (
+    'storeys = 4\nstorey_height = "3 m"\nfloor_mass = "200 t"\nbase_shear_coefficient = 0.2\n'
+)
 
 
 def alone_file(folder: Path, storeys: bool, more: str = "") -> Path:
     """The example with its first building only."""
     text = recorded_example()
     np.savetxt(folder / "taft.txt", RECORD.values / 9.80665)
-    second, rest, contact = (text.index(f"[{name}]") for name in ("building_2", "separation", "contact"))
+    second, rest, contact = (
+        text.index(f"[{name}]") for name in ("building_2", "separation", "contact")
+    )
     text = text[:second] + text[rest:contact].replace('existing = "5 cm"', more or "# ")
     if storeys:
         begin = text.index("reduction_factor = 4\nheight")

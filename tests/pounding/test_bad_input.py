@@ -12,7 +12,9 @@ CONTACT = sl.Kelvin(1e8, restitution=0.65)
 ONE = sl.Bilinear(1.0, 0.05, mass=2e5)
 TWO = sl.Bilinear(0.5, 0.05, mass=3e5)
 TIME = 0.02 * np.arange(100)
-MOTION = xr.DataArray(np.sin(6 * TIME), dims="time", coords={"time": TIME}, attrs={"units": "m/s^2"})
+MOTION = xr.DataArray(
+    np.sin(6 * TIME), dims="time", coords={"time": TIME}, attrs={"units": "m/s^2"}
+)
 
 
 def tower(heights, **other):
@@ -47,7 +49,10 @@ def tower(heights, **other):
             "reduction_factor.*yield_displacement",
         ),
         (
-            {"structures": [tower([3.0, 3.0]), tower([3.0, 4.0])], "contact": sl.Stereomechanical(0.5)},
+            {
+                "structures": [tower([3.0, 3.0]), tower([3.0, 4.0])],
+                "contact": sl.Stereomechanical(0.5),
+            },
             ValueError,
             "structures 1 and 2 a floor meets a column at 6 m; allowed: a contact with a force",
         ),

@@ -25,7 +25,9 @@ CONTACTS = {
 def building(heights, stiffness=2e8, mass=2e5, **other):
     n = len(heights)
     given = {"hardening": 0.05, "yield_drifts": 0.008} | other
-    return sl.ShearBuilding([mass] * n, np.linspace(1.5, 0.7, n) * stiffness, heights, 0.05, **given)
+    return sl.ShearBuilding(
+        [mass] * n, np.linspace(1.5, 0.7, n) * stiffness, heights, 0.05, **given
+    )
 
 
 TALL, LOW = building([3.5] * 5), building([4.2, 3.0, 3.0, 3.0], 4e8, 3e5, yield_drifts=0.006)
@@ -39,7 +41,15 @@ def test_where_slabs_meet_columns_is_told():
     assert int(across.impacts_between) == table.sizes["impact"]
     assert float(across.hardest_force_between) == float(table.largest_force.max())
     assert float(across.contact_energy_between) == pytest.approx(float(table.energy_lost.sum()))
-    assert table.column.values.tolist() == ["right", "left", "right", "left", "left", "right", "left"]
+    assert table.column.values.tolist() == [
+        "right",
+        "left",
+        "right",
+        "left",
+        "left",
+        "right",
+        "left",
+    ]
     assert table.storey.values.tolist() == [1, 2, 2, 3, 3, 4, 4]
     np.testing.assert_allclose(table.share[:3], [3.5 / 4.2, 0.2, 2.8 / 3])
     level = sl.pound([TALL, building([3.5, 4.0])], 0.01, CONTACTS["kelvin"], shaking())

@@ -71,7 +71,8 @@ def with_row(*buildings: str, gaps: str = '"1 cm"') -> str:
     return with_buildings(*numbered).replace('existing = "5 cm" ', f"existing = {gaps} ")
 
 
-# --- Many motions -----------------------------------------------------------------------------------
+# --- Many motions
+# -----------------------------------------------------------------------------------
 
 
 def regular(count: int, period: float) -> str:
@@ -114,8 +115,9 @@ def test_motions_that_failed_are_said_loudly(tmp_path: Path) -> None:
     failed = int((table.status > 0).sum())
     assert 0 < failed < 16
     done = invoke("pound", path, "--motions", 16)
-    assert f"{failed} of 16 motions FAILED and are left out: pound: structure 1 falls over" in " ".join(
-        done.output.split()
+    assert (
+        f"{failed} of 16 motions FAILED and are left out: pound: structure 1 falls over"
+        in " ".join(done.output.split())
     )
 
 

@@ -42,14 +42,21 @@ def dashpot(exponent: float, times: float = 1.0, **place: Any) -> sl.Link:
 
 
 def in_storeys(structure: int, storeys: Any, **device: Any) -> list[sl.Link]:
-    return [sl.Link(**device, structures=(structure, structure), floors=(n, n - 1)) for n in storeys]
+    return [
+        sl.Link(**device, structures=(structure, structure), floors=(n, n - 1)) for n in storeys
+    ]
 
 
 @pytest.mark.parametrize(
     ("exponent", "times", "method", "close"),
     [
         (0.1, 1, "Radau", 1e-5),
-        (0.35, 1, "DOP853", 1e-5),  # from rest, where the law has no slope, the implicit one goes astray
+        (
+            0.35,
+            1,
+            "DOP853",
+            1e-5,
+        ),  # from rest, where the law has no slope, the implicit one goes astray
         (2.0, 1, "Radau", 1e-5),
     ],
 )
@@ -104,7 +111,13 @@ def test_a_linear_device_is_a_damper_of_the_storey_or_damping() -> None:
     jumps=st.booleans(),
 )
 def test_energy_of_any_device_is_accounted_for(
-    exponent: float, times: float, stiffness: float, yields: bool, place: Any, gap: float, jumps: bool
+    exponent: float,
+    times: float,
+    stiffness: float,
+    yields: bool,
+    place: Any,
+    gap: float,
+    jumps: bool,
 ) -> None:
     law = {"hardening": 0.1, "yield_displacement": 0.003} if yields and stiffness else {}
     constant = times * CONSTANT * PACE ** (1 - exponent)

@@ -16,7 +16,9 @@ STIFF = sl.Bilinear(0.6, 0.05, 0.05, yield_displacement=0.02, mass=3e5)
 TOWER = sl.ShearBuilding(
     [2e5] * 3, [2e8, 1.6e8, 1e8], [3.5] * 3, 0.05, hardening=0.05, yield_drifts=0.008
 )
-ANNEX = sl.ShearBuilding([2e5] * 2, [4e8, 3e8], [4.2, 3.0], 0.05, hardening=0.05, yield_drifts=0.006)
+ANNEX = sl.ShearBuilding(
+    [2e5] * 2, [4e8, 3e8], [4.2, 3.0], 0.05, hardening=0.05, yield_drifts=0.006
+)
 BUMPER = sl.Kelvin(1e8, restitution=0.65)
 GROUND = sl.named_ground("firm", intensity=0.01)
 QUAKE: dict[str, Any] = {"duration": 8.0, "envelope": sl.AminAng(1.0, 5.0, 0.5)}
@@ -61,7 +63,11 @@ def test_each_motion_is_what_it_is_alone_to_the_bit(case: str) -> None:
                 assert one.dims == alone[name].dims
                 np.testing.assert_array_equal(one.values, alone[name].values, err_msg=str(name))
             worst = float(table.energy_balance_error[number])
-            assert worst == float(alone.energy_balance_error.max()) < (1e-3 if "blows" in case else 1e-6)
+            assert (
+                worst
+                == float(alone.energy_balance_error.max())
+                < (1e-3 if "blows" in case else 1e-6)
+            )
 
 
 def test_summaries_are_those_of_the_impacts() -> None:
@@ -81,7 +87,8 @@ def test_summaries_are_those_of_the_impacts() -> None:
         np.testing.assert_allclose(one.energy_received, given)
 
 
-# --- Against the simulations that know no contact ---------------------------------------------------
+# --- Against the simulations that know no contact
+# ---------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -112,7 +119,8 @@ def test_they_meet_in_the_motions_whose_separation_exceeds_the_gap(pair: tuple[A
     assert abs(float(table.no_pounding_probability[0]) - confidence) <= near.sum() / 32
 
 
-# --- Statistics -------------------------------------------------------------------------------------
+# --- Statistics
+# -------------------------------------------------------------------------------------
 
 
 def test_velocities_that_jump_say_nothing_of_forces() -> None:
@@ -153,10 +161,13 @@ def test_means_quantiles_and_shares_are_those_of_the_motions() -> None:
         assert (low, high) == (ordered[13], ordered[26])
     for name, variable in table.variables.items():
         assert "long_name" in variable.attrs, name
-        assert name in ("status", "missing", "neighbours", *table.coords) or "units" in variable.attrs
+        assert (
+            name in ("status", "missing", "neighbours", *table.coords) or "units" in variable.attrs
+        )
 
 
-# --- What fails -------------------------------------------------------------------------------------
+# --- What fails
+# -------------------------------------------------------------------------------------
 
 WEAK = sl.ShearBuilding(
     [2e5] * 2, [2e7, 2e7], [3.0] * 2, 0.05, hardening=0.001, yield_drifts=0.01, p_delta=True
@@ -183,5 +194,7 @@ def test_a_motion_that_fails_is_named_and_spoils_no_other() -> None:
 
 def test_what_would_take_too_long_is_refused_before_the_work() -> None:
     stubby = sl.Bilinear(1e-6, 0.05, mass=1e5)
-    with pytest.raises(ValueError, match=r"30 motions, 240 s of motion, .* fewer and shorter motions"):
+    with pytest.raises(
+        ValueError, match=r"30 motions, 240 s of motion, .* fewer and shorter motions"
+    ):
         sl.pound([SOFT, stubby], 0.05, BUMPER, motions(30))

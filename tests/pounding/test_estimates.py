@@ -32,7 +32,11 @@ def amplifications(structures, gap, contact, motions):
     table = sl.pound(structures, gap, contact, motions)
     radii = []
     for s in structures:
-        own = {"hardening": s.hardening, "yield_displacement": s.yield_displacement} if s.yields else {}
+        own = (
+            {"hardening": s.hardening, "yield_displacement": s.yield_displacement}
+            if s.yields
+            else {}
+        )
         each = [sl.pseudo_energy_radius(motion, s.period, 0.05, **own) for motion in motions]
         values = [float(one.pseudo_energy_radius) for one in each]
         radii.append(xr.DataArray(values, dims="path"))
@@ -48,7 +52,8 @@ def mean_and_error(logs):
     return each.mean(), each.std(ddof=1) / np.sqrt(each.size)
 
 
-# With standard errors, from 60 pairs: bias of the estimate, and what a bumper changes, as logarithms.
+# With standard errors, from 60 pairs: bias of the estimate, and what a bumper changes, as
+# logarithms.
 SAID = {
     False: ((0.264, 0.018), (-0.064, 0.007), (-0.077, 0.005)),
     True: ((0.204, 0.015), (-0.020, 0.005), (-0.079, 0.006)),
@@ -66,7 +71,8 @@ def test_the_estimate_has_the_error_that_is_said_and_a_bumper_makes_it_smaller(y
     for _ in range(14):
         structures, gap, motions = pair(rng, yields)
         without, with_it = (
-            np.log(amplifications(structures, gap, contact, motions)) for contact in (CONTACT, bumper)
+            np.log(amplifications(structures, gap, contact, motions))
+            for contact in (CONTACT, bumper)
         )
         logs.append([without[1] - without[0], *(with_it - without)])
     logs = np.array(logs)

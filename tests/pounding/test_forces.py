@@ -9,7 +9,11 @@ import stochlin as sl
 
 pytestmark = pytest.mark.oracle
 
-SPRING, BUMPER, BLOW = sl.LinearSpring(2e9), sl.Kelvin(5e7, restitution=0.5), sl.Stereomechanical(0.5)
+SPRING, BUMPER, BLOW = (
+    sl.LinearSpring(2e9),
+    sl.Kelvin(5e7, restitution=0.5),
+    sl.Stereomechanical(0.5),
+)
 
 
 def building(n, stiffness=2e8, mass=2e5, **other):
@@ -47,7 +51,8 @@ def test_peaks_are_those_between_outputs(contact):
     fine = sl.pound(pair, 0.005, contact, finer(shaking(), 100), link=link)
     for name in ("acceleration", "storey_shear", "base_shear", "link_force"):
         most = abs(fine[name]).max("time")
-        # Blows change the drag, and with it accelerations, for a moment that is between two outputs.
+        # Blows change the drag, and with it accelerations, for a moment that is between two
+        # outputs.
         if not isinstance(contact, sl.Stereomechanical) or name.endswith("shear"):
             np.testing.assert_allclose(coarse[f"peak_{name}"], most, rtol=0.01)
         least = 0.99 * abs(coarse[name]).max("time")  # some peaks are of means of steps
@@ -81,7 +86,9 @@ def test_energy_of_each_hit_goes_somewhere(contact):
     handed = table.energy_transferred.sum("impact").values
     size = float(abs(table.input_energy).max())
     assert table.sizes["impact"] > 3
-    blows = isinstance(contact, sl.Stereomechanical)  # within a step, see `check_energy` of histories
+    blows = isinstance(
+        contact, sl.Stereomechanical
+    )  # within a step, see `check_energy` of histories
     np.testing.assert_allclose(handed, gained, rtol=0, atol=(1e-4 if blows else 1e-6) * size)
     both = table.energy_transferred.sum("side")
     done = np.isclose(table.impact_time + table.impact_duration, float(table.time[-1]))
@@ -94,11 +101,18 @@ def test_energy_of_each_hit_goes_somewhere(contact):
 @pytest.mark.extreme
 def test_a_touch_that_others_press_for_has_its_approach_velocity():
     """The neighbour is pushed over a gap of 0.01 mm in the step in which it is struck itself."""
-    row = [sl.Bilinear(period, 0.05, mass=mass) for period, mass in ((1.1, 1e6), (0.5, 1e5), (0.5, 1e6))]
+    row = [
+        sl.Bilinear(period, 0.05, mass=mass)
+        for period, mass in ((1.1, 1e6), (0.5, 1e5), (0.5, 1e6))
+    ]
     first = []
     for steps in (16, 64, 256):
         table = sl.pound(
-            row, [0.02, 1e-5], sl.Kelvin(2e9, restitution=0.65), shaking(200, 1), steps_per_contact=steps
+            row,
+            [0.02, 1e-5],
+            sl.Kelvin(2e9, restitution=0.65),
+            shaking(200, 1),
+            steps_per_contact=steps,
         )
         first.append(float(table.approach_velocity[np.argmax(table.impact_contact.values == 2)]))
     assert first[:2] == pytest.approx([first[2]] * 2, rel=0.12)  # measured: 10 and .5 %
@@ -107,7 +121,8 @@ def test_a_touch_that_others_press_for_has_its_approach_velocity():
 @needs_records
 @pytest.mark.extreme
 def test_peaks_of_five_storeys_on_el_centro_are_within_a_thousandth():
-    # Five storeys of 100 kips/g, 31.54 kips/in and 12 ft, 5 %, as in books on dynamics of structures.
+    # Five storeys of 100 kips/g, 31.54 kips/in and 12 ft, 5 %, as in books on dynamics of
+    # structures.
     kip, inch = 4448.2216, 0.0254
     chain = sl.ShearBuilding(
         [100 * kip / 9.80665] * 5, [31.54 * kip / inch] * 5, [12 * 12 * inch] * 5, 0.05

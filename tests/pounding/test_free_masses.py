@@ -1,11 +1,11 @@
 """Time steps of pounding rows on free masses: restitution and contact time in closed form.
 
-Steps are a share of a half-period of the contact: ``h = pi/steps`` in units of its time scale, or of the
-time ``m/c`` of its dashpot, if shorter. For linear elements the trapezoidal rule solves the modified
-equation ``x' = A' x`` with ``A' = A + h^2/12 A^3``. Since ``A^2 = -2 xi A - 1``, this is
-``A' = (1 + (4 xi^2 - 1) h^2/12) A + 2 xi h^2/12``: another pace, and a growth of all by
-``exp(xi t h^2/6)``. Masses therefore part at ``1 + xi h^2 T/6`` times their velocity, ``T`` being the
-time in which the dashpot acts, after ``1 + (1 - 4 xi^2) h^2/12`` times the time. Nonlinear elements have
+Steps are a share of a half-period of the contact: ``h = pi/steps`` in units of its time scale, or
+of the time ``m/c`` of its dashpot, if shorter. For linear elements the trapezoidal rule solves the
+modified equation ``x' = A' x`` with ``A' = A + h^2/12 A^3``. Since ``A^2 = -2 xi A - 1``, this is
+``A' = (1 + (4 xi^2 - 1) h^2/12) A + 2 xi h^2/12``: another pace, and a growth of all by ``exp(xi t
+h^2/6)``. Masses therefore part at ``1 + xi h^2 T/6`` times their velocity, ``T`` being the time in
+which the dashpot acts, after ``1 + (1 - 4 xi^2) h^2/12`` times the time. Nonlinear elements have
 similar expressions, which are derived where they are used. The tolerances are of the next order.
 """
 
@@ -74,7 +74,10 @@ class Flight:
         self.v[:], self.q[:] = v, np.broadcast_to(np.array(places, float).T, v.T.shape).T
 
         def energies():
-            return 0.5 * mass[:, None] * self.v**2 + 0.5 * row.elements.system.post[:, None] * self.q**2
+            return (
+                0.5 * mass[:, None] * self.v**2
+                + 0.5 * row.elements.system.post[:, None] * self.q**2
+            )
 
         start = energies()
         x.coordinates.input_energy[:] = start  # as if the ground had done it
@@ -117,7 +120,9 @@ class Collisions:
         places = np.stack([np.zeros(PHASES), v0 * self.touch])
         velocities = np.repeat([[0.3 * v0], [-0.7 * v0]], PHASES, axis=1)
         self.before = velocities
-        self.run = run = Flight(free_row(masses, contact), velocities, self.dt, 40 * self.scale, places)
+        self.run = run = Flight(
+            free_row(masses, contact), velocities, self.dt, 40 * self.scale, places
+        )
         np.testing.assert_array_equal(run.impacts["motion"], np.arange(PHASES))  # one each
         self.e = (run.v[1] - run.v[0]) / v0
         self.late = (run.impacts["begin"] - self.touch) / self.scale
@@ -133,7 +138,9 @@ class Collisions:
         allowed = ROUNDING * size + 2 * drift * self.masses @ self.before[:, 0] ** 2
         np.testing.assert_allclose(lost, 0.5 * size * (1 - self.e**2), rtol=0, atol=allowed)
         np.testing.assert_allclose(lost, -run.gained.sum(axis=0), rtol=0, atol=allowed)
-        np.testing.assert_allclose(run.impacts["work_on_right"], run.gained[1], rtol=0, atol=allowed)
+        np.testing.assert_allclose(
+            run.impacts["work_on_right"], run.gained[1], rtol=0, atol=allowed
+        )
         np.testing.assert_allclose(run.impacts["approach_velocity"], self.v0, rtol=1e-12)
         np.testing.assert_array_equal(run.impacts["stored"], 0)  # nothing is left in it
         assert (run.imbalance < ROUNDING).all()
@@ -166,12 +173,13 @@ def test_linear_elements_deliver_their_restitution_and_contact_time(kind, xi):
     runs = collide(kind(STIFFNESS, damping_ratio=xi))
     for one in runs:
         square = one.h**2
-        # what follows from the modified equation, to the next order: steps in which contact begins and
-        # ends, h^3; measured, 7 % of it in the coarsest steps
+        # what follows from the modified equation, to the next order: steps in which contact begins
+        # and ends, h^3; measured, 7 % of it in the coarsest steps
         grown = xi * damped / 6
         np.testing.assert_allclose(one.e / e, 1 + grown * square, rtol=0, atol=0.1 * grown * square)
-        # Touch is found with the mean rate of the step, too small by xi h (1 - s), after the share s:
-        # up to xi h^2/4 too late. The end of no tension is found with the mean rate too: xi h^2/2.
+        # Touch is found with the mean rate of the step, too small by xi h (1 - s), after the share
+        # s: up to xi h^2/4 too late. The end of no tension is found with the mean rate too: xi
+        # h^2/2.
         paced = (damped * (1 - 4 * xi * xi) + free) / 12
         allowed = 0.02 * square + 0.02 * abs(paced) * square
         off = one.time - time - paced * square
@@ -205,7 +213,8 @@ def test_any_masses_velocities_and_restitutions(masses, v0, e, kind):
     contact = kind(1e8, restitution=e)
     one = Collisions(contact, 64, masses, v0)
     one.check_conservation()
-    # e grows by at most e xi T/6, which is -e log(e)/6 or a quarter of it, and with xi > 1 as 1/(4 xi^2)
+    # e grows by at most e xi T/6, which is -e log(e)/6 or a quarter of it, and with xi > 1 as 1/(4
+    # xi^2)
     np.testing.assert_allclose(one.e, e, rtol=0, atol=0.1 * (np.pi / 64) ** 2)
     if kind in KINDS:
         xi, time = contact.damping, contact_time(kind, contact.damping)
@@ -222,7 +231,8 @@ def test_a_slow_approach_is_elastic():
         assert run.impacts["approach_velocity"][0] == pytest.approx(SPEED, rel=1e-12)
 
 
-# --- Stereomechanical impacts -----------------------------------------------------------------------
+# --- Stereomechanical impacts
+# -----------------------------------------------------------------------
 
 
 @given(
@@ -266,7 +276,8 @@ def test_stereomechanical_impact_is_eq_13(masses, v0, e):
 def test_any_blows_conserve_momentum_and_account_for_the_energy(masses, velocities, spaces, e):
     """In long steps, so that many blows take place in one; from masses that are driven together.
 
-    With a light mass between heavy ones, or much damping, there would be blows without end, and rest.
+    With a light mass between heavy ones, or much damping, there would be blows without end, and
+    rest.
     """
     mass, v0 = np.array(masses), np.add(velocities, [1.0, 0.5, -0.5, -1.0])
     row = free_row(masses, sl.Stereomechanical(e))
@@ -287,8 +298,9 @@ WALL, SPRING, LIGHT, PRESS = 1e22, 1e6, 1e5, 0.1
 def test_a_mass_bounces_on_a_wall_and_rests_until_it_is_pulled_away(e):
     """A spring presses the mass against a wall, 0.1 m before its place; the wall moves away at 0.05 m/s.
 
-    Between blows the motion is harmonic, about the place of the spring; rebounds become shorter and end.
-    The mass then goes with the wall, and is left at the place of its spring, where it is not pressed.
+    Between blows the motion is harmonic, about the place of the spring; rebounds become shorter and
+    end. The mass then goes with the wall, and is left at the place of its spring, where it is not
+    pressed.
     """
     row = free_row((LIGHT, WALL), sl.Stereomechanical(e), -PRESS, springs=np.array([SPRING, 0.0]))
     u, drop, dt, w = 0.05, 0.02, 1e-3, np.sqrt(SPRING / LIGHT)
@@ -316,7 +328,9 @@ def test_a_mass_bounces_on_a_wall_and_rests_until_it_is_pulled_away(e):
     assert run.impacts["end"][-1] == pytest.approx(PRESS / u, abs=2 * dt)
     np.testing.assert_array_equal(run.impacts["end"][:-1], run.impacts["begin"][:-1])
     swing = run.q[0, 0] / u * w, run.v[0, 0] / u
-    assert np.hypot(*swing) == pytest.approx(1, abs=1e-3)  # it was left with the velocity of the wall
+    assert np.hypot(*swing) == pytest.approx(
+        1, abs=1e-3
+    )  # it was left with the velocity of the wall
     lost = (
         0.5
         * LIGHT
@@ -329,7 +343,8 @@ def test_a_mass_bounces_on_a_wall_and_rests_until_it_is_pulled_away(e):
     np.testing.assert_allclose(run.impacts["dissipated"][-1], lost[-1], rtol=1e-9, atol=pressing)
 
 
-# --- More than two masses ---------------------------------------------------------------------------
+# --- More than two masses
+# ---------------------------------------------------------------------------
 
 
 @given(
@@ -350,7 +365,9 @@ def test_a_hit_on_a_free_column_moves_both_its_floors(masses, share, e, side):
     start, h = np.array([side * v0, 0, 0]), np.pi / 64
     run = Flight(row, start, h * scale, 20 * scale)
     [line] = run.impacts
-    grown = e * (1 - np.log(e) * h**2 / 6)  # the restitution of these steps, see the top of this file
+    grown = e * (
+        1 - np.log(e) * h**2 / 6
+    )  # the restitution of these steps, see the top of this file
     impulse = side * (1 + grown) * meeting * v0
     wanted = start + impulse * np.array([-1, 1 - share, share]) / mass
     np.testing.assert_allclose(run.v[:, 0], wanted, rtol=0, atol=0.05 * h**2 * v0)
@@ -392,6 +409,8 @@ def test_an_element_without_tension_pushes_again_while_it_is_still_compressed():
         run = Flight(free_row([mass] * 3, contact), velocities, duration / steps, duration, places)
         of_first = run.impacts[run.impacts["contact"] == 0]
         assert len(of_first) == 1  # both pushes are one impact
-        assert of_first["end"][0] == pytest.approx(exact.t[changes[3]], abs=2e-4 + duration / steps / 10)
+        assert of_first["end"][0] == pytest.approx(
+            exact.t[changes[3]], abs=2e-4 + duration / steps / 10
+        )
         square = (duration / steps) ** 2 * STIFFNESS / (mass / 2)
         assert abs(run.v[:, 0] - exact.y[3:, -1]).max() < 0.15 * square  # measured: 0.06 at most

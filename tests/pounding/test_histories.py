@@ -39,7 +39,8 @@ def stiff(**other):
     return sl.Bilinear(0.5, 0.05, **given)
 
 
-# --- Energy -----------------------------------------------------------------------------------------
+# --- Energy
+# -----------------------------------------------------------------------------------------
 
 
 def check_energy(table, of_blows=1e-3):
@@ -57,7 +58,12 @@ def check_energy(table, of_blows=1e-3):
 def test_work_of_every_storey_is_what_it_stores_and_dissipates():
     """Integrated from the histories of a tower whose storeys all yield, each by another drift."""
     tower = sl.ShearBuilding(
-        [2e5] * 3, [2e8, 1.6e8, 1e8], [3.5] * 3, 0.05, hardening=0.05, yield_drifts=[0.006, 0.005, 0.004]
+        [2e5] * 3,
+        [2e8, 1.6e8, 1e8],
+        [3.5] * 3,
+        0.05,
+        hardening=0.05,
+        yield_drifts=[0.006, 0.005, 0.004],
     )
     table = sl.pound([tower], motion=finer(synthetic(), 40)).isel(structure=0)
     drift = table.displacement.diff("floor", label="upper").combine_first(table.displacement)
@@ -66,7 +72,9 @@ def test_work_of_every_storey_is_what_it_stores_and_dissipates():
     work = (mean * moved).sum()
     last = table.isel(time=-1)
     assert (abs(drift).max("time") > np.array([0.006, 0.005, 0.004])).all()
-    assert float(work) == pytest.approx(float(last.elastic_energy + last.hysteretic_energy), rel=2e-3)
+    assert float(work) == pytest.approx(
+        float(last.elastic_energy + last.hysteretic_energy), rel=2e-3
+    )
     np.testing.assert_allclose(table.peak_storey_shear, abs(shear).max("time"), rtol=2e-3)
 
 
@@ -101,7 +109,8 @@ def test_energy_balances_for_every_contact(name):
         assert float(abs(table.contact_lost_energy).max()) < 1e-6 * float(table.input_energy.max())
 
 
-# --- Limits and symmetry ----------------------------------------------------------------------------
+# --- Limits and symmetry
+# ----------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", CONTACTS)
@@ -123,7 +132,8 @@ def test_a_mirrored_row_moves_as_the_mirror_image(name):
 def test_silence_before_a_motion_only_delays_it(name):
     record, pair = np.r_[0.0, synthetic(300).values], [soft(), stiff()]
     plain, later = (
-        sl.pound(pair, 0.01, CONTACTS[name], motion(values)) for values in (record, np.r_[0, 0, record])
+        sl.pound(pair, 0.01, CONTACTS[name], motion(values))
+        for values in (record, np.r_[0, 0, record])
     )
     assert plain.sizes["impact"] == later.sizes["impact"] > 0
     for variable in ("displacement", "contact_force"):
@@ -144,7 +154,8 @@ def test_three_that_lean_on_each_other_carry_the_force_along(name, spring):
     np.testing.assert_allclose(table.contact_force[-1], force, rtol=1e-5)
 
 
-# --- Chattering, touching, rest ---------------------------------------------------------------------
+# --- Chattering, touching, rest
+# ---------------------------------------------------------------------
 
 
 def leaning(samples=3000):
@@ -204,10 +215,12 @@ def test_a_response_that_overflows_is_named_and_no_record_alone_makes_one():
     assert np.isfinite(strong.displacement).all()
 
 
-# --- Shear buildings --------------------------------------------------------------------------------
+# --- Shear buildings
+# --------------------------------------------------------------------------------
 
 
-# --- The estimate -----------------------------------------------------------------------------------
+# --- The estimate
+# -----------------------------------------------------------------------------------
 
 
 def test_estimate_of_one_elastic_hit_is_what_the_history_does():
@@ -223,11 +236,14 @@ def test_estimate_of_one_elastic_hit_is_what_the_history_does():
     both_left, apart = (hit.energy_lost.sel(direction_1=-1, direction_2=way) for way in (-1, 1))
     assert 0 < int(both_left.notnull().sum()) < 7
     assert apart.isnull().all()
-    radii = np.abs([hit.contact_displacement_1.values, hit.contact_displacement_2.values]).max(axis=1)
+    radii = np.abs([hit.contact_displacement_1.values, hit.contact_displacement_2.values]).max(
+        axis=1
+    )
     np.testing.assert_allclose(radii, [0.05, 0.04], rtol=1e-12)  # the ends of what both reach
 
 
-# --- Scales and limits --------------------------------------------------------------------------------
+# --- Scales and limits
+# --------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", CONTACTS)
@@ -271,7 +287,8 @@ def test_a_motion_with_silence_in_it_is_the_same_sampled_more_densely():
     fine = np.interp(np.arange(2 * quiet.size - 1) / 2, np.arange(quiet.size), quiet)
     pair = [soft(), stiff()]
     coarse, dense = (
-        sl.pound(pair, 0.01, CONTACTS["kelvin"], each) for each in (motion(quiet), motion(fine, 0.01))
+        sl.pound(pair, 0.01, CONTACTS["kelvin"], each)
+        for each in (motion(quiet), motion(fine, 0.01))
     )
     assert coarse.sizes["impact"] == dense.sizes["impact"] > 0
     allowed = 4 * float(coarse.step_error) * float(coarse.peak.max())
@@ -288,7 +305,9 @@ def test_a_law_with_memory_pounds_and_forgets_nothing():
 
     def worn(wear):
         law = {"z": (v - (1 + wear * e) * slip) / (1 + wear * e), "e": z * v}
-        return [sl.Hysteretic(T, 0.05, 0.1, law=law, **p) for T, p in zip(periods, parts, strict=True)]
+        return [
+            sl.Hysteretic(T, 0.05, 0.1, law=law, **p) for T, p in zip(periods, parts, strict=True)
+        ]
 
     plain = [sl.BoucWen(T, 0.05, 0.1, **part) for T, part in zip(periods, parts, strict=True)]
     record = synthetic(300, size=3.0)

@@ -87,7 +87,9 @@ def test_buildings_move_as_by_another_integrator(linked):
         assert (0.02 * 8e7 - row[0].geometric_stiffness()).min() < 2e6
     wanted = integrated(row, motion, [(0, 4, bilinear)] * linked)
     parts = [table.displacement.values[:, b, : s.storeys] for b, s in enumerate(row)]
-    assert_near(np.concatenate(parts, axis=1), wanted, 2e-5)  # scipy steps over the kinks of the laws
+    assert_near(
+        np.concatenate(parts, axis=1), wanted, 2e-5
+    )  # scipy steps over the kinks of the laws
     assert float(table.energy_balance_error.max()) < (1e-6 if linked else 1e-8)
 
 

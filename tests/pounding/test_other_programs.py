@@ -39,7 +39,8 @@ def test_a_mass_beside_a_wall_in_space_agrees_with_scipy():
 
     options = {"rtol": 1e-9, "atol": 1e-13, "max_step": 5e-5, "t_eval": other.TIMES}
     exact = (
-        solve_ivp(rates, (0, 1), [0.0, 0.0], **options).y[0] - np.sin(w * np.array(other.TIMES)) / w**2
+        solve_ivp(rates, (0, 1), [0.0, 0.0], **options).y[0]
+        - np.sin(w * np.array(other.TIMES)) / w**2
     )
     ours = other.absolute(table).sel(time=other.TIMES, method="nearest")
     np.testing.assert_allclose(ours, exact, rtol=1e-4)

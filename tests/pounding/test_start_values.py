@@ -13,7 +13,13 @@ KELVIN = sl.Kelvin(1e8, restitution=0.65)
 SOFT = sl.Bilinear(1.2, 0.05, 0.05, yield_displacement=0.05, mass=2e5)
 STIFF = sl.Bilinear(0.6, 0.05, 0.05, yield_displacement=0.02, mass=3e5)
 TOWER = sl.ShearBuilding(
-    [2e5] * 3, [2e8, 1.6e8, 1e8], [3.5] * 3, 0.05, hardening=0.05, yield_drifts=0.008, law="bouc_wen"
+    [2e5] * 3,
+    [2e8, 1.6e8, 1e8],
+    [3.5] * 3,
+    0.05,
+    hardening=0.05,
+    yield_drifts=0.008,
+    law="bouc_wen",
 )
 DAMPER = sl.Link(1e7, 1e6, damping_exponent=0.5, floors=(1, 2))
 ROWS = {
@@ -30,7 +36,9 @@ def still(seconds: float, dt: float = 1e-3) -> xr.DataArray:
 
 
 def over_time(table: xr.Dataset) -> dict[str, np.ndarray]:
-    return {n: v.transpose("time", ...).values for n, v in table.data_vars.items() if "time" in v.dims}
+    return {
+        n: v.transpose("time", ...).values for n, v in table.data_vars.items() if "time" in v.dims
+    }
 
 
 @pytest.mark.parametrize("name", ROWS)
@@ -91,7 +99,11 @@ def test_free_vibration_after_a_displacement():
     [
         (sl.Start(velocity=[1.0]), ValueError, "velocity has 1 values; allowed: 2, of 1, 2"),
         (sl.Start(displacement=[0.1] * 3), ValueError, "displacement has 3 values; allowed: 2"),
-        (sl.Start([0.02, 0.0], [1.0, 0.0]), ValueError, r"contact 1 is -0.01 m and closes at 1 m/s"),
+        (
+            sl.Start([0.02, 0.0], [1.0, 0.0]),
+            ValueError,
+            r"contact 1 is -0.01 m and closes at 1 m/s",
+        ),
         (
             sl.Start([0.0, 0.03]),
             ValueError,
@@ -113,7 +125,9 @@ def test_starts_that_do_not_fit_are_refused(start, error, said):
 def test_start_values_are_finite_and_in_their_units():
     with pytest.raises(ValueError, match=r"velocity is in 'cm/s', .*; allowed: m/s, so convert"):
         sl.Start(velocity=xr.DataArray([1.0], dims="case", attrs={"units": "cm/s"}))
-    with pytest.raises(ValueError, match=r"Start: displacement = .*; allowed: a list of finite numbers"):
+    with pytest.raises(
+        ValueError, match=r"Start: displacement = .*; allowed: a list of finite numbers"
+    ):
         sl.Start(displacement=[0.0, np.nan])
 
 

@@ -97,7 +97,8 @@ def test_a_plane_wall_meets_each_slab_and_an_edge_at_mid_storey_a_column():
 
 
 def test_an_edge_at_mid_storey_hits_half_of_both_floors():
-    # One contact at mid-height of the second storey: c = 2 xi sqrt(k m) with 1/m = (1/4 + 1/4)/m_floor.
+    # One contact at mid-height of the second storey: c = 2 xi sqrt(k m) with 1/m = (1/4 +
+    # 1/4)/m_floor.
     two = sl.ShearBuilding([2e5] * 2, [2e8, 2e8], [3.0, 3.0], 0.05)
     contact = sl.LinearSpring(1e8)
     table = sl.pound([sl.Wall(levels=[4.5]), two], 0.002, contact, shaking(), steps_per_contact=128)
@@ -109,13 +110,29 @@ def test_an_edge_at_mid_storey_hits_half_of_both_floors():
 @pytest.mark.parametrize(
     ("row", "gaps", "said"),
     [
-        ([SOFT, sl.Wall(), STIFF], [0.1, 0.1], r"number 2 is a wall; allowed: a wall first or last"),
+        (
+            [SOFT, sl.Wall(), STIFF],
+            [0.1, 0.1],
+            r"number 2 is a wall; allowed: a wall first or last",
+        ),
         ([sl.Wall()], [], r"number 1 is a wall alone; allowed: a wall first or last"),
         ([sl.Wall(), sl.Wall()], [0.1], r"walls alone; allowed: at least one building"),
-        ([sl.Wall(), SOFT], [0.1, 0.1], r"allowed: one number between each two neighbours, 1 in all"),
+        (
+            [sl.Wall(), SOFT],
+            [0.1, 0.1],
+            r"allowed: one number between each two neighbours, 1 in all",
+        ),
         ([sl.Wall(), SOFT], [-0.1], r"-0.1 between .* is out of range; allowed: 0 <= gap"),
-        ([SOFT, sl.Wall(levels=[3.0])], 0.1, r"an oscillator, which has no levels; allowed: a wall w"),
-        ([TOWER, sl.Wall(levels=[11.0])], 0.1, r"above the roof .* 10.5 m; allowed: levels up to the"),
+        (
+            [SOFT, sl.Wall(levels=[3.0])],
+            0.1,
+            r"an oscillator, which has no levels; allowed: a wall w",
+        ),
+        (
+            [TOWER, sl.Wall(levels=[11.0])],
+            0.1,
+            r"above the roof .* 10.5 m; allowed: levels up to the",
+        ),
     ],
 )
 def test_walls_that_cannot_stand_there_are_refused(row, gaps, said):
@@ -130,7 +147,9 @@ def test_velocities_do_not_jump_at_a_column():
         sl.pound([TOWER, sl.Wall(levels=[8.75])], 0.01, sl.Stereomechanical(0.5), shaking())
 
 
-@pytest.mark.parametrize("levels", [[], [0.0], [-1.0], [np.nan], [np.inf], [[1.0]], [2.0, 2.0], 3.0])
+@pytest.mark.parametrize(
+    "levels", [[], [0.0], [-1.0], [np.nan], [np.inf], [[1.0]], [2.0, 2.0], 3.0]
+)
 def test_levels_of_walls_are_positive_and_differ(levels):
     with pytest.raises(ValueError, match=r"Wall: levels = .*; allowed: levels above the ground"):
         sl.Wall(levels=levels)

@@ -34,7 +34,11 @@ def quake():
 @pytest.mark.parametrize("rho", [-1.0, -0.8, 0.0, 0.4, 1.0])
 def test_phases_have_the_correlation_and_the_chances_of_drawn_ones(rho):
     k, rng, n = concentration(rho), np.random.default_rng(11), 400_000
-    d = np.full(n, np.arccos(rho)) if abs(rho) == 1 else rng.vonmises(0 if k >= 0 else np.pi, abs(k), n)
+    d = (
+        np.full(n, np.arccos(rho))
+        if abs(rho) == 1
+        else rng.vonmises(0 if k >= 0 else np.pi, abs(k), n)
+    )
     a = rng.uniform(0, 2 * np.pi, n)
     # standard error of a correlation of n pairs is at most 1/sqrt(n)
     assert np.corrcoef(np.cos(a), np.cos(a + d))[0, 1] == pytest.approx(rho, abs=4 / np.sqrt(n))

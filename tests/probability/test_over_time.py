@@ -48,7 +48,9 @@ def test_positive_part_is_the_truncated_mean(mean, deviation):
         epsrel=1e-9,
         limit=400,
     )[0]
-    assert float(positive_part(np.array(mean), np.array(deviation))) == pytest.approx(exact, rel=1e-6)
+    assert float(positive_part(np.array(mean), np.array(deviation))) == pytest.approx(
+        exact, rel=1e-6
+    )
 
 
 @given(st.floats(1e-6, 40), st.floats(-1, 1), st.floats(0, 1))
@@ -141,7 +143,11 @@ def test_linearization_of_a_yielding_pair_is_unsafe():
 def test_tables_are_labelled_and_bad_gaps_blank():
     gaps = xr.DataArray([0.1, -0.1, 0.2], dims="gap")
     table, again = (probability(ONE, TWO, BROAD, gaps, paths=64, points=5) for _ in range(2))
-    assert table.confidence_of_no_pounding.isnull().all("time").values.tolist() == [False, True, False]
+    assert table.confidence_of_no_pounding.isnull().all("time").values.tolist() == [
+        False,
+        True,
+        False,
+    ]
     assert table.status.values.tolist() == [0, 3, 0]
     check_labels(table)
     xr.testing.assert_identical(table, again)
@@ -156,7 +162,9 @@ def test_a_fragility_falls_with_the_gap_and_grows_with_the_intensity():
     assert chance.sizes == {"intensity": 3, "gap": 12}
     assert (chance.diff("gap") <= 0).all()
     assert (chance.diff("intensity") >= 0).all()
-    alone = probability(*pair, BROAD, float(gaps[3]), points=11, **quake).confidence_of_no_pounding[-1]
+    alone = probability(*pair, BROAD, float(gaps[3]), points=11, **quake).confidence_of_no_pounding[
+        -1
+    ]
     # The drift closure is interpolated between levels, which differ for one intensity and three.
     assert float(chance[1, 3]) == pytest.approx(1 - float(alone), abs=1e-4)
 
@@ -171,7 +179,9 @@ def test_lognormal_fragility_of_elastic_structures_is_that_of_their_separations(
     found, error = table.sel(gap=gap), enough.std() / np.sqrt(256)
     assert float(found.fragility_median) == pytest.approx(np.exp(enough.mean()), rel=1e-9)
     assert float(found.fragility_dispersion) == pytest.approx(enough.std(), rel=1e-9)
-    assert float(found.fragility_median_standard_error / found.fragility_median) == pytest.approx(error)
+    assert float(found.fragility_median_standard_error / found.fragility_median) == pytest.approx(
+        error
+    )
     shares = (motions * np.sqrt(np.array(intensities)[:, None] / 0.01) > gap).mean(axis=1)
     np.testing.assert_array_equal(found.pounding_probability_simulated, shares)
     meanings = table.fragility_status.attrs["flag_meanings"].split()
@@ -222,7 +232,8 @@ def test_bad_input_is_refused(changes, message):
         sl.pounding_probability(ONE, TWO, BROAD, **arguments)
 
 
-# --- Parameters that are not known exactly ------------------------------------------------------------
+# --- Parameters that are not known exactly
+# ------------------------------------------------------------
 
 
 @pytest.mark.slow

@@ -32,8 +32,12 @@ def test_an_elastic_pair_by_the_mean_over_its_gap_over_the_factor():
     """Linear structures under ``a`` times the motion meet across a gap as across ``gap/a``."""
     factors, weights = strengths(SCATTER)
     shares = xr.DataArray(factors, dims="factor"), xr.DataArray(weights, dims="factor")
-    single = sl.pounding_probability(*ELASTIC, GROUND, GAPS / shares[0], paths=0, points=11, **QUAKE)
-    found = sl.pounding_probability(*ELASTIC, GROUND, GAPS, paths=0, points=11, scatter=SCATTER, **QUAKE)
+    single = sl.pounding_probability(
+        *ELASTIC, GROUND, GAPS / shares[0], paths=0, points=11, **QUAKE
+    )
+    found = sl.pounding_probability(
+        *ELASTIC, GROUND, GAPS, paths=0, points=11, scatter=SCATTER, **QUAKE
+    )
     for ending in ("", "_poisson"):
         name = f"confidence_of_no_pounding{ending}"
         np.testing.assert_allclose(found[name], single[name].dot(shares[1]), rtol=1e-5)

@@ -115,7 +115,9 @@ def test_storeys_that_yield_come_to_rest_at_the_stationary_linearization():
     assert float(still.ductility_std.min()) > 0.7
     for number, here in enumerate((table.isel(height=0), table.isel(height=1)), start=1):
         floors = {"floor": f"1.{number}", "floor_2": f"2.{number}"}
-        both, rho = (float(still[name].sel(floors)) for name in ("relative_displacement_std", "rho"))
+        both, rho = (
+            float(still[name].sel(floors)) for name in ("relative_displacement_std", "rho")
+        )
         assert float(here.difference_std_at_height) == pytest.approx(both, rel=1e-4)
         assert float(here.rho_at_height) == pytest.approx(rho, abs=1e-4)
 

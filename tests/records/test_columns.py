@@ -174,7 +174,9 @@ def test_every_unit_in_a_title_gives_the_same(name, form, tmp_path):
     reader = READERS[name]
     words = [title.partition(" [")[0] for title in reader.titles]
     units = [title.partition("[")[2].rstrip("]") for title in reader.titles]
-    known = {(of, side): size for of in UNITS for side in (0, 1) if (size := size_of(units[side], of))}
+    known = {
+        (of, side): size for of in UNITS for side in (0, 1) if (size := size_of(units[side], of))
+    }
     for (of, side), size in known.items():
         for unit in UNITS[of]:
             titles, columns = [*reader.titles], [*reader.columns]
@@ -241,7 +243,9 @@ MEASURES = {
 def test_another_measure_is_not_taken_by_itself(title, tmp_path):
     """Neither where it is the only other column; asked for, it is read if its title allows that."""
     path = written(tmp_path, ["T (s)", title], [T, SA])
-    with pytest.raises(ValueError, match=r"the table has 2 columns, 1 'T .s.': a period") as refused:
+    with pytest.raises(
+        ValueError, match=r"the table has 2 columns, 1 'T .s.': a period"
+    ) as refused:
         read_elastic(path, units="g")
     assert repr(title) in str(refused.value)
     if MEASURES[title]:
@@ -271,12 +275,15 @@ Name,Period,Value,Damping
 
 def test_a_function_of_etabs_is_read(tmp_path):
     rows = [
-        f"Site,{t},{a},{'0.05' if n == 0 else ''}" for n, (t, a) in enumerate(zip(T, SA, strict=True))
+        f"Site,{t},{a},{'0.05' if n == 0 else ''}"
+        for n, (t, a) in enumerate(zip(T, SA, strict=True))
     ]
     path = tmp_path / "a.csv"
     path.write_text(ETABS + "\n".join(rows), encoding="utf-8")
     np.testing.assert_allclose(both(read_elastic(path, units="g")), [T, G * SA])
-    with pytest.raises(ValueError, match=r"line 4: the damping ratio is 0.05, which damping = 0.02"):
+    with pytest.raises(
+        ValueError, match=r"line 4: the damping ratio is 0.05, which damping = 0.02"
+    ):
         read_elastic(path, units="g", damping=0.02)
     path.write_text(ETABS + "\n".join([*rows, *(row.replace("Site", "B") for row in rows)]))
     with pytest.raises(ValueError, match="a second spectrum, 'B' beside 'Site'"):
@@ -284,7 +291,9 @@ def test_a_function_of_etabs_is_read(tmp_path):
 
 
 def test_a_uniform_hazard_spectrum_of_openquake_is_that_of_its_site(tmp_path):
-    titles = [f"{p}~{of}" for p in (0.1, 0.02) for of in ("PGA", *(f"SA({t})" for t in (0.2, 0.5, 1.0)))]
+    titles = [
+        f"{p}~{of}" for p in (0.1, 0.02) for of in ("PGA", *(f"SA({t})" for t in (0.2, 0.5, 1.0)))
+    ]
     sites = {(-70.6, -33.4): 1.0, (-70.0, -33.0): 0.5}
     values = np.array([0.4, 0.9, 0.8, 0.4, 0.8, 1.8, 1.6, 0.8])
     rows = ["#,,,\"kind='mean', investigation_time=50.0\"", ",".join(["lon", "lat", *titles])]
@@ -381,14 +390,18 @@ def test_a_case_file_counts_columns_from_1(name, tmp_path):
     written(tmp_path, ["", ""], READERS[name].columns)
     case = read_text(tmp_path, CASE.format(site.format(1)))
     np.testing.assert_allclose(values(case), READERS[name].wanted, rtol=1e-12)
-    with pytest.raises(ValueError, match=r"_column = 0 is no column; .* columns are counted from 1"):
+    with pytest.raises(
+        ValueError, match=r"_column = 0 is no column; .* columns are counted from 1"
+    ):
         read_text(tmp_path, CASE.format(site.format(0)))
 
 
 @pytest.mark.parametrize("form", ["{:.2f}", "{:.3e}", "{:.2E}"])
 def test_decimal_commas_may_have_an_exponent(form, tmp_path):
     path = tmp_path / "a.csv"
-    rows = [f"{form.format(t)};{form.format(a)}".replace(".", ",") for t, a in zip(T, SA, strict=True)]
+    rows = [
+        f"{form.format(t)};{form.format(a)}".replace(".", ",") for t, a in zip(T, SA, strict=True)
+    ]
     path.write_text("\n".join(["T [s];Sa [g]", *rows]), encoding="utf-8")
     spectrum = sl.read_spectrum(path, elastic=True)
     wanted = [float(form.format(a)) for a in SA]

@@ -11,8 +11,22 @@ pytestmark = pytest.mark.invariant
 
 # Words of both horizontal components of a record.
 LEVEL = [
-    *(("N", "E"), ("NS", "EW"), ("N-S", "E-W"), ("NS2", "EW2"), ("north", "east"), ("S75E", "N15E")),
-    *(("000", "090"), ("360", "270"), ("HNE", "HNN"), ("BH100", "BH200"), ("HN1", "HN2"), ("H1", "H2")),
+    *(
+        ("N", "E"),
+        ("NS", "EW"),
+        ("N-S", "E-W"),
+        ("NS2", "EW2"),
+        ("north", "east"),
+        ("S75E", "N15E"),
+    ),
+    *(
+        ("000", "090"),
+        ("360", "270"),
+        ("HNE", "HNN"),
+        ("BH100", "BH200"),
+        ("HN1", "HN2"),
+        ("H1", "H2"),
+    ),
     *(("T", "R"), ("L", "T"), ("X", "Y"), ("long", "tran"), ("N00E", "N90E")),
     *(("FN", "FP"), ("comp1", "comp2"), ("hor1", "hor2")),
 ]

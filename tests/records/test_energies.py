@@ -102,7 +102,9 @@ def test_fig1b_is_of_the_same_energies_and_radii():
     elastic = table.sel(reduction_factor=1)
     # Without yielding the radius is what is left of the energy put in.
     left = elastic.input_energy_radius**2 - elastic.viscous_energy_radius**2
-    np.testing.assert_allclose(left, elastic.radius**2, atol=1e-9 * float(elastic.radius.max()) ** 2)
+    np.testing.assert_allclose(
+        left, elastic.radius**2, atol=1e-9 * float(elastic.radius.max()) ** 2
+    )
     assert float(elastic.hysteretic_energy_radius.max()) == 0
     assert float(table.radius.sel(reduction_factor=4).max()) <= float(elastic.radius.max())
     at_end = sl.response_spectrum(RECORD, 0.8, 0.05).input_energy_per_mass

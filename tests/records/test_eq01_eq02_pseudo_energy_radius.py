@@ -112,7 +112,9 @@ def test_four_times_the_duration_adds_a_fifth_to_the_radius_and_four_times_the_e
     ground, radius, energy
 ):
     """Fig. 1b, T = 1 s, stationary shaking of 20 and 80 s: the largest of more cycles is larger."""
-    short, long = (sl.response_spectrum(simulated(ground, time), 1.0, 0.05) for time in (20.0, 80.0))
+    short, long = (
+        sl.response_spectrum(simulated(ground, time), 1.0, 0.05) for time in (20.0, 80.0)
+    )
     growth = (long.mean() / short.mean())[["pseudo_energy_radius", "input_energy_per_mass"]]
     assert float(growth.pseudo_energy_radius) == pytest.approx(radius, abs=0.0051)
     assert float(growth.input_energy_per_mass) == pytest.approx(energy, abs=0.051)

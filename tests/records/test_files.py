@@ -57,7 +57,13 @@ def at2(header: str, units: str = "IN UNITS OF G", values=WAVE) -> str:
     ("name", "options", "peak", "samples", "step"),
     [
         ("sct190985.txt", {"units": "g", "column": 2, "time_column": 1}, 0.0995, 8171, 0.02),
-        ("sct190985.txt", {"units": "g", "column": 3, "time_column": 1, "dt": 0.02}, 0.1712, 8171, 0.02),
+        (
+            "sct190985.txt",
+            {"units": "g", "column": 3, "time_column": 1, "dt": 0.02},
+            0.1712,
+            8171,
+            0.02,
+        ),
         ("RSN15_KERN_TAF111.txt", {"units": "g", "dt": 0.01}, 0.1803, 5437, 0.01),
         ("elc180.AT2", {}, 0.2808, 5372, 0.01),
         ("NIS090.AT2", {"units": "g", "dt": 0.01}, 0.5027, 4096, 0.01),
@@ -66,17 +72,22 @@ def at2(header: str, units: str = "IN UNITS OF G", values=WAVE) -> str:
 def test_records_have_their_published_peaks(name, options, peak, samples, step):
     record = sl.read_record(FOLDER / name, **options)
     assert float(abs(record).max()) / G == pytest.approx(peak, abs=5e-5)
-    assert (record.sizes, record.attrs["dt"], record.attrs["source"]) == ({"time": samples}, step, name)
+    assert (record.sizes, record.attrs["dt"], record.attrs["source"]) == (
+        {"time": samples},
+        step,
+        name,
+    )
     np.testing.assert_allclose(np.diff(record.time), step, rtol=1e-9)
 
 
-# --- What is read -----------------------------------------------------------------------------------
+# --- What is read
+# -----------------------------------------------------------------------------------
 
 HEADER = "NPTS=  40, DT=   .0200 SEC"
 TIMED, PLAIN = {"units": "g", "time_column": 1}, {"units": "g", "dt": 0.02}
-COMMAS = "t [s];acc, north [g];when\n" + lines(TIMES, WAVE, ["24.12.2000"] * 40, separator=";").replace(
-    ".", ","
-).replace("24,12,2000", "24.12.2000")
+COMMAS = "t [s];acc, north [g];when\n" + lines(
+    TIMES, WAVE, ["24.12.2000"] * 40, separator=";"
+).replace(".", ",").replace("24,12,2000", "24.12.2000")
 RAISED = {"units": "gal", "time_column": "time [s]"}
 # Text, options and the factor of WAVE in m/s^2; the time step is 0.02 s in all of them.
 READINGS = {
@@ -84,7 +95,12 @@ READINGS = {
         f"AT2 {header}": (at2(header), {}, G)
         for header in (
             *(f"{HEADER},            ", "npts=40,dt=2.0E-02", "  40    0.0200    NPTS, DT"),
-            *("40 .02 NPTS, DT", "NPTS 40 DT 0.02", "DT= .02 SEC, NPTS= 40", "NPTS= 40\nDT= .02 SEC"),
+            *(
+                "40 .02 NPTS, DT",
+                "NPTS 40 DT 0.02",
+                "DT= .02 SEC, NPTS= 40",
+                "NPTS= 40\nDT= .02 SEC",
+            ),
             *("DT= .02 SEC\nNPTS= 40", "NPTS= 40, DT= 20.0 MSEC", "NPTS: 40 DT: 20 ms"),
             "40, 0.02, NPTS, DT (SEC)",
         )
@@ -92,8 +108,12 @@ READINGS = {
     **{
         f"AT2 {units}": (at2(HEADER, units), {}, factor)
         for units, factor in {
-            **dict.fromkeys(("TIME HISTORY IN UNITS OF G. FILTER POINTS: HP=0.1 Hz", "UNITS OF G."), G),
-            **dict.fromkeys(("IN UNITS OF G;", "IN UNITS OF (G)", "IN UNITS OF G'S", "UNITS: G"), G),
+            **dict.fromkeys(
+                ("TIME HISTORY IN UNITS OF G. FILTER POINTS: HP=0.1 Hz", "UNITS OF G."), G
+            ),
+            **dict.fromkeys(
+                ("IN UNITS OF G;", "IN UNITS OF (G)", "IN UNITS OF G'S", "UNITS: G"), G
+            ),
             **dict.fromkeys(("IN UNITS OF CM/SEC/SEC.", "UNITS [cm/s2]", "UNITS = CM/S**2,"), 0.01),
         }.items()
     },
@@ -102,7 +122,11 @@ READINGS = {
     "comments": ("# a\n% b\n\n" + lines(TIMES, WAVE).replace("\n", "  # inline\n"), TIMED, G),
     "names": ("time,acc\n" + lines(TIMES, WAVE, separator=","), TIMED, G),
     "names of two words": ("time [s]  acc north\n" + lines(TIMES, WAVE), RAISED, 0.01),
-    "a row of units": ("time acc\n(s) [gal]\n" + lines(TIMES, WAVE), {"time_column": "time [s]"}, 0.01),
+    "a row of units": (
+        "time acc\n(s) [gal]\n" + lines(TIMES, WAVE),
+        {"time_column": "time [s]"},
+        0.01,
+    ),
     "Latin": ("# México\n" + lines(TIMES, WAVE), TIMED, G),
     "Fortran": (lines([f"{10 * value:.6f}D-01" for value in WAVE]), PLAIN, G),
     "two units": (f"acc (corrected) [gal]\n{lines(WAVE)}", {"dt": 0.02}, 0.01),
@@ -118,7 +142,11 @@ READINGS = {
         0.01,
     ),
     "two titles": (f"El Centro\nof 1940 (gal)\n{lines(WAVE)}", {"dt": 0.02}, 0.01),
-    "two titles above a name": (f"El Centro\nof 1940\nacc (gal)\n{lines(WAVE)}", {"dt": 0.02}, 0.01),
+    "two titles above a name": (
+        f"El Centro\nof 1940\nacc (gal)\n{lines(WAVE)}",
+        {"dt": 0.02},
+        0.01,
+    ),
     "more lines above": (f"a: b\nc\nd\n{lines(WAVE)}", {**PLAIN, "skip": 3}, G),
     "count and step": (f"El Centro 1940 NS\n40 0.02\n{lines(WAVE)}", {"units": "g"}, G),
     "step and count": (f"0.02, 40\n{lines(WAVE, width=8, separator=',')}", {"units": "g"}, G),
@@ -137,7 +165,9 @@ READINGS = {
 def test_every_form_gives_the_same_motion(tmp_path, case):
     text, options, factor = READINGS[case]
     record = read(tmp_path, text, **options)
-    np.testing.assert_allclose(record, factor * WAVE, rtol=1e-12, atol=6e-6)  # of a printed digit in g
+    np.testing.assert_allclose(
+        record, factor * WAVE, rtol=1e-12, atol=6e-6
+    )  # of a printed digit in g
     np.testing.assert_allclose(record.time, TIMES, atol=1e-12)
     assert record.attrs["dt"] == pytest.approx(0.02, rel=1e-12)
     assert (record.name, record.attrs["units"], record.time.attrs["units"]) == (
@@ -177,7 +207,9 @@ def test_a_format_reads_the_header_in_comments(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("header", ["", "^", ".*", r"\d", r"^\s*\S+"])
 def test_a_format_that_claims_every_file_is_refused(header):
-    with pytest.raises(ValueError, match=r"^a network's file: the header .* is in every file; allowed"):
+    with pytest.raises(
+        ValueError, match=r"^a network's file: the header .* is in every file; allowed"
+    ):
         Format("a network's file", re.compile(header), lambda file: [], "csv")
 
 
@@ -186,7 +218,9 @@ def test_every_format_states_its_step_and_component(tmp_path, name):
     text, options, component, step = FILES[name]
     record = read(tmp_path, text, **options)
     offset = GAL.mean() if name == "knet" else 0.0  # of which the mean is subtracted
-    exact = 3920 / 6182761 if name == "knet" else 1e-9  # of a count, or of the printed digits [cm/s^2]
+    exact = (
+        3920 / 6182761 if name == "knet" else 1e-9
+    )  # of a count, or of the printed digits [cm/s^2]
     np.testing.assert_allclose(record, (GAL - offset) / 100, atol=exact / 100, rtol=1e-12)
     assert record.attrs["dt"] == pytest.approx(step, rel=1e-12)
     assert (record.attrs["component"], record.attrs["units"]) == (component, "m/s^2")
@@ -250,7 +284,8 @@ def test_printed_times_are_rounded(tmp_path, step):
     assert read(tmp_path, text, **TIMED, dt=step).attrs["dt"] == step
 
 
-# --- What is refused --------------------------------------------------------------------------------
+# --- What is refused
+# --------------------------------------------------------------------------------
 
 TABLE = lines(TIMES, WAVE, WAVE)
 NAMED = "time,north,east\n" + lines(TIMES, WAVE, WAVE, separator=",")
@@ -286,12 +321,28 @@ REFUSALS = [
     ("'time': a time, 2 'north', 3 'east', and column = 'up' is", NAMED, {**TIMED, "column": "up"}),
     ("column = 'b' is the title of several", "a,b [g],b [cm]\n1,2,3\n2,3,4\n", {"column": "b"}),
     (r"has '1 \(0, 0.02, 0.04, ...\)' as time_column and as column", TABLE, {**TIMED, "column": 1}),
-    ("column = 0 is no column; allowed: 1 to 3, since columns are counted from 1", TABLE, {"column": 0}),
-    (r"has the time in .min.; allowed: s, ms", NAMED.replace("time", "t [min]"), TIMED | {"column": 2}),
-    (r"record.txt, line 8, column 2: '0.1x' is not an acceleration", changed(8, "0.14 0.1x"), TIMED),
+    (
+        "column = 0 is no column; allowed: 1 to 3, since columns are counted from 1",
+        TABLE,
+        {"column": 0},
+    ),
+    (
+        r"has the time in .min.; allowed: s, ms",
+        NAMED.replace("time", "t [min]"),
+        TIMED | {"column": 2},
+    ),
+    (
+        r"record.txt, line 8, column 2: '0.1x' is not an acceleration",
+        changed(8, "0.14 0.1x"),
+        TIMED,
+    ),
     ("line 3: 1 columns; allowed: 2, as in the first", "0.0,1\n0.1,2\n0.2,\n" * 9, TIMED),
     (r"does not increase: 0\.08 s is followed by 0\.08 s", changed(6, "0.08 1"), TIMED),
-    (r"record\.txt: time is uneven: 0\.18 s is followed by 0\.22 s; fill a gap", changed(11, ""), TIMED),
+    (
+        r"record\.txt: time is uneven: 0\.18 s is followed by 0\.22 s; fill a gap",
+        changed(11, ""),
+        TIMED,
+    ),
     (r"dt = 0\.01 contradicts the time, .* 0\.02 s", HOURS, {**TIMED, "dt": 0.01}),
     ("record has 15 samples; allowed: at least 16", lines(WAVE[:15]), PLAIN),
     (
@@ -351,10 +402,22 @@ def test_three_components_without_titles_are_no_rows_of_a_series(tmp_path):
 @pytest.mark.parametrize(
     ("text", "options", "message"),
     [
-        (lines([i * 10 for i in range(40)], WAVE), TIMED, "its time step is 10 s.*is time in seconds"),
+        (
+            lines([i * 10 for i in range(40)], WAVE),
+            TIMED,
+            "its time step is 10 s.*is time in seconds",
+        ),
         (lines(100 * WAVE), PLAIN, "its peak is 10 g.*are the units right"),
-        (lines(*[WAVE] * 5), {**PLAIN, "column": 1}, "its 5 columns may be rows of one series; is it"),
-        (lines(*SMOOTH.reshape(40, 3).T), {**PLAIN, "column": 2}, "its 3 columns may be rows of one"),
+        (
+            lines(*[WAVE] * 5),
+            {**PLAIN, "column": 1},
+            "its 5 columns may be rows of one series; is it",
+        ),
+        (
+            lines(*SMOOTH.reshape(40, 3).T),
+            {**PLAIN, "column": 2},
+            "its 3 columns may be rows of one",
+        ),
         (
             "acc UD\n" + lines(10 * WAVE, separator=","),
             PLAIN,
@@ -374,7 +437,8 @@ def test_what_is_hardly_meant_is_asked_about(tmp_path, text, options, message):
     assert caught[0].filename == __file__
 
 
-# --- Strong part --------------------------------------------------------------------------------------
+# --- Strong part
+# --------------------------------------------------------------------------------------
 
 
 def test_strong_part_of_a_decaying_signal():

@@ -65,7 +65,8 @@ def standard_errors(wg, xig, duration, estimator, low, high):
     return np.sqrt(np.diag(bread @ filling @ bread) * TAU / duration)
 
 
-# --- Published fits ---------------------------------------------------------------------------------
+# --- Published fits
+# ---------------------------------------------------------------------------------
 
 
 @needs_records
@@ -93,10 +94,14 @@ def test_a_sinusoid_has_the_width_of_its_line(duration):
     width = 2 * 1.3916 / (0.9 * duration) / np.pi
     assert ground.period == pytest.approx(2.0, rel=1e-3)
     assert ground.damping < width
-    assert f"damping not well resolved (a sinusoid of this duration gives {width:.2g})" in ground.source
+    assert (
+        f"damping not well resolved (a sinusoid of this duration gives {width:.2g})"
+        in ground.source
+    )
 
 
-# --- A known ground -----------------------------------------------------------------------------------
+# --- A known ground
+# -----------------------------------------------------------------------------------
 
 GROUNDS = [(10.0, 0.3, 300.0), (17.8, 0.45, 200.0), (3.1, 0.1, 2000.0), (5.0, 0.8, 600.0)]
 
@@ -113,7 +118,9 @@ def test_recovers_a_known_ground(wg, xig, duration, estimator):
         record = simulated(
             lambda w: kanai_tajimi_psd(w, wg, xig, intensity), duration, step=0.3 / wg, seed=seed
         )
-        ground = sl.fit_ground(record, estimator=estimator, part=(0, 1), frequency_range=(low, high))
+        ground = sl.fit_ground(
+            record, estimator=estimator, part=(0, 1), frequency_range=(low, high)
+        )
         logs.append(
             np.log([TAU / ground.period / wg, ground.damping / xig, ground.intensity / intensity])
         )
@@ -139,7 +146,8 @@ def test_scaled_record_has_a_scaled_intensity_and_a_faster_one_a_shorter_period(
     assert other.intensity == pytest.approx(factor**2 * one.intensity / faster, rel=1e-6)
 
 
-# --- Refusals -----------------------------------------------------------------------------------------
+# --- Refusals
+# -----------------------------------------------------------------------------------------
 
 
 def test_silence_before_and_after_a_record_changes_nothing():
@@ -164,7 +172,8 @@ def test_white_noise_has_no_ground_period():
         sl.fit_ground(noise, estimator="whittle")
 
 
-# --- Named grounds ----------------------------------------------------------------------------------
+# --- Named grounds
+# ----------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(

@@ -37,7 +37,9 @@ def test_larger_accelerations_are_refused(largest):
 @pytest.mark.parametrize("dt", [1e-10, 1e10, 1e-310])
 def test_other_time_steps_are_refused(dt):
     record = motion(np.sin(np.arange(40.0)), dt)
-    with pytest.raises(ValueError, match=r"time step of record is .* allowed: 1e-09 <= value <= 1e\+09"):
+    with pytest.raises(
+        ValueError, match=r"time step of record is .* allowed: 1e-09 <= value <= 1e\+09"
+    ):
         sl.response_spectrum(record, 1e9, 0.05)
 
 

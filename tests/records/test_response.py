@@ -35,7 +35,8 @@ def synthetic(samples=300, dt=0.02, seed=0, size=2.0):
 def exact_linear(record, period, damping, refine):
     """Displacement and velocity by the matrix exponential of state, ground and slope together.
 
-    The sub-steps of an interval are the powers of one step, all applied to the state at its beginning.
+    The sub-steps of an interval are the powers of one step, all applied to the state at its
+    beginning.
     """
     w, dt = 2 * np.pi / period, float(record.time[1] - record.time[0]) / refine
     matrix = np.zeros((4, 4))
@@ -111,7 +112,8 @@ def by_events(record, period, damping, hardening, uy, samples=40):
     )
 
 
-# --- Linear structures --------------------------------------------------------------------------------
+# --- Linear structures
+# --------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("ratio", [0.1, 0.2, 1.0, 7.0, 100.0, 1e4])
@@ -125,7 +127,8 @@ def test_linear_histories_are_exact(ratio, damping):
     assert_near(found.velocity, v, 1e-10)
 
 
-# --- Bilinear structures ------------------------------------------------------------------------------
+# --- Bilinear structures
+# ------------------------------------------------------------------------------
 
 YIELDING = {
     "slight": (0.5, 0.05, 0.1, 0.02),
@@ -143,7 +146,9 @@ def test_bilinear_peaks_against_adaptive_integration(case, seed):
     record = synthetic(samples=150, seed=seed)
     period, damping, hardening, uy = YIELDING[case]
     peaks, last, slip = by_events(record, period, damping, hardening, uy)
-    table = sl.response_spectrum(record, period, damping, hardening=hardening, yield_displacement=uy)
+    table = sl.response_spectrum(
+        record, period, damping, hardening=hardening, yield_displacement=uy
+    )
     for name in PEAKS:
         assert float(table[name]) == pytest.approx(peaks[name], rel=ACCURACY), name
     for name in SPENT:
@@ -157,7 +162,8 @@ def test_bilinear_peaks_against_adaptive_integration(case, seed):
     assert int(table.status) == labels.CONVERGED
 
 
-# --- What must hold for any structure and ground -----------------------------------------------------
+# --- What must hold for any structure and ground
+# -----------------------------------------------------
 
 
 @st.composite
@@ -225,7 +231,9 @@ def test_no_change_of_branch_is_missed(seed, steps, strength):
     building = sl.Bilinear(0.02 * 10**steps, 0.05, 0.05, yield_displacement=uy)
     once, often = (sl.respond(building, record, refine=n) for n in (1, 7))
     assert_near(once.displacement, often.displacement[::7], 1e-9)
-    energies = [table[["input_energy_per_mass", SPENT[2]]].to_dataarray() for table in (once, often)]
+    energies = [
+        table[["input_energy_per_mass", SPENT[2]]].to_dataarray() for table in (once, often)
+    ]
     assert_near(energies[0], energies[1][:, ::7], 1e-9)
 
 
@@ -248,7 +256,8 @@ def test_a_building_that_falls_in_a_long_record_has_no_gap():
     assert np.isfinite(table.peak_2)
 
 
-# --- Pairs --------------------------------------------------------------------------------------------
+# --- Pairs
+# --------------------------------------------------------------------------------------------
 
 
 def pair(period_1=0.6, period_2=0.25, strength=True):
@@ -270,7 +279,9 @@ def test_gap_against_fine_histories(periods, strength):
     assert float(table.peak_1) == pytest.approx(float(abs(one.displacement).max()), rel=ACCURACY)
     alone = float(sl.recorded_gap(first, None, record).separation)
     assert alone == pytest.approx(float(one.displacement.max()), rel=ACCURACY)
-    assert float(table.pseudo_energy_radius_2) == pytest.approx(float(two.radius.max()), rel=ACCURACY)
+    assert float(table.pseudo_energy_radius_2) == pytest.approx(
+        float(two.radius.max()), rel=ACCURACY
+    )
     moments = [
         float((a * b).sum())
         for a, b in (
@@ -288,7 +299,8 @@ def test_gap_against_fine_histories(periods, strength):
     )
 
 
-# --- Tables, labels, refusals -------------------------------------------------------------------------
+# --- Tables, labels, refusals
+# -------------------------------------------------------------------------
 
 
 def test_pairs_make_a_table():
@@ -299,10 +311,14 @@ def test_pairs_make_a_table():
     assert table.separation.dims == ("record", "period_1", "period_2")
     assert list(table.record.values) == ["1", "2"]
     alone = sl.recorded_gap(
-        sl.Bilinear(0.2, 0.05), sl.Bilinear(0.9, 0.05, 0.1, yield_displacement=0.01), synthetic(seed=1)
+        sl.Bilinear(0.2, 0.05),
+        sl.Bilinear(0.9, 0.05, 0.1, yield_displacement=0.01),
+        synthetic(seed=1),
     )
     assert float(table.separation[1, 0, 2]) == float(alone.separation)
-    case = sl.recorded_gap(sl.Bilinear(periods, 0.05), sl.Bilinear(periods[::-1], 0.05), synthetic())
+    case = sl.recorded_gap(
+        sl.Bilinear(periods, 0.05), sl.Bilinear(periods[::-1], 0.05), synthetic()
+    )
     assert case.separation.dims == ("case",)
 
 
@@ -342,7 +358,9 @@ def test_strength_and_motion_scale_together(case, factor):
     period, damping, hardening, uy = YIELDING[case]
     record = synthetic(samples=150)
     one, other = (
-        sl.response_spectrum(a * record, period, damping, hardening=hardening, yield_displacement=a * uy)
+        sl.response_spectrum(
+            a * record, period, damping, hardening=hardening, yield_displacement=a * uy
+        )
         for a in (1.0, factor)
     )
     for name in (*PEAKS, "permanent_set"):

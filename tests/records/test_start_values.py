@@ -9,7 +9,13 @@ import stochlin as sl
 pytestmark = pytest.mark.invariant
 
 TOWER = sl.ShearBuilding(
-    [2e5] * 3, [2e8, 1.6e8, 1e8], [3.5] * 3, 0.05, hardening=0.05, yield_drifts=0.008, law="bouc_wen"
+    [2e5] * 3,
+    [2e8, 1.6e8, 1e8],
+    [3.5] * 3,
+    0.05,
+    hardening=0.05,
+    yield_drifts=0.008,
+    law="bouc_wen",
 )
 STRUCTURES = [
     sl.Bilinear(1.2, 0.05, 0.05, yield_displacement=0.02),
@@ -38,7 +44,9 @@ def test_free_vibration_has_its_closed_form(of_law):
     wd = w * np.sqrt(1 - 0.05**2)
     course = 0.01 * np.cos(wd * t) + (0.2 + 0.05 * w * 0.01) / wd * np.sin(wd * t)
     exact = np.exp(-0.05 * w * t) * course
-    np.testing.assert_allclose(table.displacement, exact, atol=1e-15 if of_law is sl.Bilinear else 1e-5)
+    np.testing.assert_allclose(
+        table.displacement, exact, atol=1e-15 if of_law is sl.Bilinear else 1e-5
+    )
     put_in = 0.5 * (0.2**2 + (w * 0.01) ** 2)
     np.testing.assert_allclose(table.input_energy_per_mass, put_in, rtol=1e-12)
 

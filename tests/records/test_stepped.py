@@ -18,7 +18,9 @@ V, Z = sympy.symbols("v z")
 def motion(samples=1200, dt=0.02, seed=0):
     time = dt * np.arange(samples)
     shape = np.minimum(time / 4, 1) * np.exp(-0.1 * np.maximum(time - 12, 0))
-    noise = np.convolve(np.random.default_rng(seed).standard_normal(samples), np.ones(6) / 6, "same")
+    noise = np.convolve(
+        np.random.default_rng(seed).standard_normal(samples), np.ones(6) / 6, "same"
+    )
     values = 4 * shape * (np.sin(9 * time) + 2 * noise)
     return xr.DataArray(values, dims="time", coords={"time": time}, attrs={"units": "m/s^2"})
 
@@ -35,7 +37,10 @@ def test_steps_give_the_exact_answer_of_bilinear_pairs(seed):
     pair = [
         sl.Bilinear(period, 0.05, hardening, yield_displacement=uy)
         for period, hardening, uy in zip(
-            rng.uniform(0.3, 1.5, 2), rng.uniform(0.02, 0.5, 2), rng.uniform(0.005, 0.1, 2), strict=True
+            rng.uniform(0.3, 1.5, 2),
+            rng.uniform(0.02, 0.5, 2),
+            rng.uniform(0.005, 0.1, 2),
+            strict=True,
         )
     ]
     record = motion(seed=seed)

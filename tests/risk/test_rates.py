@@ -54,7 +54,9 @@ def test_what_pounds_and_then_does_not_is_counted_where_it_does():
 @pytest.mark.parametrize("first", [0, 2, 4, 6])
 @pytest.mark.parametrize("last", [8, 12, 16, 24])
 @pytest.mark.parametrize("gap", [0.03, 0.3, 3.0])
-def test_the_interval_contains_the_rate_of_the_whole_hazard_wherever_its_table_ends(first, last, gap):
+def test_the_interval_contains_the_rate_of_the_whole_hazard_wherever_its_table_ends(
+    first, last, gap
+):
     """A curve that becomes flatter towards weaker shaking, from 1e-3 to 1e5, and parts of its table."""
     intensity = np.geomspace(1e-3, 1e5, 25)
     frequency = K0 * (1 + intensity) ** -K
@@ -62,7 +64,9 @@ def test_the_interval_contains_the_rate_of_the_whole_hazard_wherever_its_table_e
     def risk(part):
         hazard = sl.HazardCurve(intensity[part], frequency[part])
         levels = np.geomspace(*np.array(hazard.intensities)[[0, -1]], 13)
-        motions = SeparationsByIntensity(levels, lognormal_motions().separation[:, -1:] / 1e4 * levels)
+        motions = SeparationsByIntensity(
+            levels, lognormal_motions().separation[:, -1:] / 1e4 * levels
+        )
         return SimulatedRisk(motions, hazard)
 
     whole = risk(slice(None)).rate(gap)[0]
@@ -79,7 +83,9 @@ def test_the_gap_of_an_early_end_has_an_interval_up_to_that_of_the_whole_hazard(
     gaps = []
     for hazard in (whole, early):
         levels = np.geomspace(hazard.intensities[0], hazard.intensities[-1], 13)
-        motions = SeparationsByIntensity(levels, lognormal_motions().separation[:, -1:] / 1e4 * levels)
+        motions = SeparationsByIntensity(
+            levels, lognormal_motions().separation[:, -1:] / 1e4 * levels
+        )
         gaps.append(SimulatedRisk(motions, hazard).gap_of(risk))
     assert float(gaps[1].required_gap) < float(gaps[0].required_gap)
     assert float(gaps[1].required_gap_upper) > float(gaps[0].required_gap)
@@ -126,7 +132,8 @@ def test_errors_where_motions_never_pound_are_those_of_the_likelihood():
     at, h = np.array(found[:2]), 1e-3 * np.eye(2)
     curvature = [
         [
-            sum(s * t * surprise(*(at + s * one + t * two)) for s in (1, -1) for t in (1, -1)) / 4e-6
+            sum(s * t * surprise(*(at + s * one + t * two)) for s in (1, -1) for t in (1, -1))
+            / 4e-6
             for one in h
         ]
         for two in h
@@ -142,7 +149,10 @@ def test_errors_where_motions_never_pound_are_those_of_the_likelihood():
         (np.vstack([np.full((7, 3), 0.2), [[0.2, 0.2, 0.4]]]), TOO_FEW_POUND),
         (np.full((8, 3), 0.4), ALL_POUND),
         (np.array([[0.2], [0.4]]), TOO_FEW_INTENSITIES),
-        (np.vstack([np.full((4, 3), 0.2), np.tile([0.2, 0.3, 0.4], (4, 1))]), TOO_FEW_POUND),  # as one
+        (
+            np.vstack([np.full((4, 3), 0.2), np.tile([0.2, 0.3, 0.4], (4, 1))]),
+            TOO_FEW_POUND,
+        ),  # as one
     ],
 )
 def test_a_fragility_that_cannot_be_fitted_says_why(separation, status):

@@ -31,13 +31,17 @@ def counted(pair, hazard, gap, count, paths):
     strong = [sl.scale_ground(GROUND, 15.0, SHAPE, pga=1.0)]
     uy = [sl.reduction_factor(s, GROUND).yield_displacement if s.yields else None for s in pair]
     fixed = [
-        sl.Bilinear(s.period, s.damping, s.hardening, yield_displacement=None if y is None else float(y))
+        sl.Bilinear(
+            s.period, s.damping, s.hardening, yield_displacement=None if y is None else float(y)
+        )
         for s, y in zip(pair, uy, strict=True)
     ]
     hits = []
     for n, im in enumerate(intensity):
         ground = replace(strong[0], intensity=strong[0].intensity * im**2)
-        table = sl.simulate(fixed, ground, paths=paths, seed=1000 + n, duration=15.0, envelope=SHAPE)
+        table = sl.simulate(
+            fixed, ground, paths=paths, seed=1000 + n, duration=15.0, envelope=SHAPE
+        )
         hits.append(float((table.separation[:, 0, 1] > gap).mean()))
     hits, rate = np.array(hits), float(hazard.frequency(lowest))
     error = np.sqrt((hits * (1 - hits)).sum() / paths) / count
@@ -65,7 +69,9 @@ def test_rate_of_yielding_structures_is_that_of_counting(count, paths):
 def test_storeys_keep_the_gap_that_is_asked_for():
     hazard = sl.HazardCurve([0.5, 1.0, 2.0, 4.0, 8.0], [0.02, 5e-3, 1e-3, 1.5e-4, 1e-5])
     common = {"envelope": SHAPE, "paths": 128}
-    asked = sl.required_gap(STOREYS, ELASTIC[1], GROUND, hazard, 15.0, risk="10 % in 50 years", **common)
+    asked = sl.required_gap(
+        STOREYS, ELASTIC[1], GROUND, hazard, 15.0, risk="10 % in 50 years", **common
+    )
     gap = float(asked.required_gap)
     assert float(asked.required_gap_lower) < gap < float(asked.required_gap_upper)
     table = sl.pounding_risk(STOREYS, ELASTIC[1], GROUND, gap, hazard, 15.0, **common)
@@ -89,7 +95,9 @@ def test_hazards_of_different_measures_are_one_hazard():
     by_intensity = sl.PowerLawHazard(0.01 * intensity**1.2, 1.2, measure="intensity")
     rates = [
         float(
-            sl.pounding_risk(*YIELDING, GROUND, 0.08, hazard, 15.0, envelope=SHAPE, paths=64).annual_rate
+            sl.pounding_risk(
+                *YIELDING, GROUND, 0.08, hazard, 15.0, envelope=SHAPE, paths=64
+            ).annual_rate
         )
         for hazard in (by_pga, by_intensity, by_sa)
     ]
@@ -120,7 +128,10 @@ def test_risks_that_are_none_or_outside_of_the_hazard_are_named():
 
 def test_a_large_risk_in_words_is_asked_about_as_its_number_is():
     hazard = sl.PowerLawHazard(0.02, 2.5)
-    for risk, shown in (("50 % in 50 years", "'50 % in 50 years' is 0.0139 a year"), (0.0139, "0.0139")):
+    for risk, shown in (
+        ("50 % in 50 years", "'50 % in 50 years' is 0.0139 a year"),
+        (0.0139, "0.0139"),
+    ):
         with pytest.warns(sl.ImplausibleInput, match=f"{shown}.*usual are 1e-4 to 2e-3 per year"):
             sl.required_gap(*ELASTIC, GROUND, hazard, 15.0, risk=risk, paths=32)
 

@@ -80,4 +80,6 @@ def test_colombia_by_hand(height, storeys, level, not_level, empty_plot):
     for align, gap in ((True, level), (False, not_level)):
         found = rule.gap(0.5, 0.5, height, 3.0, align, storeys_1=storeys, storeys_2=1)
         assert float(found) == pytest.approx(gap, rel=1e-12)
-    assert float(rule.gap(0.5, None, height, storeys_1=storeys)) == pytest.approx(empty_plot, rel=1e-12)
+    assert float(rule.gap(0.5, None, height, storeys_1=storeys)) == pytest.approx(
+        empty_plot, rel=1e-12
+    )

@@ -142,7 +142,9 @@ def test_gaps_of_codes_are_those_by_hand(name, two, two_level, one, one_level):
                 assert float(found) == pytest.approx(gap, rel=1e-12)
 
 
-@pytest.mark.parametrize(("name", "whole"), [("mexico_city", 0.142), ("mexico_city_simplified", 0.216)])
+@pytest.mark.parametrize(
+    ("name", "whole"), [("mexico_city", 0.142), ("mexico_city_simplified", 0.216)]
+)
 def test_mexico_city_halves_for_the_same_height_system_and_levels_only(name, whole):
     """NTC-Sismo 1.10: the same height and "estructuracion", and slabs at the same levels, all three."""
     rule, alike = rules.code_rule(name), {"floors_align": True, "same_system": True}
@@ -151,7 +153,9 @@ def test_mexico_city_halves_for_the_same_height_system_and_levels_only(name, who
     assert rule.gap(0.03, 0.04, 12.0, heights, zone="II", **alike)[1] > whole
     for lacking in alike:
         told = alike | {lacking: False}
-        assert rule.gap(0.03, 0.04, 12.0, 12.0, zone="II", **told) == pytest.approx(whole, rel=1e-12)
+        assert rule.gap(0.03, 0.04, 12.0, 12.0, zone="II", **told) == pytest.approx(
+            whole, rel=1e-12
+        )
 
 
 def test_least_distances_and_steps_of_mexico_city_and_china():
@@ -207,7 +211,9 @@ def test_rules_without_their_data_are_nan_and_say_what_is_missing():
     lacking |= dict.fromkeys(("peru_e030", "asce_41", "tbdy_2018"), "height_2")
     lacking |= dict.fromkeys(("ntc_2008", "ntc_2018"), "height_2, design_pga")
     lacking |= dict.fromkeys(("iran_2800", "nsr_10"), "height_2, storeys_1, storeys_2")
-    lacking |= dict.fromkeys(("srss", "share_of_sum", "asce_7", "canada", "eurocode_8", "ubc_97"), "")
+    lacking |= dict.fromkeys(
+        ("srss", "share_of_sum", "asce_7", "canada", "eurocode_8", "ubc_97"), ""
+    )
     lacking |= dict.fromkeys(("taiwan", "is_1893", "china_gb_50011", "nzs_1170_5"), "")
     for name in rules.code_rule_names():  # at least these
         chosen = table.sel(rule=name)
@@ -243,9 +249,15 @@ def separated(**change):
 TWO = 0.03, 0.04
 ALIKE = [sl.Bilinear([1.0, 2.0][:n] * 2, 0.05, 0.1, reduction_factor=2) for n in (1, 2)]
 REFUSED = {
-    r"rule = 'magic' .*elastic, secant, .*iwan_1980, fema_440": lambda: rules.effective_rule("magic"),
-    "first, second and ground share a dim": lambda: sl.correlate(*ALIKE, GROUND, method="effective"),
-    "ductility_2 = 0 ": lambda: rules.rho_effective(1.0, 1.2, **PAIR, ductility_1=4.0, ductility_2=0),
+    r"rule = 'magic' .*elastic, secant, .*iwan_1980, fema_440": lambda: rules.effective_rule(
+        "magic"
+    ),
+    "first, second and ground share a dim": lambda: sl.correlate(
+        *ALIKE, GROUND, method="effective"
+    ),
+    "ductility_2 = 0 ": lambda: rules.rho_effective(
+        1.0, 1.2, **PAIR, ductility_1=4.0, ductility_2=0
+    ),
     r"name = 'mars' .*asce_7, .*fixed_distance": lambda: rules.code_rule("mars"),
     "value is not given; fixed_distance needs it": lambda: rules.code_rule("fixed_distance"),
     "value is not given; peru_e030_2026 needs it": lambda: rules.code_rule("peru_e030_2026"),
@@ -253,7 +265,9 @@ REFUSED = {
     "factor = 0.0; allowed: a positive": lambda: rules.code_rule("share_of_sum", 0.0),
     "mexico_city needs height_1, height_2, zone, which is not given": gap_of("mexico_city", *TWO),
     "peru_e030 needs height_2, ": gap_of("peru_e030", *TWO, 12.0),
-    "zone = 'IV' is not known; allowed: I, II, III": gap_of("mexico_city", *TWO, 12.0, 12.0, zone="IV"),
+    "zone = 'IV' is not known; allowed: I, II, III": gap_of(
+        "mexico_city", *TWO, 12.0, 12.0, zone="IV"
+    ),
     "ntc_2018 needs design_pga, which": gap_of("ntc_2018", *TWO, 12.0, 12.0),
     "iran_2800 needs storeys_1, storeys_2, which": gap_of("iran_2800", *TWO, 12.0, 12.0),
     "nsr_10 needs storeys_1, which is not given": gap_of("nsr_10", 0.03, None, 12.0),
@@ -268,15 +282,23 @@ REFUSED = {
     r"storeys_1 = 0\.5 is out of range": gaps(storeys_1=0.5),
     "storeys_2 is given, of a second building": gaps(peak_2=None, storeys_2=3),
     "importance is given alone; give behaviour_1": gaps(importance_1=1.2),
-    r"behaviour_2 = 0\.9 is out of range; allowed: 1 <= value": gaps(behaviour_1=2.0, behaviour_2=0.9),
+    r"behaviour_2 = 0\.9 is out of range; allowed: 1 <= value": gaps(
+        behaviour_1=2.0, behaviour_2=0.9
+    ),
     "peak_1 is missing, or given beside": gaps(peak_1=None, peak_2=None),
     "peak_1 is missing, or given beside modes_1": gaps(modes_1=TOWER, spectrum=SPECTRUM),
     "modes_1 and spectrum go together": gaps(modes_2=TOWER),
     "modes_1 and spectrum go together, and": of_modes(spectrum=None),
-    r"spectrum ends at 0\.06 s, and a mode has": of_modes(spectrum=SPECTRUM.sel(period=slice(0, 0.06))),
-    "modes_1: period is an array; allowed: numbers": of_modes(modes_1=sl.Bilinear([0.5, 0.6], 0.05)),
+    r"spectrum ends at 0\.06 s, and a mode has": of_modes(
+        spectrum=SPECTRUM.sel(period=slice(0, 0.06))
+    ),
+    "modes_1: period is an array; allowed: numbers": of_modes(
+        modes_1=sl.Bilinear([0.5, 0.6], 0.05)
+    ),
     "height_1 = 12 m, but the storeys add up to 6 m": of_modes(height_1=12.0),
-    "storeys_1 = 3, but that building has 2 storeys; leave it out": separated(codes={"storeys_1": 3}),
+    "storeys_1 = 3, but that building has 2 storeys; leave it out": separated(
+        codes={"storeys_1": 3}
+    ),
     r"floors_align = True, but at 3, 3\.5 m only one": separated(
         second=SHED, codes={"floors_align": True}
     ),
@@ -317,8 +339,18 @@ def test_more_ductility_is_a_longer_period_and_no_less_damping(name, mu, factor,
 def test_codes_do_not_ask_which_building_is_first(one, two, h_1, h_2, aligned, lot, system):
     """Nor for less where a peak grows, or where less is known to be favourable."""
     storeys = round(1 + h_1 / 4), round(1 + h_2 / 4)
-    here = {"storeys_1": storeys[0], "storeys_2": storeys[1], "importance_1": 1.2, "design_pga": 2.0}
-    there = {"storeys_1": storeys[1], "storeys_2": storeys[0], "importance_2": 1.2, "design_pga": 2.0}
+    here = {
+        "storeys_1": storeys[0],
+        "storeys_2": storeys[1],
+        "importance_1": 1.2,
+        "design_pga": 2.0,
+    }
+    there = {
+        "storeys_1": storeys[1],
+        "storeys_2": storeys[0],
+        "importance_2": 1.2,
+        "design_pga": 2.0,
+    }
     facts = "III", lot, system
     for name in rules.code_rule_names():
         rule = rules.code_rule(name)
@@ -326,5 +358,9 @@ def test_codes_do_not_ask_which_building_is_first(one, two, h_1, h_2, aligned, l
         mirrored = float(rule.gap(two, one, h_2, h_1, aligned, *facts, **there))
         assert gap == pytest.approx(mirrored, rel=1e-14), name
         assert float(rule.gap(1.5 * one, two, h_1, h_2, aligned, *facts, **here)) >= gap, name
-        for safer in ((False, *facts), (aligned, "III", False, system), (aligned, "III", lot, False)):
+        for safer in (
+            (False, *facts),
+            (aligned, "III", False, system),
+            (aligned, "III", lot, False),
+        ):
             assert float(rule.gap(one, two, h_1, h_2, *safer, **here)) >= gap * (1 - 1e-14), name

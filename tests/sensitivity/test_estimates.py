@@ -29,13 +29,15 @@ def test_changes_of_a_quantile():
 def test_changes_of_a_quantile_have_the_moments_of_tricube_weights():
     """Of uniform responses, the nearest quarter: 35/243 and 1/22 of its even powers.
 
-    The second and fourth moment of the tricube kernel on -1 to 1 are known (Cleveland 1979); the local
-    line through an even power has no slope, and a cube has the mean zero.
+    The second and fourth moment of the tricube kernel on -1 to 1 are known (Cleveland 1979); the
+    local line through an even power has no slope, and a cube has the mean zero.
     """
     n, reach = 4096, 0.125
     response = (np.arange(n) + 0.5) / n
     beyond = response - 0.5
-    more = np.array([response + beyond**power for power in (2, 4)] + [response + beyond + beyond**3])
+    more = np.array(
+        [response + beyond**power for power in (2, 4)] + [response + beyond + beyond**3]
+    )
     found = changed_quantiles(response, more, 0.5)
     exact = np.array([35 / 243 * reach**2, 1 / 22 * reach**4, 0.0])
     np.testing.assert_allclose(found[0], exact, rtol=4 / n / reach, atol=1e-9)

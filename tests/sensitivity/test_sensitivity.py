@@ -64,7 +64,9 @@ def test_ends_of_a_range():
     first = sl.Bilinear(uncertain(0.6), 0.05, 0.95, yield_displacement=0.02)
     table = sl.sensitivity(first, SECOND, GROUND, **MOTION, paths=32)
     factor = table.input_factor_at.sel
-    np.testing.assert_allclose(factor(input="structure_1.period"), np.exp([-0.199, 0.199]), rtol=1e-3)
+    np.testing.assert_allclose(
+        factor(input="structure_1.period"), np.exp([-0.199, 0.199]), rtol=1e-3
+    )
     np.testing.assert_allclose(factor(input="structure_1.damping"), [0.9, 1.1])
     np.testing.assert_allclose(factor(input="structure_1.hardening"), [0.9, 1.0])
     assert float(table.gap_change.sel(input="structure_1.hardening", end="high")) == 0
@@ -99,7 +101,9 @@ def test_numbers_of_buildings_with_storeys_are_varied_storey_by_storey():
 @pytest.mark.parametrize("size", [0.0, 0.2])
 def test_changes_against_two_independent_runs(size):
     def pair(period=1.0, strength=1.0):
-        first = sl.Bilinear(uncertain(0.6, size) if size else 0.6, 0.05, 0.05, yield_displacement=0.02)
+        first = sl.Bilinear(
+            uncertain(0.6, size) if size else 0.6, 0.05, 0.05, yield_displacement=0.02
+        )
         known = {"damping": 0.05, "hardening": 0.05, "yield_displacement": 0.03 * strength}
         return first, sl.Bilinear(1.0 * period, **known)
 
@@ -113,7 +117,8 @@ def test_changes_against_two_independent_runs(size):
         ]
         gaps = [float(one.separation_quantile) for one in ends]
         errors = [
-            float(one.separation_quantile_upper - one.separation_quantile_lower) / 3.92 for one in ends
+            float(one.separation_quantile_upper - one.separation_quantile_lower) / 3.92
+            for one in ends
         ]
         key = {"period": "period", "strength": "yield_displacement"}[name]
         one = table.sel(input=f"structure_2.{key}")

@@ -45,7 +45,9 @@ def test_sentences_name_what_matters(table):
     said = lines([ViewSection("Influence of the inputs", blocks(table, names))])
     assert f"The gap depends most on the {rows(table, names)[0].label}" in " ".join(said)
     less = 100 * float(table.gap_of_medians / table.gap - 1)
-    assert f"at their medians, the gap would be {abs(less):.0f} ± " in " ".join(" ".join(said).split())
+    assert f"at their medians, the gap would be {abs(less):.0f} ± " in " ".join(
+        " ".join(said).split()
+    )
     assert all(len(line) <= 100 for line in said)
 
 

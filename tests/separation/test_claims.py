@@ -129,7 +129,10 @@ def test_eq_3_with_radii_is_right_in_the_median_and_too_small_in_a_fifth(
 @pytest.mark.filterwarnings("ignore:.*is it a weak motion")
 @pytest.mark.parametrize(
     ("name", "median", "short", "least"),
-    [("far_field", [1.14, 1.0], [0.17, 0.48], 0.83), ("mexico_city", [1.06, 1.04], [0.1, 0.17], 0.86)],
+    [
+        ("far_field", [1.14, 1.0], [0.17, 0.48], 0.83),
+        ("mexico_city", [1.06, 1.04], [0.1, 0.17], 0.86),
+    ],
 )
 def test_eq_3_with_radii_in_records(name, median, short, least):
     shares = by_radii(suite(name), (0.3, 0.5, 0.8, 1.2, 2.0))

@@ -54,7 +54,9 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Done:
     folder = tmp_path_factory.mktemp("site")
     time = 0.02 * np.arange(2000)
     noise = np.random.default_rng(3).normal(size=time.size)
-    np.savetxt(folder / "wave.txt", 0.01 * np.convolve(noise, np.exp(-4 * time), "full")[: time.size])
+    np.savetxt(
+        folder / "wave.txt", 0.01 * np.convolve(noise, np.exp(-4 * time), "full")[: time.size]
+    )
     record = '[[site.records]]\npath = "wave.txt"\nunits = "g"\ndt = "0.02 s"\n'
     text = example_case().replace("[motion]", f"{record}name = '{NASTY}'\n{record}\n[motion]")
     text = text.replace('"Annex"', f"'{NASTY}'").replace('existing = "5 cm"', 'existing = "90 cm"')
@@ -116,7 +118,9 @@ def test_symbols_are_set_with_indices_and_text_of_the_user_stays_text(site: Done
     assert NASTY not in site.page
     assert NASTY in text
     assert "Record Gap [cm] Peak 1 at 15 m [cm]" in text
-    assert re.search(r"keeps them apart in [\d.]+.% of the motions \([^)]*\)\. Verdict: enough; ", text)
+    assert re.search(
+        r"keeps them apart in [\d.]+.% of the motions \([^)]*\)\. Verdict: enough; ", text
+    )
 
 
 OFFICE = BLOCK.format(n=1, period=0.5, storeys=3, height=3.2)
@@ -146,7 +150,9 @@ def test_a_bad_file_writes_nothing(tmp_path: Path) -> None:
     assert [path.name for path in tmp_path.iterdir()] == ["case.toml"]
 
 
-def test_commands_with_wrong_files_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_commands_with_wrong_files_are_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "case.toml").write_text(example_case())
     assert "stochlin gap --example > case.toml" in refused("gap")

@@ -37,7 +37,9 @@ def test_it_is_eq_3_of_the_radii_of_both_alone_and_eq_4():
     assert float(table.critical_gap) == float(sl.critical_gap(*own, rho).gap)
     truth = sl.recorded_gap(FIRST, SECOND, noise())
     xr.testing.assert_equal(table[list(truth.data_vars)], truth)
-    assert float(table.critical_gap_error) == pytest.approx(float(gap / truth.separation - 1), rel=1e-2)
+    assert float(table.critical_gap_error) == pytest.approx(
+        float(gap / truth.separation - 1), rel=1e-2
+    )
 
 
 @pytest.mark.paper
@@ -117,7 +119,12 @@ def test_cells_records_and_grounds_are_taken_one_by_one():
     first = sl.Bilinear(xr.DataArray([0.8, 1.2], dims="period"), 0.05)
     grounds = sl.KanaiTajimi(xr.DataArray([0.5, 1.0], dims="soil"), 0.4)
     table = sl.damping_for_gap({"a": noise(), "b": noise(1)}, first, SECOND, 0.02, ground=grounds)
-    assert dict(table.least_added_damping.sizes) == {"record": 2, "period": 2, "soil": 2, "damped": 3}
+    assert dict(table.least_added_damping.sizes) == {
+        "record": 2,
+        "period": 2,
+        "soil": 2,
+        "damped": 3,
+    }
     last = first.isel({"period": 1}), SECOND
     alone = sl.damping_for_gap(noise(1), *last, 0.02, ground=grounds.isel({"soil": 1}))
     for name in ("least_added_damping", "least_added_damping_recorded", "critical_gap"):

@@ -36,7 +36,9 @@ RIGHT = BLOCK.format(n=2, period=0.3, storeys=2, height=3.5)
 def of(*buildings: str) -> str:
     """These buildings with few motions, and without an existing gap."""
     text = with_buildings(*buildings).replace("2048", "128").partition("[contact]")[0]
-    return text.replace('existing = "5 cm"', "").replace("floors_align = true", "floors_align = false")
+    return text.replace('existing = "5 cm"', "").replace(
+        "floors_align = true", "floors_align = false"
+    )
 
 
 def with_codes(text: str) -> str:
@@ -118,7 +120,9 @@ def test_every_kind_of_case_stands_to_scale(name: str, answer: Any) -> None:
     table = one.separation
     shares, gaps, buildings = drawn(one)
     apart = CM * (table.gap[0].item() if one.existing is None else one.existing.attrs["gap_m"])
-    wanted = [(face, b.height or 10.0) for face, b in zip((0, apart), one.case.buildings, strict=False)]
+    wanted = [
+        (face, b.height or 10.0) for face, b in zip((0, apart), one.case.buildings, strict=False)
+    ]
     np.testing.assert_allclose(walls(buildings), wanted, rtol=1e-12, atol=1e-12)
     row = 0 if one.existing is None else 1
     assert (row, CM * table.gap[0].item()) in dimension_lines(gaps)
@@ -146,7 +150,9 @@ def test_every_kind_of_case_stands_to_scale(name: str, answer: Any) -> None:
 def test_slabs_on_columns_are_marked_and_a_line_stands_where_one_building_ends(answer: Any) -> None:
     one = answer("storeys")
     *_, buildings = drawn(one)
-    floors = [[segment[0][1] for segment in lines.get_segments()] for lines in buildings.collections]
+    floors = [
+        [segment[0][1] for segment in lines.get_segments()] for lines in buildings.collections
+    ]
     np.testing.assert_allclose(floors[0], [3.2, 6.4, 9.6])
     apart = CM * one.separation.gap[0].item()
     marks = {
@@ -162,7 +168,9 @@ def test_slabs_on_columns_are_marked_and_a_line_stands_where_one_building_ends(a
 
 def test_codes_of_the_file_have_a_line_or_words_why_not(answer: Any) -> None:
     _, gaps, _ = drawn(answer("codes"))
-    assert {"at least the answer", "less than the answer"} <= {text.get_text() for text in gaps.texts}
+    assert {"at least the answer", "less than the answer"} <= {
+        text.get_text() for text in gaps.texts
+    }
     one = answer("codes without heights")
     _, gaps, _ = drawn(one)
     assert [row for row, _ in dimension_lines(gaps)] == [0, 2]  # that of China without heights
@@ -201,7 +209,9 @@ def test_the_screen_begins_with_the_required_gap_verdict_and_reason(name: str, a
         assert f"in {100 * one.existing.no_pounding_probability.item():.1f}" in first[1]
         assert first[2] == f"Verdict: {word}; 90\N{NO-BREAK SPACE}% are required."
         ends = dict.fromkeys(("_lower", "_upper"), (0.85, 0.93))
-        near = {f"no_pounding_probability{end}": both[n] for n, (end, both) in enumerate(ends.items())}
+        near = {
+            f"no_pounding_probability{end}": both[n] for n, (end, both) in enumerate(ends.items())
+        }
         undecided = dataclasses.replace(one, existing=one.existing.assign(near))
         assert first_lines(undecided)[3].startswith("Verdict: undecided within the error")
 
@@ -211,7 +221,10 @@ def test_limits_of_the_existing_gap_are_factors_on_what_there_is(answer: Any) ->
     one = answer("oscillators")
     known = {"largest_intensity": (0.2, 0.19, 0.21), "least_added_damping": (0.1, 0.08, 0.12)}
     known["largest_intensity"] = tuple(0.01 * factor**2 for factor in known["largest_intensity"])
-    known |= {"largest_reduction_factor": (2.0, 1.6, 2.5), "least_reduction_factor": (0.5, 0.4, 0.8)}
+    known |= {
+        "largest_reduction_factor": (2.0, 1.6, 2.5),
+        "least_reduction_factor": (0.5, 0.4, 0.8),
+    }
 
     def shown(**changed: float) -> list[tuple[str, ...]]:
         limits = {
@@ -228,7 +241,9 @@ def test_limits_of_the_existing_gap_are_factors_on_what_there_is(answer: Any) ->
         ("at least 2", "1.6 to 2.5"), ("at most 8", "5 to 10"),
         ("at most 0.2", "0.19 to 0.21"), ("at least 0.1", "0.08 to 0.12"),
     ]  # fmt: skip
-    beyond = shown(largest_reduction_factor=np.inf, least_reduction_factor=0.0, largest_intensity=np.nan)
+    beyond = shown(
+        largest_reduction_factor=np.inf, least_reduction_factor=0.0, largest_intensity=np.nan
+    )
     assert beyond == [
         ("every value tried", ""),
         ("no tried value is enough", ""),

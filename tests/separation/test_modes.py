@@ -64,7 +64,9 @@ def test_floors_that_are_not_level_move_with_the_floors_about_them():
 def test_two_oscillators_are_combined_by_eq_3_and_eq_4():
     table, peaks = by_codes(ONE, OTHER), []
     for period in (0.5, 0.62):
-        ordinate = 2.5 * 1.15 * 2.5 * min(1, 0.6 / period)  # the plateau of Eurocode 8 and what follows
+        ordinate = (
+            2.5 * 1.15 * 2.5 * min(1, 0.6 / period)
+        )  # the plateau of Eurocode 8 and what follows
         peaks.append(ordinate * (period / (2 * np.pi)) ** 2)
     rho = float(sl.rho_white_noise(0.5, 0.62, 0.05, 0.05).rho)
     expected = float(sl.critical_gap(*peaks, rho).gap)
@@ -105,7 +107,9 @@ def test_codes_apply_their_factors_to_both():
     np.testing.assert_allclose(table.cqc.sel(rule="asce_7"), expected, rtol=1e-12)
     np.testing.assert_allclose(table.gap.sel(rule="asce_7"), first + second, rtol=1e-12)
     assert np.isnan(table.cqc.sel(rule=["srss", "asce_41"])).all()
-    lacking = by_codes(TALL, LOW, deflection_1=2.5, deflection_2=4.5).missing.sel(rule="asce_7").item()
+    lacking = (
+        by_codes(TALL, LOW, deflection_1=2.5, deflection_2=4.5).missing.sel(rule="asce_7").item()
+    )
     assert lacking == "behaviour_1 (response modification coefficient R), behaviour_2"
 
 

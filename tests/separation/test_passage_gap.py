@@ -75,7 +75,9 @@ class TestPassage:
 
     def test_without_an_offset_it_is_that_of_vanmarcke(self):
         process = one_course(0.0, 1.0)
-        np.testing.assert_allclose(shares(process, self.GAPS), vanmarcke(process, self.GAPS), rtol=1e-9)
+        np.testing.assert_allclose(
+            shares(process, self.GAPS), vanmarcke(process, self.GAPS), rtol=1e-9
+        )
 
     def test_of_a_permanent_offset_it_is_the_mean_over_a_gaussian(self):
         process = one_course(0.08, 1.0)
@@ -126,7 +128,9 @@ def at_levels(structures, ground):
 @pytest.mark.parametrize("name", with_slow(GROUNDS, {"white", "high pass"}))
 def test_moments_of_a_pair_are_those_of_the_lyapunov_equation(name):
     ground = GROUNDS[name]
-    pair = [sl.Bilinear(T, 0.05, 0.05, yield_displacement=uy) for T, uy in ((0.6, 0.016), (1.0, 0.03))]
+    pair = [
+        sl.Bilinear(T, 0.05, 0.05, yield_displacement=uy) for T, uy in ((0.6, 0.016), (1.0, 0.03))
+    ]
     solved = at_levels(pair, ground)
     side = drifting_side(solved.solved.values)
     tops = [taken(side, np.array([place])) for place in (15, 31)]
@@ -281,7 +285,10 @@ class TestRefusals:
         )
         for other, words in (
             (sl.BoucWen(0.5, 0.05, 0.1, reduction_factor=3), "no drift closure for BoucWen"),
-            (sl.Bilinear(0.5, 0.05, 0.0, yield_displacement=0.02), "without stiffness after yielding"),
+            (
+                sl.Bilinear(0.5, 0.05, 0.0, yield_displacement=0.02),
+                "without stiffness after yielding",
+            ),
         ):
             with pytest.raises(ValueError, match=words):
                 gap(PAIR[0], other)

@@ -36,7 +36,9 @@ def test_it_is_eq_3_of_the_elastic_peaks_times_d_with_the_linearized_rho(ground)
     rho = sl.correlate(first, second, ground).rho
     amplified = [
         peak * sl.amplification(structure, ground, closure="gaussian").amplification
-        for structure, peak in zip((first, second), elastic_peaks(1.0, 1.6, ground=ground), strict=True)
+        for structure, peak in zip(
+            (first, second), elastic_peaks(1.0, 1.6, ground=ground), strict=True
+        )
     ]
     assert gap_of(table) == pytest.approx(float(sl.critical_gap(*amplified, rho).gap), rel=1e-9)
     assert float(table.rho.sel(rule="eq_3_paper")) == pytest.approx(float(rho), rel=1e-12)
@@ -68,7 +70,9 @@ def test_with_one_peak_factor_for_all_responses_it_would_be_linearization_alone(
         for period, peak in zip((1.0, 1.6), elastic_peaks(1.0, 1.6, ground=LAKEBED), strict=True)
     ]
     with_own = [each * found[f"displacement_std_{n}"] for n, each in enumerate(own, start=1)]
-    assert gap_of(table) == pytest.approx(float(sl.critical_gap(*with_own, found.rho).gap), rel=1e-9)
+    assert gap_of(table) == pytest.approx(
+        float(sl.critical_gap(*with_own, found.rho).gap), rel=1e-9
+    )
     assert abs(gap_of(table) / alone - 1) > 0.02
 
 

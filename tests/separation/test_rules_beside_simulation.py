@@ -55,7 +55,9 @@ def test_rules_are_fed_with_the_peaks_of_the_simulation(table):
     assert float(row(table, "srss").gap) == pytest.approx(np.hypot(first, second), rel=1e-12)
     assert float(row(table, "share_of_sum").gap) == pytest.approx(first + second, rel=1e-12)
     rho = row(table, "eq_3_elastic").rho
-    assert float(rho) == pytest.approx(float(sl.rho_white_noise(0.6, 1.0, 0.05, 0.05).rho), rel=1e-12)
+    assert float(rho) == pytest.approx(
+        float(sl.rho_white_noise(0.6, 1.0, 0.05, 0.05).rho), rel=1e-12
+    )
     for rule in table.rule.values:
         if str(rule).startswith("eq_3") and rule != "eq_3_paper":
             expected = sl.critical_gap(first, second, float(row(table, rule).rho)).gap
@@ -103,7 +105,9 @@ def test_records_stand_beside_the_rules(table):
     shape = np.random.default_rng(3).standard_normal(800) * np.sin(np.pi * time / 16)
     record = xr.DataArray(shape, dims="time", coords={"time": time}, attrs={"units": "m/s^2"})
     pair = (building(0.6), building(1.0))
-    with_records = sl.separation(*pair, FIRM, 30.0, records={"one": record, "two": 2 * record}, **SHORT)
+    with_records = sl.separation(
+        *pair, FIRM, 30.0, records={"one": record, "two": 2 * record}, **SHORT
+    )
     strengths = [float(table[f"yield_displacement_{n}"]) for n in (1, 2)]
     alone = sl.recorded_gap(
         *(
@@ -134,4 +138,6 @@ def test_gaps_go_with_the_motion(table):
     pair = building(0.6), building(1.0)
     other = sl.separation(*pair, louder, 30.0, confidence=0.8, codes=OF_SITE, **SHORT)
     for rule in ("simulation", "srss", "linearization", "eq_3_iwan_1980", "eq_3_paper"):
-        assert float(row(other, rule).gap / row(table, rule).gap) == pytest.approx(2, rel=1e-9), rule
+        assert float(row(other, rule).gap / row(table, rule).gap) == pytest.approx(2, rel=1e-9), (
+            rule
+        )

@@ -111,7 +111,9 @@ def test_what_an_existing_set_back_allows_and_how_often_it_is_crossed() -> None:
 
 @pytest.mark.invariant
 def test_a_table_of_buildings_has_a_set_back_each() -> None:
-    periods = xr.DataArray([0.5, -1.0, 30.0, 1.0], dims="period", coords={"period": [0.5, -1, 30, 1.0]})
+    periods = xr.DataArray(
+        [0.5, -1.0, 30.0, 1.0], dims="period", coords={"period": [0.5, -1, 30, 1.0]}
+    )
     table = sl.separation(sl.Bilinear(periods, 0.05), None, GROUND, **QUAKE)
     one = sl.separation(sl.Bilinear(0.5, 0.05), None, GROUND, **QUAKE)
     assert table.gap.isel(period=0).equals(one.gap.assign_coords(period=0.5))
@@ -139,7 +141,13 @@ def test_its_peak_is_that_beside_a_neighbour_on_the_same_motions() -> None:
     """A softer neighbour leaves the time steps as they are."""
     beside = sl.separation(OFFICE, sl.Bilinear(1.7, 0.05), GROUND, **QUAKE)
     alone = sl.separation(OFFICE, None, GROUND, **QUAKE)
-    for name in ("peak_1", "peak_mean_1", "ductility_1", "yield_displacement_1", "reduction_factor_1"):
+    for name in (
+        "peak_1",
+        "peak_mean_1",
+        "ductility_1",
+        "yield_displacement_1",
+        "reduction_factor_1",
+    ):
         assert float(alone[name]) == float(beside[name]), name
 
 

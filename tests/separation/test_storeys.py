@@ -54,9 +54,13 @@ def test_buildings_of_one_storey_get_the_answer_of_oscillators():
 def test_one_gap_holds_at_all_heights_and_each_height_asks_for_no_more(answer):
     gap, at_height = answer.gap.sel(rule="simulation"), answer.gap_at_height.sel(rule="simulation")
     assert answer.height.values.tolist() == pytest.approx([3.2, 3.5, 6.4, 7.0])
-    assert float(gap) == pytest.approx(float(np.quantile(answer.separation_samples, 0.9)), rel=1e-12)
+    assert float(gap) == pytest.approx(
+        float(np.quantile(answer.separation_samples, 0.9)), rel=1e-12
+    )
     assert float(gap) >= float(at_height.max())
-    assert float(answer.governing_height[0]) == float(at_height.height[int(np.argmax(at_height.values))])
+    assert float(answer.governing_height[0]) == float(
+        at_height.height[int(np.argmax(at_height.values))]
+    )
     codes = answer.gap_at_height.sel(rule="srss")
     peaks = np.hypot(answer.peak_at_height_1, answer.peak_at_height_2)
     np.testing.assert_allclose(codes, peaks, rtol=1e-12)
@@ -78,7 +82,9 @@ def test_linearized_rule_is_that_of_the_system(answer):
 
 def test_finite_motions_are_answered_where_there_is_no_stationary_one():
     """The weight takes the hardening of a storey: linearized numbers are missing, the rest is there."""
-    soft = sl.ShearBuilding([4e5] * 2, [4e7] * 2, [3.0] * 2, 0.05, 0.05, yield_drifts=0.02, p_delta=True)
+    soft = sl.ShearBuilding(
+        [4e5] * 2, [4e7] * 2, [3.0] * 2, 0.05, 0.05, yield_drifts=0.02, p_delta=True
+    )
     measures = {"dampers": sl.Measure(0.1, 0.1)}
     table = sl.mitigate(soft, building(2), FIRM, gap=0.5, measures=measures, **FEW)
     assert np.isfinite(table.required_gap).all()

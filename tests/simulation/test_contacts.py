@@ -54,12 +54,15 @@ sizes = powers(-5, 0.5)
 def steepest(law, v0, dt, deepest):
     """A bound of the slope of the mean force over the change, for penetrations up to the deepest.
 
-    The mean of a function of the penetration has half its slope at most. The mean force of a dashpot is
-    ``c/dt`` times the difference of an integral of ``d^p``, which has the slope ``d^p`` at its end.
+    The mean of a function of the penetration has half its slope at most. The mean force of a
+    dashpot is ``c/dt`` times the difference of an integral of ``d^p``, which has the slope ``d^p``
+    at its end.
     """
     elastic = law.stiffness * law.exponent * deepest ** (law.exponent - 1)
     if law.over_approach:
-        return elastic + (law.damping * law.stiffness * deepest**law.exponent / (v0 * dt) if v0 else 0.0)
+        return elastic + (
+            law.damping * law.stiffness * deepest**law.exponent / (v0 * dt) if v0 else 0.0
+        )
     return elastic + law.damping * deepest**law.damping_exponent / dt
 
 
@@ -73,9 +76,14 @@ def test_mean_force_is_the_mean_of_the_force(law, v0, before, size, sign, dt):
     total, elastic = mean_force(law, v0, before, change, dt)
     v = change / dt
     kinks = [0.0, -law.damping * v / law.stiffness]
-    inside = sorted(d for d in kinks if min(before, before + change) < d < max(before, before + change))
+    inside = sorted(
+        d for d in kinks if min(before, before + change) < d < max(before, before + change)
+    )
     ends = [before, *(inside if change > 0 else inside[::-1]), before + change]
-    for found, each in ((total, law), (elastic, law_table([ForceLaw(law.stiffness, law.exponent)])[0])):
+    for found, each in (
+        (total, law),
+        (elastic, law_table([ForceLaw(law.stiffness, law.exponent)])[0]),
+    ):
         parts = [
             quad(lambda d, each=each: force(each, d, v, v0), *pair, epsabs=0, epsrel=1e-11)[0]
             for pair in pairwise(ends)
@@ -85,7 +93,12 @@ def test_mean_force_is_the_mean_of_the_force(law, v0, before, size, sign, dt):
 
 
 @given(
-    law=laws(), v0=speeds, before=places, share=powers(-15, 0.5), sign=st.sampled_from([1, -1]), dt=steps
+    law=laws(),
+    v0=speeds,
+    before=places,
+    share=powers(-15, 0.5),
+    sign=st.sampled_from([1, -1]),
+    dt=steps,
 )
 def test_elastic_work_is_the_change_of_the_stored_energy(law, v0, before, share, sign, dt):
     change = sign * share * max(abs(before), 1e-4)
@@ -111,7 +124,13 @@ def test_mean_force_grows_with_the_change_and_has_no_jumps(law, v0, before, size
     assert (rise <= slope * np.diff(changes) + NOISE * most).all()
 
 
-@given(law=laws(), v0=speeds, before=powers(-4, 0), share=powers(-17, -6), sign=st.sampled_from([1, -1]))
+@given(
+    law=laws(),
+    v0=speeds,
+    before=powers(-4, 0),
+    share=powers(-17, -6),
+    sign=st.sampled_from([1, -1]),
+)
 @example(law_table([ForceLaw(1.0, 1.0, 1.0, 0.0, tension=False)])[0], 1.0, 0.01, 1e-12, -1)
 def test_mean_force_over_a_small_change_is_that_at_an_instant(law, v0, before, share, sign):
     """A contact at rest, or at its deepest, has such changes."""

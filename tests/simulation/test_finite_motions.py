@@ -119,7 +119,9 @@ def test_a_motion_has_the_same_bits_among_few_and_many_and_beside_other_structur
     many = sl.simulate(OF_ALL_LAWS, BROAD, paths=96, duration=6.0, seed=4, steps_per_period=40)
     few = sl.simulate(OF_ALL_LAWS, BROAD, paths=32, duration=6.0, seed=4, steps_per_period=40)
     np.testing.assert_array_equal(few.separation, many.separation[:32])
-    turned = sl.simulate(OF_ALL_LAWS[::-1], BROAD, paths=32, duration=6.0, seed=4, steps_per_period=40)
+    turned = sl.simulate(
+        OF_ALL_LAWS[::-1], BROAD, paths=32, duration=6.0, seed=4, steps_per_period=40
+    )
     np.testing.assert_array_equal(turned.peak[:, ::-1], few.peak)
     np.testing.assert_array_equal(turned.separation[:, 2, 0], few.separation[:, 0, 2])
 
@@ -130,7 +132,9 @@ def test_an_interval_of_a_quantile_contains_it_as_often_as_it_says(count):
     levels = np.array([0.02, 0.5, 0.84, 0.95, 0.999])
     ranks = np.arange(1, count + 1)
     _, low, high = quantile_intervals(ranks.astype(float), levels)
-    below = np.array([scipy.stats.binom.pmf(np.arange(count + 1), count, level) for level in levels])
+    below = np.array(
+        [scipy.stats.binom.pmf(np.arange(count + 1), count, level) for level in levels]
+    )
     covered = [
         p[int(a) : int(min(b, count + 1))].sum() for p, a, b in zip(below, low, high, strict=True)
     ]

@@ -39,7 +39,8 @@ def test_bouc_wen_is_of_fourth_order(own):
     away = np.where(RATES * BEFORE > 0, BEFORE, 0.1 * np.sign(RATES))  # sign z does not change
     exact = solve_ivp(law, (0, 0.3), away[0], method="DOP853", rtol=1e-12, atol=1e-13).y[:, -1]
     errors = [
-        np.abs(after(0.3, steps, own=lanes(*own), before=away)[0] - exact).max() for steps in (8, 16, 32)
+        np.abs(after(0.3, steps, own=lanes(*own), before=away)[0] - exact).max()
+        for steps in (8, 16, 32)
     ]
     assert errors[0] < 2e-3
     assert 3.5 < np.log2(errors[1] / errors[2]) < 4.4
@@ -56,9 +57,13 @@ def test_long_steps_are_divided(n):
 def test_no_lane_depends_on_another():
     mixed = lanes(0.5, 0.5, 1.0)
     mixed[2, ::3] = 2.5
-    rates = RATES * np.where(np.arange(LANES) % 2, 1.0, 30.0)  # every second lane needs shorter steps
+    rates = RATES * np.where(
+        np.arange(LANES) % 2, 1.0, 30.0
+    )  # every second lane needs shorter steps
     whole = after(0.05, own=mixed, rates=rates)
     for lane in range(LANES):
-        of_one = [np.repeat(x[..., lane : lane + 1], LANES, axis=-1) for x in (mixed, rates, BEFORE)]
+        of_one = [
+            np.repeat(x[..., lane : lane + 1], LANES, axis=-1) for x in (mixed, rates, BEFORE)
+        ]
         alone = after(0.05, own=of_one[0], rates=of_one[1], before=of_one[2])
         assert alone[0, 0] == whole[0, lane]

@@ -72,7 +72,9 @@ def test_a_separation_is_at_most_the_sum_of_both_peaks():
 
 @pytest.mark.parametrize("link", [sl.Link(1e12, floors=(1, 1)), sl.Link(0.0, 1e9, floors=(1, 1))])
 def test_a_stiff_link_or_a_strong_dashpot_holds_two_floors_together(link):
-    table = sl.simulate([FRAME, replace(FRAME, masses=2 * FRAME.masses)], BROAD, link=link, **MOTION)
+    table = sl.simulate(
+        [FRAME, replace(FRAME, masses=2 * FRAME.masses)], BROAD, link=link, **MOTION
+    )
     held = table.separation_at_height[:, 0, 1].sel(height=3.0)
     assert float(held.max()) < 0.02 * float(table.separation[:, 0, 1].max())
 

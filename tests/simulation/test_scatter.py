@@ -40,7 +40,9 @@ def test_elastic_structures_and_ground_go_by_one_factor_a_motion():
     dense = factors(paths=64, steps_per_period=64)
     more = factors(paths=128)[:64]
     twice = simulated(scatter=2 * SCATTER, paths=64).peak / simulated(scatter=0.0, paths=64).peak
-    ground = [sl.simulated_motions(FIRM, paths=64, **QUAKE, scatter=s, step=0.05) for s in (0, SCATTER)]
+    ground = [
+        sl.simulated_motions(FIRM, paths=64, **QUAKE, scatter=s, step=0.05) for s in (0, SCATTER)
+    ]
     shaken = (ground[1].isel(time=50) / ground[0].isel(time=50)).values
     for found in (others, dense, more, np.sqrt(twice.values[:, 1]), shaken):
         np.testing.assert_allclose(found, own, rtol=1e-9)
@@ -89,11 +91,17 @@ def test_the_scatter_of_a_ground_is_the_default_of_all(call):
 @pytest.mark.invariant
 @pytest.mark.parametrize("wrong", [-0.1, 2.1, 40, np.nan, np.inf, "0.4", [0.4], True])
 def test_scatter_out_of_range_is_refused_by_all(wrong):
-    every = [lambda: simulated(scatter=wrong), lambda: sl.simulated_motions(FIRM, 5.0, scatter=wrong)]
+    every = [
+        lambda: simulated(scatter=wrong),
+        lambda: sl.simulated_motions(FIRM, 5.0, scatter=wrong),
+    ]
     options = {**QUAKE, "paths": 512, "scatter": wrong}
-    every += [lambda c=c, more=more: c(*ELASTIC, FIRM, **more, **options) for c, more in OF_ALL.items()]
+    every += [
+        lambda c=c, more=more: c(*ELASTIC, FIRM, **more, **options) for c, more in OF_ALL.items()
+    ]
     for call in every:
         with pytest.raises(
-            ValueError, match=r"scatter = .* is (no number|out of range); allowed: a number from 0 to 2"
+            ValueError,
+            match=r"scatter = .* is (no number|out of range); allowed: a number from 0 to 2",
         ):
             call()

@@ -15,7 +15,10 @@ TOWER = sl.ShearBuilding(
 
 @pytest.mark.parametrize("law", [sl.Bilinear, sl.BoucWen])
 def test_a_throw_without_motion_has_the_peaks_of_free_vibration(law):
-    row = [law(1.0, 0.05, 0.05, yield_displacement=0.5), law(0.5, 0.05, 0.05, yield_displacement=0.5)]
+    row = [
+        law(1.0, 0.05, 0.05, yield_displacement=0.5),
+        law(0.5, 0.05, 0.05, yield_displacement=0.5),
+    ]
     start = sl.Start(displacement=[0.0, 0.02], velocity=[0.1, 0.0])
     table = sl.simulate(row, WEAK, duration=3.0, paths=32, steps_per_period=256, start=start)
     w, xi = 2 * np.pi, 0.05
@@ -49,7 +52,9 @@ def test_a_linked_tower_begins_as_in_a_record():
 
 
 def test_a_stationary_response_has_no_start():
-    with pytest.raises(ValueError, match="start is given without a duration; allowed: both, or neither"):
+    with pytest.raises(
+        ValueError, match="start is given without a duration; allowed: both, or neither"
+    ):
         sl.simulate([TOWER], WEAK, start=sl.Start(velocity=[0.1] * 3))
     with pytest.raises(ValueError, match=r"velocity has 2 values; allowed: 3, of 1.1, 1.2, 1.3"):
         sl.simulate([TOWER], WEAK, duration=3.0, start=sl.Start(velocity=[0.1] * 2))

@@ -199,7 +199,9 @@ def test_paths_come_in_whole_groups_and_progress_ends_at_one():
     "ground",
     [
         sl.KanaiTajimi(1.0, 0.3, intensity=0.01),
-        sl.ParallelGround([sl.KanaiTajimi(T, 0.6) for T in (0.4, 0.8)]),  # no closure knows its drift
+        sl.ParallelGround(
+            [sl.KanaiTajimi(T, 0.6) for T in (0.4, 0.8)]
+        ),  # no closure knows its drift
     ],
     ids=["soil", "parallel"],
 )
@@ -218,7 +220,9 @@ def test_a_drift_that_takes_too_long_is_not_resolved_and_keeps_its_simulated_val
     # it lacks the drift, so that it is hardly more than the vibration
     assert float(table.displacement_std[0]) < 1.2 * float(elastic.displacement_std) + ERRORS * error
     alone = sl.simulate([usual], ground, paths=32)
-    assert float(alone.displacement_std[0]) == pytest.approx(float(table.displacement_std[1]), rel=0.02)
+    assert float(alone.displacement_std[0]) == pytest.approx(
+        float(table.displacement_std[1]), rel=0.02
+    )
 
 
 @pytest.mark.extreme

@@ -33,7 +33,8 @@ W, DAMPING, ALPHA = 2 * np.pi, 0.05, 0.1
 CHOSEN = range(0, LANES, 4)  # lanes that are followed by the other integrator
 OSCILLATOR = np.array([2 * DAMPING * W, ALPHA * W**2, (1 - ALPHA) * W**2, 1.0])
 
-# Three harmonics: about the natural frequency, below and above it; a phase and a strength each lane.
+# Three harmonics: about the natural frequency, below and above it; a phase and a strength each
+# lane.
 FREQUENCIES = np.array([0.63, 0.97, 1.71]) * W
 RNG = np.random.default_rng(19)
 AMPLITUDES = RNG.uniform(10.0, 30.0, (len(FREQUENCIES), LANES))
@@ -63,7 +64,8 @@ def one_storey(kind):
         (d, k, h, scale, *own), one = law[0], np.ones((1, 1))
         system = System(one[0], d * one, one, one, *map(np.atleast_1d, (k, h, 1.0)))
         part = SteppedStructures(
-            Elements(system, np.array([kind]), np.array([1]), np.array([own])), by_number((BOUC_WEN,))
+            Elements(system, np.array([kind]), np.array([1]), np.array([own])),
+            by_number((BOUC_WEN,)),
         )
         state = part.at_rest()
         q, rate, elastic = state.coordinates.q, state.coordinates.v, state.elements.z
@@ -124,7 +126,12 @@ def bilinear_by_events(lane):
     while now < SECONDS:
         ahead = times > now
         part = solve_ivp(
-            rates, (now, SECONDS), state, t_eval=times[ahead], events=turns if side else yields, **TIGHT
+            rates,
+            (now, SECONDS),
+            state,
+            t_eval=times[ahead],
+            events=turns if side else yields,
+            **TIGHT,
         )
         if len(part.t):  # a short stretch may have none
             found[np.flatnonzero(ahead)[: len(part.t)]] = part.y[0]
@@ -149,7 +156,9 @@ def test_bilinear_motion_converges_to_the_exact_one_with_the_square_of_the_step(
 @pytest.mark.slow
 @pytest.mark.parametrize("exponent", [1.0, 1.5, 2.0])
 @pytest.mark.parametrize(("beta", "gamma"), [(0.5, 0.5), (0.7, -0.3)])
-def test_bouc_wen_motion_converges_to_the_exact_one_with_the_square_of_the_step(exponent, beta, gamma):
+def test_bouc_wen_motion_converges_to_the_exact_one_with_the_square_of_the_step(
+    exponent, beta, gamma
+):
     law = np.array([*OSCILLATOR, beta, gamma, exponent])
     d, k, h, _ = OSCILLATOR
 
@@ -242,7 +251,9 @@ def test_stationary_covariance_of_elastic_structures_is_exact_for_any_step(filte
     size, intensity = len(filters), 0.7
     continuous, noise, _ = ground_system(filters, list(zip(stiffness, damping, strict=True)))
     exact = scipy.linalg.solve_continuous_lyapunov(continuous, -intensity * np.outer(noise, noise))
-    ground, driver, output = ground_system(filters) if filters else (np.zeros((0, 0)), *np.zeros((2, 0)))
+    ground, driver, output = (
+        ground_system(filters) if filters else (np.zeros((0, 0)), *np.zeros((2, 0)))
+    )
     steps = filter_steps(ground, driver, output, intensity, dt)
     laws = np.stack([damping, stiffness, np.zeros(2), np.ones(2)], axis=1)
 
@@ -272,6 +283,8 @@ def test_a_peak_between_two_steps_is_known_to_1e_5(steps):
     out = np.repeat(np.stack([3 * path, path], axis=1)[..., None], LANES, axis=2)
     begin, way, highest, lowest = np.zeros((4, 2, LANES))
     for part in np.split(out, [20]):  # block by block
-        keep_extremes(part, rows_of(np.array([[1.0, -1.0], [0.0, -1.0]])), begin, way, highest, lowest)
+        keep_extremes(
+            part, rows_of(np.array([[1.0, -1.0], [0.0, -1.0]])), begin, way, highest, lowest
+        )
     for found, exact in ((highest[0], 4.0), (lowest[0], 0.0), (highest[1], 0.0), (lowest[1], -2.0)):
         np.testing.assert_allclose(found, exact, rtol=1e-5, atol=5e-5)

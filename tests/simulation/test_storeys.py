@@ -24,7 +24,9 @@ LAWS = {
 def four(**changes):
     usual = {"hardening": 0.05, "yield_drifts": [0.010, 0.010, 0.009, 0.008]}
     stiffnesses = np.array([4, 3.6, 3, 2.2]) * 1e8
-    return sl.ShearBuilding([2e5, 2e5, 2e5, 1.5e5], stiffnesses, [3.0] * 4, 0.05, **(usual | changes))
+    return sl.ShearBuilding(
+        [2e5, 2e5, 2e5, 1.5e5], stiffnesses, [3.0] * 4, 0.05, **(usual | changes)
+    )
 
 
 def two(**changes):
@@ -35,7 +37,9 @@ def two(**changes):
 def single(law):
     """A building of one storey and the oscillator that it is."""
     mass, period = 3e5, 0.5
-    building = sl.ShearBuilding([mass], [mass * (2 * np.pi / period) ** 2], [3.0], 0.05, **LAWS[law])
+    building = sl.ShearBuilding(
+        [mass], [mass * (2 * np.pi / period) ** 2], [3.0], 0.05, **LAWS[law]
+    )
     return building, building.oscillator()
 
 
@@ -72,10 +76,14 @@ def test_elastic_floors_have_the_variance_of_their_modes():
 def test_a_storey_that_its_weight_leaves_no_hardening_has_no_stationary_answer():
     soft = {"masses": [4e5] * 2, "stiffnesses": [4e7] * 2, "heights": [3.0] * 2, "damping": 0.05}
     building = sl.ShearBuilding(**soft, hardening=0.05, yield_drifts=0.02, p_delta=True)
-    with pytest.raises(ValueError, match=r"storey 1 has no stiffness after yielding.*with a duration"):
+    with pytest.raises(
+        ValueError, match=r"storey 1 has no stiffness after yielding.*with a duration"
+    ):
         sl.simulate([building], BROAD)
     without = sl.ShearBuilding(**soft, hardening=0.05, yield_drifts=0.02)
-    with_weight, plain = (sl.simulate([b], BROAD, paths=128, duration=30.0) for b in (building, without))
+    with_weight, plain = (
+        sl.simulate([b], BROAD, paths=128, duration=30.0) for b in (building, without)
+    )
     drifts = (table.peak_drift.median("path")[0] for table in (with_weight, plain))
     assert float(next(drifts)) > 1.05 * float(next(drifts))  # in most motions it falls
     fallen = np.isposinf(with_weight.peak_drift).all("element")

@@ -51,7 +51,9 @@ def test_ground_and_type_of_eurocode_8_are_those_of_its_tables():
 @pytest.mark.extreme
 @pytest.mark.oracle
 def test_damping_of_eurocode_8():
-    two, five, thirty = (sl.eurocode_8(2.0, "B", damping=x).sel(period=0.3) for x in (0.02, 0.05, 0.3))
+    two, five, thirty = (
+        sl.eurocode_8(2.0, "B", damping=x).sel(period=0.3) for x in (0.02, 0.05, 0.3)
+    )
     assert float(two / five) == pytest.approx(np.sqrt(10 / 7))
     assert float(thirty / five) == pytest.approx(0.55)
 
@@ -196,11 +198,34 @@ def test_an_array_that_is_no_spectrum_is_refused(change, error, message):
 def test_a_record_in_place_of_a_spectrum_is_named(tmp_path):
     """Its header and its rows are no columns, which would be asked for one by one."""
     write_at2(motion(np.sin(np.arange(64.0))), tmp_path / "site.csv")
-    with pytest.raises(ValueError, match=r"^site\.csv is a record, an AT2 file; allowed: a spectrum"):
+    with pytest.raises(
+        ValueError, match=r"^site\.csv is a record, an AT2 file; allowed: a spectrum"
+    ):
         sl.read_spectrum(tmp_path / "site.csv", elastic=True)
 
 
-PERIODS = [0, 0.01, 0.02, 0.03, 0.05, 0.075, 0.1, 0.15, 0.2, 0.3, 0.5, 0.75, 1, 1.5, 2, 3, 4, 5, 7.5, 10]
+PERIODS = [
+    0,
+    0.01,
+    0.02,
+    0.03,
+    0.05,
+    0.075,
+    0.1,
+    0.15,
+    0.2,
+    0.3,
+    0.5,
+    0.75,
+    1,
+    1.5,
+    2,
+    3,
+    4,
+    5,
+    7.5,
+    10,
+]
 
 
 def usgs(**names):
@@ -231,7 +256,9 @@ ALL = {
         *((ALL, name, name) for name in [*ALL][:4]),
     ],
 )
-def test_a_response_of_the_usgs_is_read_and_says_which_spectrum_it_is(tmp_path, there, column, read):
+def test_a_response_of_the_usgs_is_read_and_says_which_spectrum_it_is(
+    tmp_path, there, column, read
+):
     path = tmp_path / "asce.json"
     path.write_text(usgs(**{name: ALL[name] for name in there}), encoding="utf-8")
     spectrum = sl.read_spectrum(path, column=column)

@@ -27,7 +27,9 @@ def written(folder: Path, period: Array, in_g: Array, name: str = "site.csv") ->
 
 def in_g(period: Array) -> Array:
     """Eurocode 8, type 1, ground B: PGA 0.4 g, plateau 1 g from 0.15 to 0.5 s, written out."""
-    falling = np.minimum(1, 0.5 / np.maximum(period, 0.1)) * np.minimum(1, 2 / np.maximum(period, 0.1))
+    falling = np.minimum(1, 0.5 / np.maximum(period, 0.1)) * np.minimum(
+        1, 2 / np.maximum(period, 0.1)
+    )
     return np.where(period < 0.15, 0.4 + 4 * period, falling)
 
 
@@ -67,7 +69,9 @@ CODES = {
 @pytest.mark.parametrize("name", CODES)
 def test_elastic_spectra_of_codes_are_read_without_a_doubt(name: str, tmp_path: Path) -> None:
     period, ordinates = CODES[name]
-    spectrum = sl.read_spectrum(written(tmp_path, period, ordinates), elastic=True, between="linear")
+    spectrum = sl.read_spectrum(
+        written(tmp_path, period, ordinates), elastic=True, between="linear"
+    )
     np.testing.assert_allclose(spectrum.sel(period=period) / G, ordinates, rtol=1e-9)
     begins = pga_of(spectrum)
     assert (begins is None) == (name != "India")
@@ -101,7 +105,9 @@ def test_the_gap_is_that_of_both_elastic_displacements_by_hand(way: str, tmp_pat
     assert table.attrs["spectrum"] == f"site.csv (PGA 0.4 g, plateau 1 g, {words})"
 
 
-def spectrum_of(period: Array = EVEN, divided: float | Array = 1.0, **attrs: object) -> xr.DataArray:
+def spectrum_of(
+    period: Array = EVEN, divided: float | Array = 1.0, **attrs: object
+) -> xr.DataArray:
     """An array that says nothing itself."""
     values = G * in_g(period) / divided
     about = {"units": "m/s^2", "damping": 0.05, "source": "mine"} | attrs
@@ -111,7 +117,9 @@ def spectrum_of(period: Array = EVEN, divided: float | Array = 1.0, **attrs: obj
 @pytest.mark.invariant
 def test_what_contradicts_an_elastic_spectrum_is_asked_about() -> None:
     code = sl.eurocode_8(0.25 * G, "C")
-    with pytest.warns(sl.DoubtfulInput, match=r"its ordinates are 0.333 of those .* is it divided by 3"):
+    with pytest.warns(
+        sl.DoubtfulInput, match=r"its ordinates are 0.333 of those .* is it divided by 3"
+    ):
         sl.code_gaps(modes_1=sl.Bilinear(0.4, 0.05), spectrum=code / 3, elastic=True)
     with pytest.warns(sl.DoubtfulInput, match="at 0 s is exactly 1 g; are ordinates divided by"):
         sl.code_gaps(modes_1=sl.Bilinear(0.4, 0.05), spectrum=spectrum_of() / 0.4, elastic=True)
@@ -119,7 +127,8 @@ def test_what_contradicts_an_elastic_spectrum_is_asked_about() -> None:
 
 @pytest.mark.invariant
 @pytest.mark.parametrize(
-    "title", ["Sa/PGA", "Se/ag [-]", "Sa/R [g]", "Sa design q=3 [g]", "Sa SRSS [g]", "Sa vertical [g]"]
+    "title",
+    ["Sa/PGA", "Se/ag [-]", "Sa/R [g]", "Sa design q=3 [g]", "Sa SRSS [g]", "Sa vertical [g]"],
 )
 def test_a_title_of_another_spectrum_is_not_taken_by_itself(title: str, tmp_path: Path) -> None:
     path = written(tmp_path, EVEN, in_g(EVEN))
@@ -135,7 +144,9 @@ USES = {
     "simulated_spectrum": lambda spectrum, **said: (
         sl.simulated_spectrum(GROUND, spectrum, 8.0, paths=32, **said).target
     ),
-    "scale_records": lambda spectrum, **said: sl.scale_records({"a": RECORD}, spectrum=spectrum, **said),
+    "scale_records": lambda spectrum, **said: sl.scale_records(
+        {"a": RECORD}, spectrum=spectrum, **said
+    ),
     "code_gaps": lambda spectrum, **said: (
         sl.code_gaps(modes_1=sl.Bilinear(0.4, 0.05), spectrum=spectrum, **said).peak_1
     ),
@@ -145,7 +156,9 @@ USES = {
 @pytest.mark.invariant
 @pytest.mark.parametrize("use", with_slow(USES, {"fit_ground"}))
 def test_an_array_says_once_what_it_is(use: str) -> None:
-    with pytest.warns(sl.DoubtfulInput, match=r"mine: nothing says that it is elastic \(PGA 0.4 g, pl"):
+    with pytest.warns(
+        sl.DoubtfulInput, match=r"mine: nothing says that it is elastic \(PGA 0.4 g, pl"
+    ):
         USES[use](spectrum_of())
     whole, quarter = (
         USES[use](spectrum_of(), elastic=True),
@@ -161,7 +174,9 @@ def test_an_array_says_once_what_it_is(use: str) -> None:
 
 @pytest.mark.invariant
 @pytest.mark.parametrize("store", ["netcdf", "zarr"])
-def test_what_a_spectrum_is_survives_files_and_is_not_said_twice(store: str, tmp_path: Path) -> None:
+def test_what_a_spectrum_is_survives_files_and_is_not_said_twice(
+    store: str, tmp_path: Path
+) -> None:
     spectrum = sl.read_spectrum(written(tmp_path, EVEN, in_g(EVEN) / 4), divided_by=4).rename("sa")
     if store == "netcdf":
         spectrum.to_netcdf(tmp_path / "kept.nc")
@@ -220,7 +235,9 @@ def test_a_shape_that_no_elastic_spectrum_has_is_doubted(divisor, level, said, t
 @pytest.mark.invariant
 def test_a_plateau_below_the_peak_ground_acceleration_is_doubted() -> None:
     divided = spectrum_of(divided=4)
-    assert "above the plateau of the spectrum, 0.25 g; is that divided" in doubt_of_pga(divided, 0.4 * G)
+    assert "above the plateau of the spectrum, 0.25 g; is that divided" in doubt_of_pga(
+        divided, 0.4 * G
+    )
     assert doubt_of_pga(spectrum_of(), 0.4 * G) == ""
     with pytest.warns(sl.DoubtfulInput, match=r"design_pga = 3\.92266 is above the plateau"):
         USES["code_gaps"](divided, elastic=True, design_pga=0.4 * G)
@@ -232,12 +249,18 @@ def test_a_plateau_below_the_peak_ground_acceleration_is_doubted() -> None:
     [
         ({"elastic": False}, "elastic = False is given alone; allowed: divided_by="),
         ({"elastic": True, "divided_by": 4}, "elastic = True is given beside divided_by"),
-        ({"divided_by": 0.25}, r"divided_by = 0\.25 is out of range; allowed: a number of at least 1"),
+        (
+            {"divided_by": 0.25},
+            r"divided_by = 0\.25 is out of range; allowed: a number of at least 1",
+        ),
         (
             {"divided_by": TABLE[:3]},
             "divided_by has 0 to 2 s; allowed: a table for all periods .*, 0 to 4 s",
         ),
-        ({"divided_by": TABLE[::-1]}, "divided_by is not such a table; allowed: numbers of at least 1"),
+        (
+            {"divided_by": TABLE[::-1]},
+            "divided_by is not such a table; allowed: numbers of at least 1",
+        ),
         ({"divided_by": TABLE.rename(period="time")}, r"dimensions \('time',\); allowed"),
     ],
 )

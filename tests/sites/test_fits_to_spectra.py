@@ -15,7 +15,8 @@ ENVELOPE = sl.AminAng(2.0, 12.0, 0.4)
 FIRM, YIELDING = sl.named_ground("firm", 0.01), sl.Bilinear(1.0, 0.05, 0.1, reduction_factor=3)
 RECORD = sl.simulated_motions(FIRM, 20.0, paths=2)[0]
 CODES = {
-    f"type {kind}, {soil}": sl.eurocode_8(0.25 * G, soil, kind) for kind, soil in ((1, "D"), (2, "A"))
+    f"type {kind}, {soil}": sl.eurocode_8(0.25 * G, soil, kind)
+    for kind, soil in ((1, "D"), (2, "A"))
 }
 CODES["ASCE 7"] = sl.asce_7(0.68 * G, 0.39 * G, 12.0)
 
@@ -47,7 +48,10 @@ def test_motions_deliver_the_spectrum(name):
             {"duration": 20.0, "estimator": "psd"},
             "estimator = 'psd' does not apply: target is a spectrum",
         ),
-        ({"target": RECORD, "duration": 20.0}, r"duration = 20\.0 does not apply: target is a record"),
+        (
+            {"target": RECORD, "duration": 20.0},
+            r"duration = 20\.0 does not apply: target is a record",
+        ),
     ],
 )
 def test_options_that_do_not_go_with_the_target_are_refused(options, message):
@@ -97,7 +101,9 @@ def test_a_seed_is_an_answer_and_fewer_paths_are_the_first():
 
 APART = {  # each value is allowed, and not with the others
     "tl = 8 s; allowed: longer than TS = sd1/sds = 9 s": lambda: sl.asce_7(0.3 * G, 2.7 * G, 8.0),
-    "step = 30.0 is out of range; allowed: 0 < step": lambda: sl.simulated_motions(FIRM, 9.0, step=30.0),
+    "step = 30.0 is out of range; allowed: 0 < step": lambda: sl.simulated_motions(
+        FIRM, 9.0, step=30.0
+    ),
     "nothing is given; allowed: one of pga, sa": lambda: sl.scale_records({"a": RECORD}),
     "is not within the spectrum": lambda: sl.scale_records(
         {"a": RECORD}, spectrum=CODES["ASCE 7"], band=(2.0, 80.0)

@@ -130,7 +130,8 @@ def test_every_form_gives_the_same_curve(tmp_path, case):
 def test_between_two_files_a_power_law_is_exact(tmp_path, period):
     """Its accelerations of one frequency are a power of the period, so that logarithms lie on lines."""
     files = [
-        write(tmp_path, openquake(of), f"{of}.csv") for of in ("SA(2.0)", "PGA", "SA(0.2)", "SA(0.5)")
+        write(tmp_path, openquake(of), f"{of}.csv")
+        for of in ("SA(2.0)", "PGA", "SA(0.2)", "SA(0.5)")
     ]
     hazard = sl.read_hazard(files, "sa", period=period, site=1)
     exact = 1e-6 * (np.array(hazard.intensities) / G * period**0.8) ** -2.5
@@ -172,7 +173,9 @@ REFUSALS = {
         "pga [g],pdf\n.1,.01\n.2,.001\n",
         {"frequency_column": 2},
     ),
-    "has 'poe', a probability; give investigation_time=": columns("pga [g],poe", LEVELS, probability()),
+    "has 'poe', a probability; give investigation_time=": columns(
+        "pga [g],poe", LEVELS, probability()
+    ),
     "line 3: the annual frequency is 0": columns("pga [g],rate", [0.1, 0.2, 0.3], [1, 0, 0.1]),
     "site = 1 does not apply": (columns("pga [g],rate", LEVELS, frequency()), {"site": 1}),
     r"is no response of the hazard service of the USGS \(Expecting": '{"response": [',
@@ -181,7 +184,9 @@ REFUSALS = {
     "csv, PGA: 7 xs beside 8 ys; allowed: as many of both": USGS.replace("[0.05, ", "[", 1),
     "PGA, number 1: the annual frequency is inf; allowed: a finite number": changed_usgs(ys=np.inf),
     "PGA, number 1: the annual frequency is nan; allowed": changed_usgs(ys=np.nan),
-    "PGA, number 1: the intensity is inf; allowed": changed_usgs(xs=-np.inf).replace("-Inf", "Inf", 1),
+    "PGA, number 1: the intensity is inf; allowed": changed_usgs(xs=-np.inf).replace(
+        "-Inf", "Inf", 1
+    ),
     "PGA, number 1: the intensity is -inf; allowed": changed_usgs(xs=-np.inf),
     "PGA, number 1: the intensity is True; allowed": changed_usgs(xs=True),
     "PGA, number 1: the intensity is None; allowed": changed_usgs(xs=None),
@@ -195,14 +200,18 @@ REFUSALS = {
     r"the USGS \(PGA has 2 components 'Total' in place of 1\); allowed": USGS.replace(
         "Grid", "Total", 1
     ),
-    r"the USGS \(PGA has 0 components 'Total' in place of 1\); allowed": USGS.replace("Total", "All", 1),
+    r"the USGS \(PGA has 0 components 'Total' in place of 1\); allowed": USGS.replace(
+        "Total", "All", 1
+    ),
     "csv: PGA is there twice": USGS.replace("SA0P2", "PGA"),
     r"the USGS \(an object has the key 'response' twice\); allowed": USGS.replace(
         "status", "response", 1
     ),
     r"the USGS \(an object has the key 'ys' twice\); allowed": USGS.replace('"xs"', '"ys"', 1),
     r"the USGS \(maximum recursion depth": '{"response": ' + 100_000 * "[" + 100_000 * "]" + "}",
-    "2 'IML': an intensity; allowed: a column of an annual": columns("iml [g],IML", LEVELS, frequency()),
+    "2 'IML': an intensity; allowed: a column of an annual": columns(
+        "iml [g],IML", LEVELS, frequency()
+    ),
     "give column= .* from 1, as column=1": columns("iml,iml,rate", LEVELS, LEVELS, frequency()),
     "line 2, column 2: 'inf' is not an annual": "pga [g],rate\n0.1,inf\n0.2,0.1\n0.3,0.01\n",
     "line 3, column 2: '1e400' is not an annual": "pga [g],rate\n0.1,1\n0.2,1e400\n0.3,0.01\n",
@@ -258,6 +267,8 @@ def test_files_that_do_not_fit_are_refused(tmp_path):
     with pytest.raises(ValueError, match=r"17\.csv: PGA is there twice"):
         sl.read_hazard([twice, twice], site=1)
     apart = json.loads(USGS)
-    apart["response"]["hazardCurves"][2]["data"][1]["values"]["ys"] = [1e-9 * 0.1**n for n in range(8)]
+    apart["response"]["hazardCurves"][2]["data"][1]["values"]["ys"] = [
+        1e-9 * 0.1**n for n in range(8)
+    ]
     with pytest.raises(ValueError, match=r"SA\(0\.2\) and SA\(0\.5\) do not overlap in frequency"):
         sl.read_hazard(write(tmp_path, json.dumps(apart)), "sa", period=0.3)

@@ -91,7 +91,11 @@ def test_what_was_asked_for_is_what_is_told():
 @pytest.mark.parametrize(
     ("ground", "options", "message"),
     [
-        (sl.WhiteNoise(1.0), {"pga": 3.0}, "pga: white noise has no peak.*allowed: sa with a period"),
+        (
+            sl.WhiteNoise(1.0),
+            {"pga": 3.0},
+            "pga: white noise has no peak.*allowed: sa with a period",
+        ),
         (FIRM, {"pga": 1.0, "period": 1.0}, "sa and period go together"),
         (sl.KanaiTajimi([1.0, 2.0], 0.3), {"pga": 1.0}, "period is an array"),
     ],
@@ -111,7 +115,9 @@ def test_a_power_law_by_hand():
     assert hazard.intensity(100.0) == pytest.approx(1.0)
     assert hazard.intensity(400.0) == pytest.approx(2.0)
     assert hazard.frequency(2.0) == pytest.approx(0.0025)
-    assert -math.expm1(-50 * hazard.frequency(hazard.intensity(474.56))) == pytest.approx(0.1, abs=1e-5)
+    assert -math.expm1(-50 * hazard.frequency(hazard.intensity(474.56))) == pytest.approx(
+        0.1, abs=1e-5
+    )
 
 
 @pytest.mark.oracle
@@ -133,7 +139,9 @@ def test_nothing_is_extrapolated():
         ValueError, match="return_period = 2475 is beyond the hazard curve; allowed: 100 to 1000"
     ):
         curve.intensity(2475)
-    with pytest.raises(ValueError, match=r"intensity = 0.5 is beyond the hazard curve; allowed: 1 to 2"):
+    with pytest.raises(
+        ValueError, match=r"intensity = 0.5 is beyond the hazard curve; allowed: 1 to 2"
+    ):
         curve.frequency(0.5)
     assert np.isnan(curve.intensity([50.0, 200.0, 2475.0])).values.tolist() == [True, False, True]
 
@@ -146,12 +154,21 @@ def test_nothing_is_extrapolated():
             lambda: sl.HazardCurve([1.0, 2.0], [0.01, 0.02]),
             "number 2: the annual frequency 0.02 follows",
         ),
-        (lambda: sl.HazardCurve([2.0, 1.0], [0.01, 0.001]), "increasing intensities, so sort them$"),
-        (lambda: sl.HazardCurve([0.02, 1e-3], [0.5, 4.0]), "are they exchanged with the frequencies"),
+        (
+            lambda: sl.HazardCurve([2.0, 1.0], [0.01, 0.001]),
+            "increasing intensities, so sort them$",
+        ),
+        (
+            lambda: sl.HazardCurve([0.02, 1e-3], [0.5, 4.0]),
+            "are they exchanged with the frequencies",
+        ),
         (lambda: sl.HazardCurve([1.0, 4.0], [0.002, 0.04]), "since what is stronger is rarer$"),
         (lambda: sl.HazardCurve([1.0, 4.0], [100, 2475]), "or are they return periods"),
         (lambda: sl.PowerLawHazard(1.0, 2.0, measure="sa"), "measure = 'sa' with period = None"),
-        (lambda: sl.PowerLawHazard(1.0, 2.0, period=1.0), "allowed: a period in seconds with sa alone"),
+        (
+            lambda: sl.PowerLawHazard(1.0, 2.0, period=1.0),
+            "allowed: a period in seconds with sa alone",
+        ),
     ],
 )
 def test_what_is_no_hazard_is_refused(make, message):
@@ -170,13 +187,16 @@ def test_what_is_no_hazard_is_refused(make, message):
 def test_a_spectral_acceleration_loses_no_peak_between_two_steps(ground, period):
     """By the exact response to the same motions, straight between their values, at 16 points of a step.
 
-    The motions are the same, so that nothing is random but what is between steps, 0.25 % of a peak at
-    most: of the mean of 256 motions 0.02 %. 64 steps in a period lose 0.04 %, and 16 lost 0.4 to 1.1 %.
+    The motions are the same, so that nothing is random but what is between steps, 0.25 % of a peak
+    at most: of the mean of 256 motions 0.02 %. 64 steps in a period lose 0.04 %, and 16 lost 0.4 to
+    1.1 %.
     """
     known = {"duration": 12.0, "envelope": sl.AminAng(2.0, 8.0, 0.5), "paths": 256, "seed": 5}
     scaled = sl.scale_ground(ground, **known, sa=3.0, period=period)
     white, omega, finer = isinstance(ground, sl.WhiteNoise), 2 * math.pi / period, 16
-    motions = sl.simulated_motions(scaled, **known, step=(period if white else min(period, 0.4)) / 64)
+    motions = sl.simulated_motions(
+        scaled, **known, step=(period if white else min(period, 0.4)) / 64
+    )
     count = motions.sizes["time"]
     fine = np.arange((count - 1) * finer + 1) / finer
     pushed = np.array([np.interp(fine, np.arange(count), motion) for motion in motions.values])
@@ -185,7 +205,9 @@ def test_a_spectral_acceleration_loses_no_peak_between_two_steps(ground, period)
     law = [-1.0], [1.0, 2 * 0.05 * omega, omega**2]
     way = "zoh" if white else "foh"
     above, below, _ = scipy.signal.cont2discrete(law, motions.attrs["dt"] / finer, method=way)
-    peaks = omega**2 * np.abs(scipy.signal.lfilter(above.ravel(), below, pushed, axis=1)).max(axis=1)
+    peaks = omega**2 * np.abs(scipy.signal.lfilter(above.ravel(), below, pushed, axis=1)).max(
+        axis=1
+    )
     assert peaks.mean() == pytest.approx(3.0, rel=1.5e-3)
 
 

@@ -27,7 +27,9 @@ def assert_energy_is_that(record, motion):
     course = motion.ground, motion.duration, motion.envelope
     motions = sl.simulated_motions(*course, paths=512, scatter=0.0)
     ratio = (motions**2).integrate("time") / (record**2).integrate("time")
-    assert abs(float(ratio.mean()) - 1) < 4 * float(ratio.std()) / np.sqrt(512), record.attrs["source"]
+    assert abs(float(ratio.mean()) - 1) < 4 * float(ratio.std()) / np.sqrt(512), record.attrs[
+        "source"
+    ]
 
 
 @pytest.mark.oracle

@@ -37,14 +37,18 @@ def test_the_fit_of_a_case_is_told_in_the_band_of_its_buildings():
     """Buildings of 0.5 and 1 s have a band of 0.1 to 1.5 s: errors beyond it do not concern them."""
     period = np.array([0.05, 0.09, 0.11, 0.5, 1.4, 1.6, 8.0])
     ratio = np.array([1.5, 0.6, 1.03, 1.0, 0.96, 2.0, 3.0])
-    table = xr.Dataset({"target": ("period", period), "ratio": ("period", ratio)}, {"period": period})
+    table = xr.Dataset(
+        {"target": ("period", period), "ratio": ("period", ratio)}, {"period": period}
+    )
     (whole,), (told,), (beyond,) = (fit_in_words(table, each) for each in ((), (0.5, 1.0), (99.0,)))
     assert "at most by +200.0\N{NO-BREAK SPACE}%, at 8 s" in whole
     assert "at most by \N{MINUS SIGN}4.0\N{NO-BREAK SPACE}%, at 1.4 s" in told
     assert f"off by {100 * np.sqrt((0.03**2 + 0.04**2) / 3):.1f}\N{NO-BREAK SPACE}%" in told
     assert "from 0.1 to 1.5 s, 0.2 to 1.5 times the periods of the buildings" in told
     assert beyond == whole
-    caption = sl.charts.draw_spectrum(of_two(period, ratio), periods=[0.5, 1.0]).texts[-1].get_text()
+    caption = (
+        sl.charts.draw_spectrum(of_two(period, ratio), periods=[0.5, 1.0]).texts[-1].get_text()
+    )
     assert "at 1.4 s" in caption
 
 

@@ -30,7 +30,9 @@ def test_interval_holds_where_cases_of_a_place_go_together(share):
     for _ in range(500):
         common, own = random.standard_normal((2, PLACES, 12))
         held = np.sqrt(0.5) * (common[:, :1] + own) < threshold
-        _, lower, upper = share_interval(held.reshape(2 * PLACES, 6) * 1.0, np.repeat(np.arange(12), 2))
+        _, lower, upper = share_interval(
+            held.reshape(2 * PLACES, 6) * 1.0, np.repeat(np.arange(12), 2)
+        )
         inside += lower <= share <= upper
     assert inside / 500 > 0.93
 

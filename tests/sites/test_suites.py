@@ -39,7 +39,9 @@ def columns(path, motion, with_time):
 
 
 def test_a_folder_is_read_in_the_order_of_its_names(folder):
-    (folder / "readme.txt").write_text("These are records.\nThey are not corrected.\n", encoding="utf-8")
+    (folder / "readme.txt").write_text(
+        "These are records.\nThey are not corrected.\n", encoding="utf-8"
+    )
     with pytest.warns(UserWarning, match=r"readme\.txt is left out: no record can be seen"):
         suite = sl.read_records(folder)
     assert list(suite) == ["more/two.at2", "one.AT2"]
@@ -98,7 +100,10 @@ DELIVERED = {
         ["HNE.asc"],
     ),
     "PEER": ({"a.at2": at2("K, 1/1/1995, X, 090"), "b.at2": at2("K, 1/1/1995, X, UP")}, ["a.at2"]),
-    "PEER, by name": ({"RSN6_I-ELC180.AT2": at2(), "RSN6_I-ELC-UP.AT2": at2()}, ["RSN6_I-ELC180.AT2"]),
+    "PEER, by name": (
+        {"RSN6_I-ELC180.AT2": at2(), "RSN6_I-ELC-UP.AT2": at2()},
+        ["RSN6_I-ELC180.AT2"],
+    ),
     "DWN, by name": ({"kobe-000.at2": at2(), "kobe-dwn.at2": at2()}, ["kobe-000.at2"]),
     "CSMIP": ({"a.v2": samples.csmip(CHANNELS)}, ["a.v2, 90 Deg", "a.v2, 360 Deg"]),
     "COSMOS": ({"a.v2c": samples.cosmos(CHANNELS)}, ["a.v2c, 90 Deg", "a.v2c, 360 Deg"]),
@@ -106,7 +111,8 @@ DELIVERED = {
     "PEER's table": (
         {
             **dict.fromkeys(
-                ("RSN6_180.AT2", "RSN6_270.AT2", "RSN6_UP.AT2", "RSN7_000.AT2", "RSN7_090.AT2"), at2()
+                ("RSN6_180.AT2", "RSN6_270.AT2", "RSN6_UP.AT2", "RSN7_000.AT2", "RSN7_090.AT2"),
+                at2(),
             )
         }
         | {"_SearchResults.csv": PEER},
@@ -160,7 +166,9 @@ def read_horizontal(folder, texts):
     for name, text in texts.items():
         (folder / name).write_text(text, encoding="utf-8")
     with pytest.warns(UserWarning, match=r"left out: vertical or in a borehole; read_record"):
-        return list(sl.read_records(folder, dt=0.01 if any(".csv" in name for name in texts) else None))
+        return list(
+            sl.read_records(folder, dt=0.01 if any(".csv" in name for name in texts) else None)
+        )
 
 
 @pytest.mark.invariant
@@ -225,9 +233,18 @@ OF_QUAKES = {
         ),
     ),
     "PEER": ("at2", lambda c, n: at2(f"GREECE, 1/{n}/1995, X, {90 * c:03}")),
-    "CSMIP": ("v2", lambda c, n: csmip_at_station(f"{90 * c} Deg").replace("1548167", f"{n}548167")),
-    "COSMOS": ("v2c", lambda c, n: samples.cosmos({f"{90 * c} deg": WAVE}).replace("13:53", f"13:5{n}")),
-    "UNAM": ("191", lambda c, n: samples.unam([WAVE], f"/N{90 * c:02}E").replace("18:14", f"18:1{n}")),
+    "CSMIP": (
+        "v2",
+        lambda c, n: csmip_at_station(f"{90 * c} Deg").replace("1548167", f"{n}548167"),
+    ),
+    "COSMOS": (
+        "v2c",
+        lambda c, n: samples.cosmos({f"{90 * c} deg": WAVE}).replace("13:53", f"13:5{n}"),
+    ),
+    "UNAM": (
+        "191",
+        lambda c, n: samples.unam([WAVE], f"/N{90 * c:02}E").replace("18:14", f"18:1{n}"),
+    ),
 }
 
 
@@ -243,7 +260,9 @@ def test_components_share_the_event_of_one_earthquake_alone(tmp_path, case):
     assert events[0] == events[1] != events[2] == events[3]
     if "station" in records[0].attrs:
         assert len({record.attrs["station"] for record in records}) == 1
-    with pytest.raises(ValueError, match=f"have the events '{events[1][:20]}.* and '{events[2][:20]}"):
+    with pytest.raises(
+        ValueError, match=f"have the events '{events[1][:20]}.* and '{events[2][:20]}"
+    ):
         sl.fit_motion(records[1:3])
 
 
@@ -318,7 +337,9 @@ def test_records_that_may_belong_together_are_asked_about(tmp_path):
     (tmp_path / "suite.csv").write_text(
         "file,event,station\na.asc,GREECE,X\nb.asc,GREECE,X\n", encoding="utf-8"
     )
-    assert {r.attrs["event"] for r in sl.read_records(tmp_path / "suite.csv").values()} == {"GREECE"}
+    assert {r.attrs["event"] for r in sl.read_records(tmp_path / "suite.csv").values()} == {
+        "GREECE"
+    }
 
 
 def test_components_of_a_station_are_one_event():
@@ -397,7 +418,9 @@ def test_scaled_to_a_peak_to_a_period_and_to_a_spectrum():
 def test_a_factor_that_is_hardly_meant_is_asked_about():
     weak = 0.01 * SUITE["a"]
     with pytest.warns(UserWarning, match="a is scaled by"):
-        sl.scale_records({"a": weak.assign_attrs(SUITE["a"].attrs)}, pga=float(abs(SUITE["a"]).max()))
+        sl.scale_records(
+            {"a": weak.assign_attrs(SUITE["a"].attrs)}, pga=float(abs(SUITE["a"]).max())
+        )
 
 
 @pytest.mark.oracle

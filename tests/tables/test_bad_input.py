@@ -19,7 +19,10 @@ def test_masked_numbers_are_missing_ones():
     """What stands below a mask is a bad cell, or refused as what is no number."""
     table = sl.linearize(sl.Bilinear(MASKED, 0.05), SOIL)
     assert table.status.values.tolist() == [1, 3]
-    assert np.isnan(sl.ImpactKelvin(1e8, restitution=0.5 * MASKED).e).values.tolist() == [False, True]
+    assert np.isnan(sl.ImpactKelvin(1e8, restitution=0.5 * MASKED).e).values.tolist() == [
+        False,
+        True,
+    ]
     assert np.isnan(SOIL.psd(MASKED)).values.tolist() == [False, True]
     for call in (
         lambda: sl.HazardCurve(MASKED, [0.1, 0.01]),
@@ -89,10 +92,22 @@ def test_an_array_in_another_unit_is_refused():
     values = xr.DataArray([0.05, 0.08], dims="x")
     samples = xr.DataArray([0.1, 0.2], dims="path")
     for units, call, message in (
-        ("cm", lambda gap: sl.exceedance(samples, gap), "gap is in 'cm', .*; allowed: m, so convert"),
+        (
+            "cm",
+            lambda gap: sl.exceedance(samples, gap),
+            "gap is in 'cm', .*; allowed: m, so convert",
+        ),
         ("ft", lambda uy: sl.Bilinear(1.0, 0.05, 0.1, uy), "yield_displacement is in 'ft'"),
-        ("ms", lambda period: sl.Bilinear(period, 0.05), "Bilinear: period is in 'ms', .* allowed: s,"),
-        ("%", lambda damping: sl.Bilinear(1.0, damping), "Bilinear: damping is in '%', .* allowed: 1,"),
+        (
+            "ms",
+            lambda period: sl.Bilinear(period, 0.05),
+            "Bilinear: period is in 'ms', .* allowed: s,",
+        ),
+        (
+            "%",
+            lambda damping: sl.Bilinear(1.0, damping),
+            "Bilinear: damping is in '%', .* allowed: 1,",
+        ),
     ):
         with pytest.raises(ValueError, match=message):
             call(values.assign_attrs(units=units))

@@ -18,7 +18,10 @@ GROUND = sl.KanaiTajimi(period=1.0, damping=0.2)
 def pair_of_axes():
     first = sl.Bilinear(axis("period_1", [0.4, 0.9, 2.0]), 0.05, 0.05, reduction_factor=4)
     second = sl.Bilinear(
-        1.1, 0.03, hardening=axis("hardening_2", [0.02, 0.3]), reduction_factor=axis("R", [0.1, 1.5, 5])
+        1.1,
+        0.03,
+        hardening=axis("hardening_2", [0.02, 0.3]),
+        reduction_factor=axis("R", [0.1, 1.5, 5]),
     )
     return first, second
 
@@ -70,7 +73,9 @@ def test_large_table_is_cut_into_pieces_without_a_seam():
 
 
 YIELDING = {"damping": 0.05, "hardening": 0.05, "reduction_factor": 3.0}
-WEAK = sl.Bilinear(axis("period_1", [0.5, -1.0, 1.0]), **YIELDING)  # its second cell is out of range
+WEAK = sl.Bilinear(
+    axis("period_1", [0.5, -1.0, 1.0]), **YIELDING
+)  # its second cell is out of range
 OTHER = sl.Bilinear(0.8, **YIELDING)
 OF_MODELS = {
     "linearize": lambda: sl.linearize(pair_of_axes()[0], GROUND),

@@ -18,7 +18,9 @@ SECOND = sl.Bilinear(1.0, 0.05)
 VERBS = {
     "separation": lambda one: sl.separation(one, SECOND, GROUND, 5.0, paths=32),
     "pounding_risk": lambda one: sl.pounding_risk(one, SECOND, GROUND, 0.2, HAZARD, 5.0, paths=32),
-    "required_gap": lambda one: sl.required_gap(one, None, GROUND, HAZARD, 5.0, risk=0.001, paths=32),
+    "required_gap": lambda one: sl.required_gap(
+        one, None, GROUND, HAZARD, 5.0, risk=0.001, paths=32
+    ),
 }
 
 

@@ -56,7 +56,10 @@ FILES = [
     ("NRML of OpenQuake", f'{HEAD}<nrml xmlns="http://openquake.org"></nrml>'.encode()),
     ("a web page", b"<!DOCTYPE html><html></html>"),
     ("XML", f"{HEAD}<quakeml></quakeml>".encode()),
-    ("a model of SAP2000", b'File a.s2k was saved\n \nTABLE:  "MODES"\n   Case=MODAL   Period=0.7\n'),
+    (
+        "a model of SAP2000",
+        b'File a.s2k was saved\n \nTABLE:  "MODES"\n   Case=MODAL   Period=0.7\n',
+    ),
     ("a model of ETABS", b"$ File a.e2k saved 1/1/2024\n$ PROGRAM INFORMATION\n"),
     ("a PDF", b"%PDF-1.7\n"),
     ("a netCDF or HDF5 file", b"\x89HDF\r\n\x1a\n" + bytes(20)),
@@ -66,14 +69,18 @@ FILES = [
 
 
 @pytest.mark.parametrize(("title", "content"), FILES)
-def test_every_reader_names_the_kind_of_a_file_that_it_does_not_read(tmp_path: Path, title, content):
+def test_every_reader_names_the_kind_of_a_file_that_it_does_not_read(
+    tmp_path: Path, title, content
+):
     path = tmp_path / "file.txt"
     path.write_bytes(content)
     for read in READERS:
         if (title == "JSON" and read in JSON) or (title == "a workbook" and read in WORKBOOKS):
             continue
         zip_of_case = read is sl.read_case and content[:2] == b"\x1f\x8b"  # which is no case file
-        with pytest.raises(ValueError, match="TOML" if zip_of_case else "is not read here; ") as refused:
+        with pytest.raises(
+            ValueError, match="TOML" if zip_of_case else "is not read here; "
+        ) as refused:
             read(path)
         assert zip_of_case or f"file.txt is {title}" in str(refused.value), read
 

@@ -45,13 +45,19 @@ QUESTIONS = {
     "separation: intensity = 1: .* default": lambda: sl.separation(*PAIR, DEFAULT, **FEW),
     "existing_gap: intensity = 1: ": lambda: sl.existing_gap(*PAIR, DEFAULT, gap=0.1, **FEW),
     "mitigate: intensity = 1: ": lambda: sl.mitigate(*PAIR, DEFAULT, gap=0.1, measures={}, **FEW),
-    "pounding_probability: intensity = 100": lambda: sl.pounding_probability(*PAIR, FIERCE, 0.1, **FEW),
+    "pounding_probability: intensity = 100": lambda: sl.pounding_probability(
+        *PAIR, FIERCE, 0.1, **FEW
+    ),
     "fragility: intensity = 1: ": lambda: sl.pounding_fragility(*PAIR, DEFAULT, 0.1, 0.02, **FEW),
     "simulated_motions: intensity = 1: ": lambda: sl.simulated_motions(DEFAULT, 8.0),
     "existing_gap: gap = 5: .* in cm": lambda: sl.existing_gap(*PAIR, FIRM, gap=5.0, **FEW),
     "simulate: duration = 3: .* before its strong": lambda: sl.simulate(PAIR, FIRM, **SECONDS),
-    "confidence = 0.1: .* is it the probab": lambda: sl.separation(*PAIR, FIRM, confidence=0.1, **FEW),
-    "code_gaps: behaviour_1 = 40: ": lambda: sl.code_gaps(0.1, 0.1, behaviour_1=40.0, behaviour_2=3.0),
+    "confidence = 0.1: .* is it the probab": lambda: sl.separation(
+        *PAIR, FIRM, confidence=0.1, **FEW
+    ),
+    "code_gaps: behaviour_1 = 40: ": lambda: sl.code_gaps(
+        0.1, 0.1, behaviour_1=40.0, behaviour_2=3.0
+    ),
     "ShearBuilding.regular: storey_height = 3200: .* mm": lambda: tower(storey_height=3200.0),
     "ShearBuilding.regular: storey 1, 3.2 m high, yields at .* usual": lambda: tower(
         period=3.4, base_shear_coefficient=0.69
@@ -89,8 +95,12 @@ QUESTIONS = {
     "reduction_factor = 40: usual are 1 to 8": lambda: sl.Bilinear(1.0, 0.05, 0.05, None, 40.0),
     "Bilinear: yield_displacement = 3: ": lambda: sl.Bilinear(1.0, 0.05, 0.05, 3.0),
     "KanaiTajimi: damping = 2: ": lambda: sl.KanaiTajimi(0.6, 2.0),
-    "correlate: hardening = 0.05 has no effect without .* or red": lambda: sl.correlate(IDLE, ONE, FIRM),
-    "simulate: hardening = 0.05 has no effect without yield_drifts": lambda: sl.simulate([STIFF], FIRM),
+    "correlate: hardening = 0.05 has no effect without .* or red": lambda: sl.correlate(
+        IDLE, ONE, FIRM
+    ),
+    "simulate: hardening = 0.05 has no effect without yield_drifts": lambda: sl.simulate(
+        [STIFF], FIRM
+    ),
 }
 
 

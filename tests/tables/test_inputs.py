@@ -29,7 +29,9 @@ SECRET = "root:0"
 @pytest.mark.parametrize("device", ["zero", "full", "urandom", "null", "tty"])
 @pytest.mark.skipif(not Path("/dev/zero").exists(), reason="this system has no such devices")
 def test_devices_are_refused(read, device):
-    with pytest.raises(ValueError, match=f"{device} is a device or a pipe; allowed: a regular file"):
+    with pytest.raises(
+        ValueError, match=f"{device} is a device or a pipe; allowed: a regular file"
+    ):
         read(f"/dev/{device}")
 
 
@@ -39,7 +41,9 @@ def test_folders_are_refused_and_pipes_and_sockets_too(read, tmp_path):
         with pytest.raises(ValueError, match="is a folder; allowed: a regular file"):
             read(tmp_path)
     os.mkfifo(tmp_path / "pipe.csv")
-    with pytest.raises(ValueError, match=r"pipe\.csv is a device or a pipe; allowed: a regular file"):
+    with pytest.raises(
+        ValueError, match=r"pipe\.csv is a device or a pipe; allowed: a regular file"
+    ):
         read(tmp_path / "pipe.csv")
     with socket.socket(socket.AF_UNIX) as listening:
         listening.bind(str(tmp_path / "s"))
@@ -50,7 +54,9 @@ def test_folders_are_refused_and_pipes_and_sockets_too(read, tmp_path):
 @of_any_reader
 @pytest.mark.parametrize("address", ["https://example.org/a.at2", "file:///etc/passwd", "s3://a/b"])
 def test_addresses_are_refused(read, address):
-    with pytest.raises(ValueError, match="is an address on a network; allowed: a file on this computer"):
+    with pytest.raises(
+        ValueError, match="is an address on a network; allowed: a file on this computer"
+    ):
         read(address)
 
 
@@ -107,7 +113,12 @@ def test_an_uploaded_case_reads_no_file_outside_of_its_folder(kind, name, tmp_pa
     (tmp_path / "below").mkdir()
     for there in ("secret.dat", "SECRET.CSV", "secret"):
         (tmp_path / there).write_text(f"{SECRET}\n" * 7, encoding="utf-8")
-    for path in (f"../{name}", f"x/../../{name}", f"below/../../{name}", (tmp_path / name).as_posix()):
+    for path in (
+        f"../{name}",
+        f"x/../../{name}",
+        f"below/../../{name}",
+        (tmp_path / name).as_posix(),
+    ):
         case = {"case.toml": (site_of(kind, path) + REST).encode()}
         message = refusal(case | {"x": b""})
         assert re.search(
@@ -117,7 +128,9 @@ def test_an_uploaded_case_reads_no_file_outside_of_its_folder(kind, name, tmp_pa
 
 
 @pytest.mark.parametrize("table", ["suite.csv", "suite.CSV", "suite.txt", "suite"])
-@pytest.mark.parametrize("row", ["../secret.dat", "{folder}/secret.dat", "/dev/zero", "/etc/passwd"])
+@pytest.mark.parametrize(
+    "row", ["../secret.dat", "{folder}/secret.dat", "/dev/zero", "/etc/passwd"]
+)
 def test_tables_of_any_name_list_files_of_the_folder_alone(table, row, tmp_path, monkeypatch):
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
     (tmp_path / "secret.dat").write_text(f"{SECRET}\n", encoding="utf-8")

@@ -12,7 +12,15 @@ pytestmark = pytest.mark.invariant
 
 
 def test_a_name_goes_before_its_endings_and_a_special_name_before_both():
-    names = ["rho", "rho_1", "gap", "gap_lower", "peak_mean_standard_error_2", "record_rho", "rho_best"]
+    names = [
+        "rho",
+        "rho_1",
+        "gap",
+        "gap_lower",
+        "peak_mean_standard_error_2",
+        "record_rho",
+        "rho_best",
+    ]
     table = labels.label(xr.Dataset(dict.fromkeys(names, 1.0)), {"gap_lower": ("m", "smaller gap")})
     found = {name: table[name].attrs.get("long_name") for name in names}
     rho = "correlation coefficient of the displacements"
@@ -46,7 +54,9 @@ NAMED = {
         "eq. (4)": lambda one: sl.rho_white_noise(one.period, 1.0, 0.05, 0.05),
         "system": lambda one: sl.linearize_system([one, OTHER], GROUND),
         "recorded_gap": lambda one: sl.recorded_gap(one, OTHER, RECORD),
-        "probability": lambda one: sl.pounding_probability(one, OTHER, GROUND, 0.1, paths=0, **QUAKE),
+        "probability": lambda one: sl.pounding_probability(
+            one, OTHER, GROUND, 0.1, paths=0, **QUAKE
+        ),
     },
     "status": {
         "linearize": lambda one: sl.linearize(one, GROUND),

@@ -102,7 +102,9 @@ def test_chunks_change_the_drift_closure_by_rounding_alone(ground, closure):
             if exact or values.dtype.kind != "f":
                 np.testing.assert_array_equal(parts[name], values, err_msg=f"{name}, {chunk}")
             elif "std" in name and not name.startswith("relative"):
-                np.testing.assert_allclose(parts[name], values, rtol=1e-12, err_msg=f"{name}, {chunk}")
+                np.testing.assert_allclose(
+                    parts[name], values, rtol=1e-12, err_msg=f"{name}, {chunk}"
+                )
             else:
                 magnified = 1e-6 * name.startswith("relative")
                 np.testing.assert_allclose(parts[name], values, magnified, 1e-9, err_msg=name)

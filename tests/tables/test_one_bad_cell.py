@@ -1,7 +1,7 @@
 """One bad cell spoils no table: its neighbours have the numbers that they have alone, it has a status.
 
-Everything that is reduced over the cells of a table is at stake: what is shared by all of them, and what
-goes on until the last one has converged.
+Everything that is reduced over the cells of a table is at stake: what is shared by all of them, and
+what goes on until the last one has converged.
 """
 
 from functools import partial
@@ -17,7 +17,8 @@ pytestmark = pytest.mark.invariant
 
 V, Z = sympy.symbols("v z", real=True)
 LAW = V - Z * sympy.Abs(V) / 2 - V * sympy.Abs(Z) / 2
-# Periods, damping and hardening ratios and reduction factors of the first and the second structures.
+# Periods, damping and hardening ratios and reduction factors of the first and the second
+# structures.
 GOOD = [(1.0, 0.05, 0.05, 2.0), (0.6, 0.03, 0.1, 4.0), (2.0, 0.02, 0.3, 1.2)]
 BESIDE = [(0.7, 0.05, 0.05, 3.0), (1.5, 0.04, 0.02, 2.0), (0.5, 0.05, 0.2, 5.0)]
 INVALID = [
@@ -38,7 +39,11 @@ HARD = [
     (1.0, 1e-9, 1e-9, 50.0),
     (1.0, 1e-300, 1e-12, 5.0),
 ]
-HARDEST = [(1.0, 0.05, 0.05, 1e30), (1e-9, 0.05, 0.05, 3.0), (1e9, 0.05, 0.05, 3.0)]  # two seconds each
+HARDEST = [
+    (1.0, 0.05, 0.05, 1e30),
+    (1e-9, 0.05, 0.05, 3.0),
+    (1e9, 0.05, 0.05, 3.0),
+]  # two seconds each
 GROUNDS = {
     "white noise": sl.WhiteNoise(0.01),
     "Kanai-Tajimi": sl.KanaiTajimi(2.0, 0.1, 0.01),
@@ -113,11 +118,15 @@ OF_PERIODS = {
     "rho_white_noise": lambda one, two: sl.rho_white_noise(
         columns(one)[0], columns(two)[0], columns(one)[1], columns(two)[1]
     ),
-    "durations": lambda one, _: sl.peak_response(sl.Bilinear(0.8, 0.05), LAKE, 20.0 * columns(one)[0]),
+    "durations": lambda one, _: sl.peak_response(
+        sl.Bilinear(0.8, 0.05), LAKE, 20.0 * columns(one)[0]
+    ),
     "grounds": lambda one, _: sl.linearize(
         sl.Bilinear(0.8, 0.05, 0.1, reduction_factor=3.0), sl.KanaiTajimi(*columns(one)[:2], 0.01)
     ),
-    "critical_gap": lambda one, two: sl.critical_gap(columns(one)[0], columns(two)[0], columns(one)[2]),
+    "critical_gap": lambda one, two: sl.critical_gap(
+        columns(one)[0], columns(two)[0], columns(one)[2]
+    ),
     "code_gaps": lambda one, two: sl.code_gaps(columns(one)[0], columns(two)[0], zone="I"),
 }
 # Sums of a lone cell are made in another order, and matrices of all cells are multiplied together.
@@ -131,7 +140,9 @@ ROUNDED = {
     "system, anderson": system,
     "system, substitution": partial(system, **RELAXED),
     "system, linked": partial(system, link=sl.Link(2e6, 1e5)),
-    "system, yielding link": partial(system, link=sl.Link(2e6, hardening=0.05, yield_displacement=0.01)),
+    "system, yielding link": partial(
+        system, link=sl.Link(2e6, hardening=0.05, yield_displacement=0.01)
+    ),
     "system, power law": partial(system, link=DASHPOT),
     "system, power law, substitution": partial(system, link=DASHPOT, **RELAXED),
     "system, with storeys": lambda one, _: sl.linearize_system(
@@ -144,7 +155,9 @@ SIMULATED = {
 }
 # The steps in time follow from all cells; the tolerance is that of one step.
 IN_TIME = {
-    "transient_response": lambda one, _: sl.transient_response(in_metres(one), BROAD, points=5, **QUAKE),
+    "transient_response": lambda one, _: sl.transient_response(
+        in_metres(one), BROAD, points=5, **QUAKE
+    ),
     "probability": partial(probability, paths=0),
     "probability, simulation": partial(probability, paths=32),
 }
@@ -195,7 +208,9 @@ def over(verbs, long=()):
     )
 
 
-@over(SAME_BITS, {name for name in SAME_BITS if "white" in name or "Clough" in name or "Wen" in name})
+@over(
+    SAME_BITS, {name for name in SAME_BITS if "white" in name or "Clough" in name or "Wen" in name}
+)
 def test_a_cell_has_the_numbers_that_it_has_alone(verb):
     compare(verb, GOOD, BESIDE, HARD + HARDEST * (verb in LINEARIZED.values()))
 

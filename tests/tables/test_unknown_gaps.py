@@ -18,7 +18,9 @@ NAN = float("nan")
 ONE, TWO = (sl.Bilinear(period, 0.05, mass=1e5) for period in (0.6, 1.0))
 FIRM = sl.named_ground("firm", intensity=0.01)
 TIME = 0.02 * np.arange(500)
-RECORD = xr.DataArray(np.sin(5 * TIME), dims="time", coords={"time": TIME}, attrs={"units": "m/s^2"})
+RECORD = xr.DataArray(
+    np.sin(5 * TIME), dims="time", coords={"time": TIME}, attrs={"units": "m/s^2"}
+)
 HAZARD = sl.HazardCurve([0.1, 1.0, 10.0], [0.1, 0.01, 0.001])
 STEEL = sl.Kelvin(1e8, restitution=0.65)
 MEASURES = {"dampers": sl.Measure(0.1, 0.1)}
@@ -39,7 +41,9 @@ OF_TABLES = {
     "pounding_estimate": lambda gap: sl.pounding_estimate(
         ONE, TWO, gap, sl.Stereomechanical(0.65), 0.1, 0.1
     ),
-    "pounding_fragility": lambda gap: sl.pounding_fragility(ONE, TWO, FIRM, gap, [0.01, 0.04], **MOTION),
+    "pounding_fragility": lambda gap: sl.pounding_fragility(
+        ONE, TWO, FIRM, gap, [0.01, 0.04], **MOTION
+    ),
     "pounding_probability": lambda gap: sl.pounding_probability(ONE, TWO, FIRM, gap, **MOTION),
     "pounding_probability hybrid": lambda gap: sl.pounding_probability(
         ONE, TWO, FIRM, gap, method="hybrid", record=RECORD
@@ -110,7 +114,9 @@ def test_no_dimension_of_a_gap_takes_the_place_of_the_status(name):
 def test_what_exceedance_cannot_name_is_refused():
     for coordinate in ("probability", "path"):
         with pytest.raises(ValueError, match=f"named '{coordinate}', as a part of the result"):
-            sl.exceedance(SAMPLES, axis(0.1 * np.ones(1)).isel(spot=0).assign_coords({coordinate: 3}))
+            sl.exceedance(
+                SAMPLES, axis(0.1 * np.ones(1)).isel(spot=0).assign_coords({coordinate: 3})
+            )
 
 
 @pytest.mark.parametrize("name", OF_TABLES)
@@ -123,7 +129,9 @@ X, Y = axis([0.05, 0.1], [1, 2]), axis([0.05, 0.1], [2, 3])
 PAIRS = {
     "exceedance": lambda: sl.exceedance(SAMPLES * X, Y),
     "exceedance over paths": lambda: sl.exceedance(X.rename(spot="path"), Y.rename(spot="path")),
-    "pounding_estimate": lambda: sl.pounding_estimate(ONE, TWO, X, sl.Stereomechanical(0.65), Y, 0.1),
+    "pounding_estimate": lambda: sl.pounding_estimate(
+        ONE, TWO, X, sl.Stereomechanical(0.65), Y, 0.1
+    ),
     "pounding_estimate of structures": lambda: sl.pounding_estimate(
         sl.Bilinear(10 * X, 0.05, mass=1e5), TWO, Y, sl.Stereomechanical(0.65), 0.1, 0.1
     ),
@@ -138,7 +146,9 @@ PAIRS = {
     "damping_for_gap": lambda: sl.damping_for_gap(
         RECORD, sl.Bilinear(10 * X, 0.05), sl.Bilinear(10 * Y, 0.05), 0.1
     ),
-    "energy_gap": lambda: sl.energy_gap(sl.Bilinear(10 * X, 0.05), sl.Bilinear(10 * Y, 0.05), RECORD),
+    "energy_gap": lambda: sl.energy_gap(
+        sl.Bilinear(10 * X, 0.05), sl.Bilinear(10 * Y, 0.05), RECORD
+    ),
 }
 
 

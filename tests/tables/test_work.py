@@ -37,8 +37,12 @@ def table(method: str) -> xr.Dataset:
 ASKED: dict[str, Callable[[], xr.Dataset]] = {
     "pairs": lambda: table("linearization"),
     "pairs_white_noise": lambda: table("white_noise"),
-    "rho_white_noise": lambda: sl.rho_white_noise(axis("one", 40_000), axis("two", 40_000), 0.05, 0.05),
-    "cells": lambda: sl.linearize(sl.Bilinear(axis("one", 40_000), axis("two", 40_000) / 5), GROUND),
+    "rho_white_noise": lambda: sl.rho_white_noise(
+        axis("one", 40_000), axis("two", 40_000), 0.05, 0.05
+    ),
+    "cells": lambda: sl.linearize(
+        sl.Bilinear(axis("one", 40_000), axis("two", 40_000) / 5), GROUND
+    ),
     "structures": lambda: sl.simulate([ONE] * 30_000, GROUND),
     "stationary_paths": lambda: sl.simulate([ONE], GROUND, paths=10**9),
     "finite_paths": lambda: sl.simulate([ONE], GROUND, paths=10**9, duration=20),
@@ -66,12 +70,16 @@ ASKED: dict[str, Callable[[], xr.Dataset]] = {
 def test_too_much_is_refused_before_the_work(asked: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(checks, "_installed", lambda: 16e9)
     monkeypatch.setattr("os.sched_getaffinity", lambda _: {0, 1}, raising=False)
-    with pytest.raises(ValueError, match=r"(GB; allowed: 8 GB|; allowed: 15 minutes on this machine); "):
+    with pytest.raises(
+        ValueError, match=r"(GB; allowed: 8 GB|; allowed: 15 minutes on this machine); "
+    ):
         ASKED[asked]()
 
 
 def test_the_limit_is_half_of_the_machines_memory(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("os.sysconf", lambda name: {"SC_PAGE_SIZE": 4096, "SC_PHYS_PAGES": 10**6}[name])
+    monkeypatch.setattr(
+        "os.sysconf", lambda name: {"SC_PAGE_SIZE": 4096, "SC_PHYS_PAGES": 10**6}[name]
+    )
     check_work("this takes", "take less", numbers=2.04e9 / 8, seconds=899)
     with pytest.raises(ValueError, match=r"^this takes 2\.1 GB; allowed: 2 GB; take less$"):
         check_work("this takes", "take less", numbers=2.06e9 / 8)

@@ -38,38 +38,40 @@ def read_modes(
 ) -> xr.Dataset:
     r"""Read the modes of a building from a file that a program of structural analysis printed.
 
-    The format is recognized by its first lines. Units are those of the file, or are given here; they
-    are not guessed.
+    The format is recognized by its first lines. Units are those of the file, or are given here;
+    they are not guessed.
 
     Parameters
     ----------
     path : str or path
         Path of the file: a table in the plain form of stochlin; or tables that ETABS exports, as a
         workbook, as text, or as a folder with one ``.csv`` for each. The user guide shows what each
-        needs, and a script of OpenSeesPy that writes the plain form. Text is in UTF-8, with ``,``, ``;``
-        or tabs between columns.
+        needs, and a script of OpenSeesPy that writes the plain form. Text is in UTF-8, with ``,``,
+        ``;`` or tabs between columns.
     direction : {"UX", "UY"}, optional
         Direction of the gap, needed where the file has modes along two.
     points : sequence of str, optional
         Names of the points whose displacements are the shapes, such as those of the edge that faces
         the neighbour, one on each floor; needed where the file has several.
     tower : str, optional
-        Name of the tower, or of the diaphragm on each floor, that is the building at the gap; needed
-        where the file has several.
+        Name of the tower, or of the diaphragm on each floor, that is the building at the gap;
+        needed where the file has several.
     mass_units, length_units : str, optional
-        Units of masses and of levels, where the file does not state them: ``"kg"``, ``"t"``, or a force
-        over an acceleration such as ``"kip-s2/in"``; ``"m"``, ``"cm"``, ``"mm"``, ``"in"`` or ``"ft"``.
+        Units of masses and of levels, where the file does not state them: ``"kg"``, ``"t"``, or a
+        force over an acceleration such as ``"kip-s2/in"``; ``"m"``, ``"cm"``, ``"mm"``, ``"in"`` or
+        ``"ft"``.
 
     Returns
     -------
     xarray.Dataset
-        ``period`` [s] and ``shape`` over ``mode`` and ``floor``, ``mass`` [kg] and the storey ``height``
-        [m] over ``floor``, from the ground up, for `ModalBuilding.from_table`. If the file has them,
-        also ``participation`` and the effective modal masses ``modal_mass`` [kg]. Modes keep the numbers
-        of the file and come by period, longest first. The ground is at 0 of a model whose base is lower,
-        else at the base; floors at the ground or below it do not pound and are left out, and the lowest
-        floor above has their masses too. The attributes ``below_ground`` and ``turning`` are their
-        number and the modes that turn in plan, if no ``points`` are named.
+        ``period`` [s] and ``shape`` over ``mode`` and ``floor``, ``mass`` [kg] and the storey
+        ``height`` [m] over ``floor``, from the ground up, for `ModalBuilding.from_table`. If the
+        file has them, also ``participation`` and the effective modal masses ``modal_mass`` [kg].
+        Modes keep the numbers of the file and come by period, longest first. The ground is at 0 of
+        a model whose base is lower, else at the base; floors at the ground or below it do not pound
+        and are left out, and the lowest floor above has their masses too. The attributes
+        ``below_ground`` and ``turning`` are their number and the modes that turn in plan, if no
+        ``points`` are named.
 
     Raises
     ------
@@ -78,9 +80,9 @@ def read_modes(
     ImportError
         If the file is a workbook and python-calamine is not installed.
     ValueError
-        If the format is not known; if masses, floors, units or numbers are missing or not valid (the
-        message names line and column); if a direction is missing; or if an argument has no meaning for
-        the format, or contradicts the file.
+        If the format is not known; if masses, floors, units or numbers are missing or not valid
+        (the message names line and column); if a direction is missing; or if an argument has no
+        meaning for the format, or contradicts the file.
 
     Warns
     -----
@@ -146,7 +148,9 @@ def _labelled(modes: ModesOfFile, name: str, direction: str | None) -> xr.Datase
     masses = modes.masses[up]
     below = int((modes.levels < LOWEST).sum())
     if below == up.size:
-        raise ValueError(f"{name}: no floor is above the ground; allowed: levels above {LOWEST:g} m")
+        raise ValueError(
+            f"{name}: no floor is above the ground; allowed: levels above {LOWEST:g} m"
+        )
     masses[below] += masses[:below].sum()
     up = up[below:]
     levels = modes.levels[up]
@@ -163,7 +167,11 @@ def _labelled(modes: ModesOfFile, name: str, direction: str | None) -> xr.Datase
         },
         {
             MODE: (MODE, np.asarray(modes.modes)[longest], {"long_name": "number of the mode"}),
-            FLOOR: (FLOOR, np.arange(1, levels.size + 1), {"long_name": "floor, from the ground up"}),
+            FLOOR: (
+                FLOOR,
+                np.arange(1, levels.size + 1),
+                {"long_name": "floor, from the ground up"},
+            ),
             "level": (FLOOR, levels, {"units": "m", "long_name": "level of the floor"}),
         },
     )

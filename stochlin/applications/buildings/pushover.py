@@ -52,24 +52,25 @@ def read_pushover(
 ) -> xr.DataArray:
     r"""Read a pushover curve from a file: base shear over the displacement of the roof.
 
-    Units are those of the file, or are given here; they are not guessed. A curve that is pushed in the
-    negative direction, or whose base shear is that of the reactions, is turned to positive signs. Where
-    the file begins above 0 in both, the origin is added.
+    Units are those of the file, or are given here; they are not guessed. A curve that is pushed in
+    the negative direction, or whose base shear is that of the reactions, is turned to positive
+    signs. Where the file begins above 0 in both, the origin is added.
 
     Parameters
     ----------
     path : str or path
         Path of the file: text in UTF-8 with ``,``, ``;``, tabs or spaces between its columns, or a
-        workbook. Text after ``#`` at the start of a line is a comment. Lines of titles, and a line of
-        units below them, may come first. The columns are known by their titles, as ``roof`` or
+        workbook. Text after ``#`` at the start of a line is a comment. Lines of titles, and a line
+        of units below them, may come first. The columns are known by their titles, as ``roof`` or
         ``displacement`` and ``base shear`` or ``force``, in several languages.
     length_units, force_units : str, optional
-        Units of the displacement, ``"m"``, ``"cm"``, ``"mm"``, ``"in"`` or ``"ft"``, and of the base
-        shear, ``"N"``, ``"kN"``, ``"MN"``, ``"kgf"``, ``"tonf"``, ``"lbf"`` or ``"kip"``. Not needed if
-        the titles have them, as in ``base shear [kN]``, or a line below the titles.
+        Units of the displacement, ``"m"``, ``"cm"``, ``"mm"``, ``"in"`` or ``"ft"``, and of the
+        base shear, ``"N"``, ``"kN"``, ``"MN"``, ``"kgf"``, ``"tonf"``, ``"lbf"`` or ``"kip"``. Not
+        needed if the titles have them, as in ``base shear [kN]``, or a line below the titles.
     displacement_column, force_column : int or str, optional
-        Columns of the displacement and of the base shear, each by its number from 1 or by its title,
-        where the titles do not say it. The attribute ``columns`` has those that are given by number.
+        Columns of the displacement and of the base shear, each by its number from 1 or by its
+        title, where the titles do not say it. The attribute ``columns`` has those that are given by
+        number.
 
     Returns
     -------
@@ -83,15 +84,15 @@ def read_pushover(
     ImportError
         If the file is a workbook and python-calamine is not installed.
     ValueError
-        If a column or a unit is not known, contradicts the file or is missing, something is no number,
-        there are fewer than 4 points, displacements do not increase, or the base shear is not positive
-        or falls from the start. The message names the line.
+        If a column or a unit is not known, contradicts the file or is missing, something is no
+        number, there are fewer than 4 points, displacements do not increase, or the base shear is
+        not positive or falls from the start. The message names the line.
 
     Warns
     -----
     DoubtfulInput
-        If the largest displacement is below 4 mm or above 2 m, or the largest base shear below 10 kN or
-        above 20 GN, so that a unit is probably wrong.
+        If the largest displacement is below 4 mm or above 2 m, or the largest base shear below 10
+        kN or above 20 GN, so that a unit is probably wrong.
 
     Examples
     --------
@@ -134,7 +135,9 @@ def read_pushover(
 def pushover_options(units: Sequence[Any] | None, columns: Sequence[Any] | None) -> dict[str, Any]:
     """Arguments of `read_pushover` from units and columns, each of displacement and force."""
     of_units = dict(zip(("length_units", "force_units"), units or (), strict=False))
-    return of_units | dict(zip(("displacement_column", "force_column"), columns or (), strict=False))
+    return of_units | dict(
+        zip(("displacement_column", "force_column"), columns or (), strict=False)
+    )
 
 
 @checked
@@ -146,16 +149,17 @@ def bilinear_of(
 ) -> xr.Dataset:
     """Bilinear idealization of a pushover curve.
 
-    The area below is that below the curve, the first line crosses the curve at 0.6 of the yield force,
-    and the second one ends on it.
+    The area below is that below the curve, the first line crosses the curve at 0.6 of the yield
+    force, and the second one ends on it.
 
     Parameters
     ----------
     pushover : xarray.DataArray
-        Base shear [N] over the dimension ``displacement`` of the roof [m], as `read_pushover` reads it.
+        Base shear [N] over the dimension ``displacement`` of the roof [m], as `read_pushover` reads
+        it.
     target_displacement : float, optional
-        Displacement of the roof [m] up to which the curve is idealized, if it is less than that of the
-        largest base shear, which is the default.
+        Displacement of the roof [m] up to which the curve is idealized, if it is less than that of
+        the largest base shear, which is the default.
     hardening : float, optional
         Hardening ratio to be taken in place of that of the idealization [-], in (0, 1].
 
@@ -171,10 +175,10 @@ def bilinear_of(
     Raises
     ------
     ValueError, TypeError
-        If the curve has fewer than 4 points, its displacements do not increase, its base shear is not
-        positive or falls from the start; if it does not bend up to its peak or target, so that it has no
-        yield point, or its area cannot be met; if the target is beyond the curve; or if an argument is
-        not valid.
+        If the curve has fewer than 4 points, its displacements do not increase, its base shear is
+        not positive or falls from the start; if it does not bend up to its peak or target, so that
+        it has no yield point, or its area cannot be met; if the target is beyond the curve; or if
+        an argument is not valid.
 
     Warns
     -----
@@ -227,7 +231,13 @@ def bilinear_of(
             "idealized_displacement": ("point", [0.0, displacement, end]),
             "idealized_base_shear": ("point", [0.0, force, last]),
         },
-        {"point": ("point", ["origin", "yield", "end"], {"long_name": "point of the idealization"})},
+        {
+            "point": (
+                "point",
+                ["origin", "yield", "end"],
+                {"long_name": "point of the idealization"},
+            )
+        },
     )
     title = "Bilinear idealization of a pushover curve"
     table = labels.label(table, {DISPLACEMENT: ("m", OF_ROOF)})
@@ -237,8 +247,9 @@ def bilinear_of(
 def checked_curve(displacement: Array, force: Array, places: Sequence[str]) -> tuple[Array, Array]:
     """A pushover curve without repeated points, from the origin; ``places`` name its points.
 
-    Up to the largest base shear displacements must increase. What follows is not looked at, and left
-    out from where the displacement goes back. Raises a ValueError for what is no pushover curve.
+    Up to the largest base shear displacements must increase. What follows is not looked at, and
+    left out from where the displacement goes back. Raises a ValueError for what is no pushover
+    curve.
     """
     small = SMALL * np.abs([displacement, force]).max(axis=1, initial=0.0)
     at_zero = force.size and abs(displacement[0]) <= small[0] and abs(force[0]) <= small[1]
@@ -293,9 +304,13 @@ def _curve_of(pushover: object) -> tuple[Array, Array]:
         stated = array.attrs.get("units")
         if stated != units or array.dtype.kind not in "iuf" or not np.isfinite(array).all():
             what = f"pushover has {array.dtype} values in {brief(stated)}"
-            raise ValueError(f"{what}; allowed: finite numbers with the attribute units = {units!r}")
+            raise ValueError(
+                f"{what}; allowed: finite numbers with the attribute units = {units!r}"
+            )
     displacement, force = (array.to_numpy().astype(float) for array in arrays)
-    return checked_curve(displacement, force, [f"pushover, point {n}" for n in range(1, force.size + 1)])
+    return checked_curve(
+        displacement, force, [f"pushover, point {n}" for n in range(1, force.size + 1)]
+    )
 
 
 def _hardening(ratio: float) -> float:

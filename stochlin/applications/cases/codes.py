@@ -27,13 +27,13 @@ if TYPE_CHECKING:
 
 APPLIED = "_applied"  # end of the names of such rules
 KIND = "applied"  # of such rules
-APPLY = (
-    "A code as you apply it: displacements under design forces times its factors, combined as it asks."
-)
+APPLY = "A code as you apply it: displacements under design forces times its factors, combined as it asks."
 GIVEN = "given"
 BY_SPECTRUM = "by the first mode under the design spectrum"
 EC8 = "eurocode_8"  # name of its rule and of its spectrum
-LIMITED = "that of 3.2.2.5, and q times its displacement at most that of the elastic spectrum (4.3.4)"
+LIMITED = (
+    "that of 3.2.2.5, and q times its displacement at most that of the elastic spectrum (4.3.4)"
+)
 
 
 def with_applied_codes(case: Case, table: xr.Dataset) -> xr.Dataset:
@@ -51,7 +51,9 @@ def with_applied_codes(case: Case, table: xr.Dataset) -> xr.Dataset:
     applied = applied.assign_coords(kind=("rule", [KIND] * len(rules)))
     if "height" in table.dims:
         applied = applied.merge(gaps_by_height([rule.gaps for rule in rules], table.height.values))
-    whole = xr.concat([table, applied], "rule", data_vars="minimal", coords="minimal", compat="override")
+    whole = xr.concat(
+        [table, applied], "rule", data_vars="minimal", coords="minimal", compat="override"
+    )
     whole = labels.label(whole)
     return whole.assign_attrs(comment=f"{APPLY} {COMBINED}")
 
@@ -86,9 +88,9 @@ def _applied(case: Case, rule: CodeRule, table: xr.Dataset) -> Rule:
 def design_displacements(case: Case, building: Building, rule: CodeRule) -> Array:
     """Displacements of the floors of a building under the design forces of a code [m].
 
-    They are those of the file, or those of the first mode under the spectrum of the site, reduced by the
-    behaviour factor. By Eurocode 8 they are those of its design spectrum, but ``q`` times them is not
-    taken above the displacement of the elastic spectrum, as 4.3.4 allows.
+    They are those of the file, or those of the first mode under the spectrum of the site, reduced
+    by the behaviour factor. By Eurocode 8 they are those of its design spectrum, but ``q`` times
+    them is not taken above the displacement of the elastic spectrum, as 4.3.4 allows.
     """
     if building.form.displacements:
         return np.array(building.form.displacements)

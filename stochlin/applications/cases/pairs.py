@@ -32,8 +32,8 @@ def judge_gap(case: Case, gap: float, progress: Progress | None = None) -> xr.Da
 def mitigate_case(case: Case, progress: Progress | None = None) -> xr.Dataset:
     """The measures of a case compared, and the least sufficient ones, by `stochlin.mitigate`.
 
-    The case needs two buildings and an existing gap; errors name the file and the cure. ``progress`` is
-    called with the share of the rows that is done.
+    The case needs two buildings and an existing gap; errors name the file and the cure.
+    ``progress`` is called with the share of the rows that is done.
     """
     first, second = pair_of(case)
     gap = gap_of(case)

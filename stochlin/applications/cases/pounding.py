@@ -48,12 +48,12 @@ def pound_case(
     Parameters
     ----------
     case : Case
-        A case as from `stochlin.read_case`, with a contact, gaps, and the mass of every building; a case
-        of one building alone needs no gap and no contact.
+        A case as from `stochlin.read_case`, with a contact, gaps, and the mass of every building; a
+        case of one building alone needs no gap and no contact.
     motions : int, optional
-        Number of simulated motions of the site, by default the records of the case. They are the first
-        of those that ``stochlin gap`` simulates, with its seed and its time step, which is the attribute
-        ``step_s``; uncertain parameters are at their medians.
+        Number of simulated motions of the site, by default the records of the case. They are the
+        first of those that ``stochlin gap`` simulates, with its seed and its time step, which is
+        the attribute ``step_s``; uncertain parameters are at their medians.
     progress : callable, optional
         Called with the share of the work that is done.
     steps_per_contact : int
@@ -62,11 +62,11 @@ def pound_case(
     Returns
     -------
     xarray.Dataset
-        The variables of `stochlin.pound`, for a case with one record those of one motion, and else those
-        of several, over ``record`` or ``path``; over ``structure`` the name of the ``building``, and its
-        ``yield_displacement`` [m] and ``peak_ductility`` [-], NaN if elastic, or for buildings with
-        storeys ``storeys`` and over ``floor`` the ``floor_level`` [m]. For one record also, over
-        ``contact``, the ``least_clearance`` [m] at the output times.
+        The variables of `stochlin.pound`, for a case with one record those of one motion, and else
+        those of several, over ``record`` or ``path``; over ``structure`` the name of the
+        ``building``, and its ``yield_displacement`` [m] and ``peak_ductility`` [-], NaN if elastic,
+        or for buildings with storeys ``storeys`` and over ``floor`` the ``floor_level`` [m]. For
+        one record also, over ``contact``, the ``least_clearance`` [m] at the output times.
 
     Raises
     ------
@@ -76,8 +76,8 @@ def pound_case(
 
     Notes
     -----
-    A strength by reduction factor or by ductility refers to the response to the ground of the case, not
-    to the record.
+    A strength by reduction factor or by ductility refers to the response to the ground of the case,
+    not to the record.
 
     References
     ----------
@@ -169,7 +169,9 @@ def _check(case: Case, simulated: bool = False) -> None:
 def _named(table: xr.Dataset, case: Case, structures: list[Any]) -> xr.Dataset:
     """The dataset with the names of the buildings, and their floors or yield displacements."""
     names = [building.name for building in case.buildings]
-    table = table.assign_coords(building=("structure", names, {"long_name": "name of the building"}))
+    table = table.assign_coords(
+        building=("structure", names, {"long_name": "name of the building"})
+    )
     if "floor" not in table.dims:
         strengths = [item.yield_displacement if item.yields else np.nan for item in structures]
         table["yield_displacement"] = ("structure", np.array(strengths, float))
@@ -193,13 +195,17 @@ def displacement_beside(table: xr.Dataset, side: str) -> xr.DataArray:
     if "floor" in table.dims:
         at["floor"] = table[f"floor_{side}"].drop_vars(table[f"floor_{side}"].coords).clip(min=1)
     beside = table.displacement.sel(at)
-    if "column" in table.coords:  # a column moves between its floors, or the ground and the first one
+    if (
+        "column" in table.coords
+    ):  # a column moves between its floors, or the ground and the first one
         share = table.share.where(table.column == side, 1.0)
         below = table.displacement.shift(floor=1, fill_value=0.0).sel(at)
         beside = share * beside + (1.0 - share) * below
     if "wall" in table.coords:
         moved = table.wall_displacement if "wall_displacement" in table else 0.0
-        beside = beside.where(building > 0, moved * (table.wall.drop_vars(table.wall.coords) == SPACE))
+        beside = beside.where(
+            building > 0, moved * (table.wall.drop_vars(table.wall.coords) == SPACE)
+        )
     of_floors = ["structure", "floor", "building", "storeys", "floor_level"]
     return beside.drop_vars(of_floors, errors="ignore")
 

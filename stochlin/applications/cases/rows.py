@@ -11,13 +11,17 @@ if TYPE_CHECKING:
     from stochlin.applications.cases.reading.buildings import Building
     from stochlin.applications.cases.reading.case import Case
 
-TOUCHING = 1e-6  # m, in place of a gap of 0: any motion towards each other closes it, and formulas hold
+TOUCHING = (
+    1e-6  # m, in place of a gap of 0: any motion towards each other closes it, and formulas hold
+)
 
 
 def one_or_two(case: Case) -> tuple[Building, ...]:
     """The two buildings, or one beside its property line; a ValueError if there are more."""
     if len(case.buildings) > 2:
-        what = f"describes {len(case.buildings)} buildings; allowed: two, and more by 'stochlin pound'"
+        what = (
+            f"describes {len(case.buildings)} buildings; allowed: two, and more by 'stochlin pound'"
+        )
         raise case.whole.table.error("", what)
     return case.buildings
 

@@ -45,7 +45,10 @@ WITH_SENSITIVITIES = 0.5  # share of the work before the sensitivities
 # Motions for the sensitivities; an uncertain building with storeys is made anew for each, slowly.
 USUAL_PATHS = 512
 FEW_PATHS = 128
-BAND = 0.2, 1.5  # of the shortest and of the longest period of buildings, in which spectra are compared
+BAND = (
+    0.2,
+    1.5,
+)  # of the shortest and of the longest period of buildings, in which spectra are compared
 YEARS = 50.0  # default time of the probability of pounding [yr]
 SHARE = 8  # motions of the case over those at each of the 25 intensities
 WITH_SCATTER = "gap_with_scatter"  # variable: [m]
@@ -98,9 +101,9 @@ def separation_case(case: Case, progress: Progress | None = None) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        Over ``rule`` the variables of `stochlin.separation`, such as ``gap`` [m] and ``verdict``, with
-        the codes, the records and the scatter of the case; those of `stochlin.existing_gap` with
-        ``existing_`` before their names, if the case has an existing gap, and those of
+        Over ``rule`` the variables of `stochlin.separation`, such as ``gap`` [m] and ``verdict``,
+        with the codes, the records and the scatter of the case; those of `stochlin.existing_gap`
+        with ``existing_`` before their names, if the case has an existing gap, and those of
         `stochlin.pounding_risk` with ``risk_``, if it has a hazard.
 
     Raises
@@ -135,9 +138,8 @@ def separation_case(case: Case, progress: Progress | None = None) -> xr.Dataset:
 def answer_case(case: Case, progress: Progress | None = None) -> CaseAnswer:
     """Separation of the two buildings of a case or set-back of one, and limits of the existing gap.
 
-    Sensitivities are computed if any parameter is uncertain.
-    ``progress`` is called with the share of the work that is done. Errors are those of `separation`,
-    `existing_gap` and `sensitivity`.
+    Sensitivities are computed if any parameter is uncertain. ``progress`` is called with the share
+    of the work that is done. Errors are those of `separation`, `existing_gap` and `sensitivity`.
     """
     structures = [building.sampled for building in one_or_two(case)]
     first = structures[0]
@@ -215,7 +217,9 @@ def _with_scatter(
     table = separation(*models, **options, progress=progress).sel(rule="simulation", drop=True)
     name = f"gap, with the scatter of {OF_SPECTRUM.scatter:g} between earthquakes"
     columns = {
-        f"{WITH_SCATTER}{end}": table[f"gap{end}"].reset_coords(drop=True).assign_attrs(long_name=name)
+        f"{WITH_SCATTER}{end}": table[f"gap{end}"]
+        .reset_coords(drop=True)
+        .assign_attrs(long_name=name)
         for end in labels.VALUE_AND_ENDS
     }
     return simulated.assign(columns)
@@ -256,8 +260,8 @@ def _simulated_risk(case: Case, models: Any, progress: Progress | None) -> Simul
 def _risk_table(simulated: SimulatedRisk, case: Case, answer: float) -> xr.Dataset | None:
     """Risk with the existing gap, the required gap ``answer`` [m], and the gap for the allowed risk.
 
-    Gaps of 0 are left out, since any shaking closes them; None if all are 0. Names of variables begin
-    with ``risk_``, so that they can be merged with those of the separation.
+    Gaps of 0 are left out, since any shaking closes them; None if all are 0. Names of variables
+    begin with ``risk_``, so that they can be merged with those of the separation.
     """
     existing = case.wanted.existing[0] if case.wanted.existing else 0.0
     gaps = {"existing": existing, "answer": answer}
@@ -273,7 +277,9 @@ def _risk_table(simulated: SimulatedRisk, case: Case, answer: float) -> xr.Datas
         return None
     each = [simulated.of_gap(gap, years) for gap in gaps.values()]
     along = labels.axis(GAP, "gap of which the risk is", np.array(list(gaps.values())), "m")
-    table = xr.concat(each, along, data_vars="all", coords="minimal", compat="override", join="exact")
+    table = xr.concat(
+        each, along, data_vars="all", coords="minimal", compat="override", join="exact"
+    )
     which = {OF: (GAP, list(gaps), {"long_name": "which gap this is"})}
     table = labels.label(table.assign_coords(which).assign(target.data_vars))
     names = {name: f"{PREFIX}{name}" for name in table.variables if name not in (GAP, OF)}

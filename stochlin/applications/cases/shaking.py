@@ -34,7 +34,9 @@ def shaking_of(case: Case) -> xr.Dataset:
 def recorded_shaking(record: xr.DataArray, periods: list[float]) -> dict[str, xr.DataArray]:
     """Intensity of a record: PGA, rms of its strong part, and Sa at each period over ``structure``."""
     shown, place = np.unique(periods, return_inverse=True)
-    accelerations = response_spectrum(record, shown, USUAL_DAMPING).pseudo_acceleration.to_numpy()[place]
+    accelerations = response_spectrum(record, shown, USUAL_DAMPING).pseudo_acceleration.to_numpy()[
+        place
+    ]
     return {
         "peak_ground_acceleration": abs(record).max(),
         "rms_acceleration": (strong_part(record) ** 2).mean() ** 0.5,

@@ -50,8 +50,8 @@ class OnGround(NamedTuple):
 def correlations(case: Case, progress: Progress | None = None) -> Iterator[OnGround]:
     """Datasets of `correlate` for both buildings, where the period of the second one changes.
 
-    The white noise is as strong as the ground at the period of the first building. Raises a ValueError
-    for buildings with storeys.
+    The white noise is as strong as the ground at the period of the first building. Raises a
+    ValueError for buildings with storeys.
     """
     if any(building.has_storeys for building in pair_of(case)):
         raise ValueError("the correlation over the ratio of the periods is that of two oscillators")

@@ -64,7 +64,11 @@ class FormEntry(NamedTuple):
         if at == 0 or written is None or FROM_TO.fullmatch(str(self.value)):
             return self.value
         number = float(written[1]) * TIMES**at
-        shown = f"{float(f'{number:.3g}'):g}" if isinstance(self.key.kind, WithUnit) else f"{number:.0f}"
+        shown = (
+            f"{float(f'{number:.3g}'):g}"
+            if isinstance(self.key.kind, WithUnit)
+            else f"{number:.0f}"
+        )
         return self.read(f"{shown}{written[2]}")
 
     def reach(self) -> tuple[float, float] | None:
@@ -107,7 +111,10 @@ def form_of(text: str) -> Iterator[tuple[str, list[FormEntry]]]:
         table = tables[name]
         if isinstance(table, dict):
             called = f": {plain(table['name'], LONGEST_NAME)}" if "name" in table else ""
-            yield f"{name.replace('_', ' ').capitalize()}{called}", list(_entries(name, table, lines))
+            yield (
+                f"{name.replace('_', ' ').capitalize()}{called}",
+                list(_entries(name, table, lines)),
+            )
 
 
 def _entries(name: str, table: Mapping[str, Any], lines: Lines) -> Iterator[FormEntry]:
@@ -146,6 +153,8 @@ def changed_text(text: str, entry: FormEntry) -> str:
     lines = Lines.of(text)
     changed = list(lines.texts)
     at = lines.line_of(entry.table, entry.name, value) - 1
-    written = f"{entry.name} = {json.dumps(entry.value, ensure_ascii=False)}".replace("\x7f", r"\u007f")
+    written = f"{entry.name} = {json.dumps(entry.value, ensure_ascii=False)}".replace(
+        "\x7f", r"\u007f"
+    )
     changed[at] = WRITTEN.sub(lambda _: written, changed[at], count=1)
     return "\n".join(changed) + "\n"

@@ -91,8 +91,8 @@ def of_file(path: Path) -> Upload:
 def read_upload(folder: str, name: str, text: str) -> tuple[Case, list[str]]:
     """The case of this text in a folder outside of which nothing is read, and warnings on it.
 
-    Its ground is fitted and scaled, unless it is that of the last text: with the same values of site and
-    motion and the same content of all files.
+    Its ground is fitted and scaled, unless it is that of the last text: with the same values of
+    site and motion and the same content of all files.
     """
     path = Path(folder) / name
     with only_within(path.parent), warnings.catch_warnings(record=True) as caught:
@@ -103,7 +103,9 @@ def read_upload(folder: str, name: str, text: str) -> tuple[Case, list[str]]:
             if not (_LAST and _LAST[0].is_of(values, case.site)):
                 before = len(caught)
                 _ = case.site.ground
-                _LAST[:] = [Fitted(values, case.site, [str(each.message) for each in caught[before:]])]
+                _LAST[:] = [
+                    Fitted(values, case.site, [str(each.message) for each in caught[before:]])
+                ]
         except (OSError, ValueError) as error:
             raise ValueError(_without(folder, error)) from error
     fitted = _LAST[0]
@@ -116,5 +118,7 @@ def _without(folder: str, error: Exception) -> str:
     message = str(error).replace(f"{folder}{os.sep}", "").replace(folder, "")
     absent = isinstance(error.__cause__, FileNotFoundError)
     return (
-        f"{message}; choose the case file together with the files that it names" if absent else message
+        f"{message}; choose the case file together with the files that it names"
+        if absent
+        else message
     )

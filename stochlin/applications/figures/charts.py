@@ -40,7 +40,8 @@ DURATION = 15.0
 RISE_END = 2.0
 STRONG_END = 7.5
 DECAY = 0.7
-# Memory of a plastic drift above which a stationary response is hardly ever reached, in periods as well.
+# Memory of a plastic drift above which a stationary response is hardly ever reached, in periods as
+# well.
 LONGEST_MEMORY = 2 * DURATION
 SIMULATED_INTENSITY = 0.004  # m^2/s^3
 SIMULATED_STEP = 0.02  # s
@@ -81,14 +82,14 @@ class ChartSettings(metaclass=Named):
     paths, seed : int
         Number and seed of simulated motions, as in `stochlin.simulate`.
     simulated_points : int, optional
-        Number of periods at which each curve of Figs. 4 and 9, and Fig. 5a along each axis, are also
-        simulated; 0 for none. The default is 21 for a curve, 11 in Fig. 9, and 41 for an axis.
+        Number of periods at which each curve of Figs. 4 and 9, and Fig. 5a along each axis, are
+        also simulated; 0 for none. The default is 21 for a curve, 11 in Fig. 9, and 41 for an axis.
     curves : tuple of str, optional
         Effective rules in Fig. 3b: names of `stochlin.rules.effective_rule_names` or of unverified
         rules. The default is all verified rules and that of the paper.
     record : DataArray, optional
-        Record [m/s^2] over ``time`` [s] for Figs. 1 and 2, as from `stochlin.read_record`. The default
-        is a simulated motion.
+        Record [m/s^2] over ``time`` [s] for Figs. 1 and 2, as from `stochlin.read_record`. The
+        default is a simulated motion.
 
     Raises
     ------
@@ -158,7 +159,8 @@ USUAL = ChartSettings()
 CHARTS: Registry[Callable[[ChartSettings], xr.Dataset]] = Registry(
     "chart", "stochlin.applications.figures"
 )
-# A decorator, ``register_chart(name, place)``, of the function that computes a chart from the settings.
+# A decorator, ``register_chart(name, place)``, of the function that computes a chart from the
+# settings.
 register_chart = checked(CHARTS.register)
 
 
@@ -174,8 +176,8 @@ def chart_functions(settings: ChartSettings) -> Mapping[str, Callable[[], xr.Dat
     Returns
     -------
     mapping
-        Functions by the name of the chart, which is the name of its file without suffix. The datasets
-        have six significant digits, so that the same settings give the same file.
+        Functions by the name of the chart, which is the name of its file without suffix. The
+        datasets have six significant digits, so that the same settings give the same file.
 
     Examples
     --------

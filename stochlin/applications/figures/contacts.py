@@ -54,8 +54,8 @@ def contact_loop_chart(settings: ChartSettings = USUAL) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        Over (``element``, ``point``): ``scaled_deformation``, ``scaled_force``, ``scaled_velocity`` and
-        ``scaled_time`` [-]. Over ``element``: ``restitution``, ``contact_damping`` and
+        Over (``element``, ``point``): ``scaled_deformation``, ``scaled_force``, ``scaled_velocity``
+        and ``scaled_time`` [-]. Over ``element``: ``restitution``, ``contact_damping`` and
         ``scaled_contact_time`` [-]. The area of a loop is the energy loss ``(1 - e^2)/2``.
 
     Examples
@@ -112,8 +112,8 @@ def restitution_chart(settings: ChartSettings = USUAL) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        ``restitution`` [-] over (``element``, ``damping_ratio``). The picture shows the elements of the
-        paper, Kelvin and Impact Kelvin.
+        ``restitution`` [-] over (``element``, ``damping_ratio``). The picture shows the elements of
+        the paper, Kelvin and Impact Kelvin.
 
     Examples
     --------
@@ -126,14 +126,18 @@ def restitution_chart(settings: ChartSettings = USUAL) -> xr.Dataset:
     ratio = labels.axis("damping_ratio", "damping ratio ξ of the contact", along)
     kinds = _with_ratio()
     axis = labels.axis(*ELEMENT, [kind.__name__ for kind in kinds], units=None)
-    chart = xr.Dataset({"restitution": xr.concat([kind.restitution(ratio) for kind in kinds], axis)})
+    chart = xr.Dataset(
+        {"restitution": xr.concat([kind.restitution(ratio) for kind in kinds], axis)}
+    )
     chart.attrs |= {
         "chart": "restitution",
         "caption": "Two free masses; ξ = c/(2 √(k m)).",
         "comment": "Eq. (15) of the paper is the curve of Kelvin alone.",
     }
     title = "Coefficient of restitution of contact elements"
-    return labels.with_run_information(labels.label(chart, VARIABLES), title, "restitution_chart()", {})
+    return labels.with_run_information(
+        labels.label(chart, VARIABLES), title, "restitution_chart()", {}
+    )
 
 
 def _with_ratio() -> list[type[WithRatio]]:

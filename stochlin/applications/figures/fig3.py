@@ -79,8 +79,9 @@ def effective_rules_chart(
 ) -> xr.Dataset:
     """Fig. 3b: eq. (4) with effective periods and damping ratios, one curve for each rule.
 
-    The rule of the paper is that of Jeng, Kasai and Maison (1992). Its constants could not be verified,
-    as the picture says. The text of the paper does not state damping, hardening and ductility.
+    The rule of the paper is that of Jeng, Kasai and Maison (1992). Its constants could not be
+    verified, as the picture says. The text of the paper does not state damping, hardening and
+    ductility.
 
     Parameters
     ----------
@@ -97,9 +98,9 @@ def effective_rules_chart(
     Returns
     -------
     xarray.Dataset
-        ``rho`` [-] over ``rule`` and ``period_ratio``, the ratio of the elastic periods; NaN beyond the
-        ductility to which a rule was fitted. The coordinates
-        ``reference`` and ``mark`` over ``rule`` state the source of a rule and how it was checked.
+        ``rho`` [-] over ``rule`` and ``period_ratio``, the ratio of the elastic periods; NaN beyond
+        the ductility to which a rule was fitted. The coordinates ``reference`` and ``mark`` over
+        ``rule`` state the source of a rule and how it was checked.
 
     Raises
     ------
@@ -124,7 +125,9 @@ def effective_rules_chart(
     tables = [rho_effective(ratio, 1.0, **pair, rule=rule)[["rho", "status"]] for rule in chosen]
     for table, rule in zip(tables, chosen, strict=True):
         table["rho"] = table.rho.where(ductility <= rule.largest_ductility)
-    curves = {rule.title or rule.name: table.rho for rule, table in zip(chosen, tables, strict=True)}
+    curves = {
+        rule.title or rule.name: table.rho for rule, table in zip(chosen, tables, strict=True)
+    }
     remarks = [
         f"{' and '.join(names)} differ by less than {ALIKE:g}."
         for names in combinations(curves, 2)

@@ -1,8 +1,8 @@
 """Fig. 4: rho of two bilinear structures over their period ratio, beside other methods.
 
-The text of the paper does not state the damping, the hardening and the period of the ground of Figs. 4
-and 5. They are settings, and stated in each dataset. Only ratios of periods matter, so that the period
-of the ground is arbitrary.
+The text of the paper does not state the damping, the hardening and the period of the ground of
+Figs. 4 and 5. They are settings, and stated in each dataset. Only ratios of periods matter, so that
+the period of the ground is arbitrary.
 """
 
 from __future__ import annotations
@@ -66,21 +66,21 @@ def period_ratio_chart(
     settings : ChartSettings, optional
         Parameters of the charts.
     ground : KanaiTajimi or CloughPenzien, optional
-        The ground, of one period; parameters over ``ground`` are several, with a panel for each. The
-        default is that of the settings.
+        The ground, of one period; parameters over ``ground`` are several, with a panel for each.
+        The default is that of the settings.
     frequency_ratio : float
         Frequency of structure 2 over that of the ground [-].
 
     Returns
     -------
     xarray.Dataset
-        ``rho`` and ``status`` over (``reduction_factor``, ``period_ratio``), and over ``ground`` for
-        several; ``rho_elastic``, on the same ground, and ``rho_white_noise``, eq. (4), over
-        ``period_ratio``; and ``rho_drift`` by the drift closure. NaN between the simulated points: the
-        stationary ``rho_simulated`` with
-        ``rho_standard_error``; ``drift_memory`` [s], the relaxation time of the slower plastic drift;
-        and where it is above the attribute ``longest_memory_s``, ``rho_in_motions`` with its standard
-        error, the mean of the correlation coefficients in single motions from rest.
+        ``rho`` and ``status`` over (``reduction_factor``, ``period_ratio``), and over ``ground``
+        for several; ``rho_elastic``, on the same ground, and ``rho_white_noise``, eq. (4), over
+        ``period_ratio``; and ``rho_drift`` by the drift closure. NaN between the simulated points:
+        the stationary ``rho_simulated`` with ``rho_standard_error``; ``drift_memory`` [s], the
+        relaxation time of the slower plastic drift; and where it is above the attribute
+        ``longest_memory_s``, ``rho_in_motions`` with its standard error, the mean of the
+        correlation coefficients in single motions from rest.
 
     Raises
     ------
@@ -126,8 +126,8 @@ for _letter, _ratio in (("a", 0.5), ("b", 1.0), ("c", 2.0)):
 def _groups(settings: ChartSettings, size: int) -> list[Place]:
     """The simulated points of Fig. 4, those that are simulated together in a group.
 
-    The longest memory of a group determines the duration of its simulation, and the shortest period its
-    time step: each reduction factor and each half of a curve is a group.
+    The longest memory of a group determines the duration of its simulation, and the shortest period
+    its time step: each reduction factor and each half of a curve is a group.
     """
     step = simulated_step(settings, size, SIMULATED_POINTS)
     if not step:
@@ -166,7 +166,9 @@ def with_points(chart: xr.Dataset, tables: Sequence[xr.Dataset]) -> xr.Dataset:
     return chart.merge(known.transpose(*chart.status.dims))
 
 
-def _with_motions(chart: xr.Dataset, pair: Pair, ground: Ground, settings: ChartSettings) -> xr.Dataset:
+def _with_motions(
+    chart: xr.Dataset, pair: Pair, ground: Ground, settings: ChartSettings
+) -> xr.Dataset:
     """A chart with the mean correlation in finite motions where the drift has a long memory."""
     period = ground_period(ground)
     error = f"{IN_MOTIONS}_standard_error"
@@ -196,7 +198,8 @@ def with_errors(
 ) -> xr.Dataset:
     """A chart of this variable that states its errors against simulation, or else the caution.
 
-    They are without those points whose drift is slow, which are not those of motions of finite length.
+    They are without those points whose drift is slow, which are not those of motions of finite
+    length.
     """
     chart.attrs |= {"shows": name, "points": " ".join(point for point in points if point in chart)}
     of_rho = name == "rho"
@@ -255,7 +258,9 @@ def words(
     **pictures: str,
 ) -> dict[str, str]:
     """Words and pictures of a chart of bilinear structures, which is the same for any intensity."""
-    values = {name: np.unique(array) for name, array in ground.cells().items() if name != "intensity"}
+    values = {
+        name: np.unique(array) for name, array in ground.cells().items() if name != "intensity"
+    }
     stated = ", ".join(
         f"{name.replace('_', ' ')} {' and '.join(f'{value:.3g}' for value in several)}"
         f"{' s' * (ground.units(name) == 's')}"

@@ -38,7 +38,9 @@ SIMULATED_POINTS = 41  # along an axis of Fig. 5a
 # intervals between simulated periods of Fig. 5b
 STD_INTERVALS = 8
 PEAK_INTERVALS = 32
-SLOWEST_DRIFT = 2.0  # smallest reduction factor whose standard deviation is simulated within minutes
+SLOWEST_DRIFT = (
+    2.0  # smallest reduction factor whose standard deviation is simulated within minutes
+)
 OF_PEAKS = "amplification_of_peaks"
 OF_STD = "amplification_simulated"
 ENDS = "", "_standard_error"
@@ -62,14 +64,14 @@ def period_plane_chart(settings: ChartSettings = USUAL, ground: Ground | None = 
     settings : ChartSettings, optional
         Parameters of the charts.
     ground : KanaiTajimi or CloughPenzien, optional
-        The ground, of one period; parameters over ``ground`` are several, with a panel for each. The
-        default is that of the settings.
+        The ground, of one period; parameters over ``ground`` are several, with a panel for each.
+        The default is that of the settings.
 
     Returns
     -------
     xarray.Dataset
-        ``rho`` and ``status`` over (``period_ratio_1``, ``period_ratio_2``), and over ``ground`` for
-        several. It also has ``rho_drift``, ``rho_simulated``, ``rho_standard_error`` and
+        ``rho`` and ``status`` over (``period_ratio_1``, ``period_ratio_2``), and over ``ground``
+        for several. It also has ``rho_drift``, ``rho_simulated``, ``rho_standard_error`` and
         ``drift_memory``, as in Fig. 4.
 
     Examples
@@ -102,7 +104,9 @@ def period_plane_chart(settings: ChartSettings = USUAL, ground: Ground | None = 
 
 @register_chart("fig5b", place=50)
 @checked
-def amplification_chart(settings: ChartSettings = USUAL, ground: Ground | None = None) -> xr.Dataset:
+def amplification_chart(
+    settings: ChartSettings = USUAL, ground: Ground | None = None
+) -> xr.Dataset:
     """Fig. 5b: amplification ``D`` over ``T/Tg``, for several reduction factors.
 
     Parameters
@@ -110,8 +114,8 @@ def amplification_chart(settings: ChartSettings = USUAL, ground: Ground | None =
     settings : ChartSettings, optional
         Parameters of the charts.
     ground : KanaiTajimi or CloughPenzien, optional
-        The ground, of one period; parameters over ``ground`` are several, with a panel for each. The
-        default is that of the settings.
+        The ground, of one period; parameters over ``ground`` are several, with a panel for each.
+        The default is that of the settings.
 
     Returns
     -------
@@ -119,9 +123,9 @@ def amplification_chart(settings: ChartSettings = USUAL, ground: Ground | None =
         ``amplification``, the ratio of the standard deviations, and ``status`` over
         (``reduction_factor``, ``period_ratio``), and over ``ground`` for several. It also has
         ``amplification_drift`` by the drift closure, and by simulation, NaN between the simulated
-        points, ``amplification_simulated`` of the standard deviations and ``amplification_of_peaks`` of
-        the peaks in a finite motion, which the text of the paper means, both with ``_standard_error``;
-        and ``drift_memory`` [s], as in Fig. 4.
+        points, ``amplification_simulated`` of the standard deviations and
+        ``amplification_of_peaks`` of the peaks in a finite motion, which the text of the paper
+        means, both with ``_standard_error``; and ``drift_memory`` [s], as in Fig. 4.
 
     Examples
     --------
@@ -164,7 +168,9 @@ def amplification_chart(settings: ChartSettings = USUAL, ground: Ground | None =
         if name in chart:
             chart[name].attrs["ancillary_variables"] = f"{name}_standard_error{beside}"
     chart.amplification.attrs["curve_label"] = "D of standard deviations, linearized"
-    title = "Amplification by yielding: of stationary standard deviations, and of maxima in a motion"
+    title = (
+        "Amplification by yielding: of stationary standard deviations, and of maxima in a motion"
+    )
     pictures = {"chart": "curves", "comparison": "compared_curves", "beside": "amplification_drift"}
     chart.attrs |= words(settings, ground, title, **pictures)
     chart.attrs["caption"] += f"\nMaxima: {duration:.3g} s of motion, {envelope.describe()}"

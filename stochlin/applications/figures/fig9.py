@@ -40,9 +40,7 @@ SIMULATED_POINTS = 11  # along a curve
 REPEATED = 32  # times the motions of other charts, since a quantile needs more of them than a mean
 CONFIDENCE = 0.9
 GAP = "required_gap"
-SOURCES = (
-    "The drift closure simulates nothing; eq. (3) and SRSS combine simulated peaks of both structures"
-)
+SOURCES = "The drift closure simulates nothing; eq. (3) and SRSS combine simulated peaks of both structures"
 RULES = {  # of `separation`, which combine simulated peaks, each with its name in the picture
     "eq_3_drift": "eq. (3), ρ with drift",
     "eq_3_linearized": "eq. (3), ρ linearized",
@@ -65,9 +63,9 @@ def required_gap_chart(
 ) -> xr.Dataset:
     """Fig. 9: gap for 90 % over ``T1/T2`` for a fixed frequency ``w2 = frequency_ratio wg``.
 
-    The gap is that of `stochlin.passage_gap` in motions of finite length, with the stiffer structure
-    on the left, beside simulation and rules that combine simulated peaks. It is divided by the
-    standard deviation of structure 2 as elastic, so that it is the same for any intensity.
+    The gap is that of `stochlin.passage_gap` in motions of finite length, with the stiffer
+    structure on the left, beside simulation and rules that combine simulated peaks. It is divided
+    by the standard deviation of structure 2 as elastic, so that it is the same for any intensity.
 
     Parameters
     ----------
@@ -85,8 +83,8 @@ def required_gap_chart(
         ``required_gap`` [-] with ``caution`` and ``status`` over (``reduction_factor``,
         ``period_ratio``), and over ``ground`` for several. NaN between the simulated points:
         ``required_gap_simulated`` with its 95 % interval, ``_lower`` and ``_upper``; and with the
-        simulated peaks ``required_gap_srss``, and ``required_gap_eq_3_drift`` and ``_eq_3_linearized``,
-        eq. (3) with ``rho`` of these closures.
+        simulated peaks ``required_gap_srss``, and ``required_gap_eq_3_drift`` and
+        ``_eq_3_linearized``, eq. (3) with ``rho`` of these closures.
 
     Examples
     --------
@@ -125,7 +123,9 @@ def required_gap_chart(
     about = "structure 1 is on the left"
     chart.attrs |= words(settings, ground, title, where, about, chart="required_gaps")
     of_motions = f"Motions of finite length from rest, {envelope.describe()}"
-    chart.attrs["caption"] += f"\n{of_motions}, for a confidence of {100 * CONFIDENCE:g} %\n{SOURCES}"
+    chart.attrs["caption"] += (
+        f"\n{of_motions}, for a confidence of {100 * CONFIDENCE:g} %\n{SOURCES}"
+    )
     return labels.label(chart, VARIABLES)
 
 

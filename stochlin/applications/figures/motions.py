@@ -102,9 +102,9 @@ def energy_chart(
 ) -> xr.Dataset:
     """Fig. 1b: energy radius, input energy and dissipated energies over time, elastic and yielding.
 
-    An energy ``E`` per unit mass is shown as ``sqrt(2 E)/w``, the energy radius of an elastic structure
-    with this energy. The pseudo energy radius is equal to the peak displacement or hardly larger, while
-    the energies grow during the whole motion.
+    An energy ``E`` per unit mass is shown as ``sqrt(2 E)/w``, the energy radius of an elastic
+    structure with this energy. The pseudo energy radius is equal to the peak displacement or hardly
+    larger, while the energies grow during the whole motion.
 
     Parameters
     ----------
@@ -120,9 +120,9 @@ def energy_chart(
     -------
     xarray.Dataset
         Over ``reduction_factor`` (1 for the elastic structure) and ``time`` [s]: ``radius``,
-        ``input_energy_radius``, ``viscous_energy_radius`` and ``hysteretic_energy_radius`` [m]. Also
-        ``significant_begin`` and ``significant_end`` [s], the times at which the record has 5 and 95 %
-        of its energy.
+        ``input_energy_radius``, ``viscous_energy_radius`` and ``hysteretic_energy_radius`` [m].
+        Also ``significant_begin`` and ``significant_end`` [s], the times at which the record has 5
+        and 95 % of its energy.
 
     Raises
     ------
@@ -152,10 +152,14 @@ def energy_chart(
             squares = 2 * motion[f"{kind}_energy_per_mass"].clip(min=0.0)
             table[f"{kind}_energy_radius"] = np.sqrt(squares) * period / (2 * np.pi)
         tables.append(table)
-    factors = labels.axis("reduction_factor", "reduction factor R", np.array([1.0, reduction_factor]))
+    factors = labels.axis(
+        "reduction_factor", "reduction factor R", np.array([1.0, reduction_factor])
+    )
     chart = xr.concat(tables, factors, combine_attrs="drop", join="exact")
     strong = strong_part(record)
-    chart = chart.assign(significant_begin=strong.time[0].item(), significant_end=strong.time[-1].item())
+    chart = chart.assign(
+        significant_begin=strong.time[0].item(), significant_end=strong.time[-1].item()
+    )
     return labels.label(chart, VARIABLES).assign_attrs(
         chart="energies",
         title=f"Pseudo energy radius and energies of structures in {source_of(record)}",
@@ -187,9 +191,9 @@ def recorded_gap_chart(record: xr.DataArray, damping: float, points: Points = 61
     -------
     xarray.Dataset
         Over ``period_1`` and ``period_2`` [s]: ``separation`` [m], the largest ``u_1 - u_2`` in the
-        record; ``critical_gap`` [m], eq. (3) with the pseudo energy radii and ``rho_white_noise`` [-] of
-        eq. (4); ``srss`` [m], the root of the sum of the squares of both; ``rho`` [-], the correlation
-        coefficient over the record; and ``status``.
+        record; ``critical_gap`` [m], eq. (3) with the pseudo energy radii and ``rho_white_noise``
+        [-] of eq. (4); ``srss`` [m], the root of the sum of the squares of both; ``rho`` [-], the
+        correlation coefficient over the record; and ``status``.
 
     Raises
     ------

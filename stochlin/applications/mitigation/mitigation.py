@@ -55,8 +55,12 @@ AS_BUILT = "as built"
 GIVEN = "given"
 LEAST = "least"
 QUANTILE = 0.95  # of the forces, strokes and energies of devices over motions
-CONSTANTS = np.append(0.0, np.geomspace(1e-3, 10, 13))  # damping constants that are tried, over 2 m w
-VERDICTS = "answer enough not_enough within_error not_available no_verdict"  # numbered as those of rules
+CONSTANTS = np.append(
+    0.0, np.geomspace(1e-3, 10, 13)
+)  # damping constants that are tried, over 2 m w
+VERDICTS = (
+    "answer enough not_enough within_error not_available no_verdict"  # numbered as those of rules
+)
 SIMULATIONS = 60  # usual number of simulations of all searches together
 OF_SEARCH = 4  # work of a search, in simulations of all motions
 TEXTS: dict[str, str] = {
@@ -86,15 +90,16 @@ def mitigate(
 ) -> xr.Dataset:
     """Compare mitigation measures against pounding in the same motions, and find the least sufficient.
 
-    The rows of the table are the buildings as built and each given measure. Further rows are the least
-    damping, added to both buildings or to one of them, and the least dashpot between both, with which
-    the buildings do not touch with the probability ``confidence``. Nothing is searched if the gap is
-    enough as built.
+    The rows of the table are the buildings as built and each given measure. Further rows are the
+    least damping, added to both buildings or to one of them, and the least dashpot between both,
+    with which the buildings do not touch with the probability ``confidence``. Nothing is searched
+    if the gap is enough as built.
 
     Parameters
     ----------
     first, second, ground
-        As in `separation`, with numbers or `Uncertain` parameters. Oscillators with a link need a mass.
+        As in `separation`, with numbers or `Uncertain` parameters. Oscillators with a link need a
+        mass.
     gap : float
         Existing gap [m], positive.
     measures : mapping of str to Measure
@@ -107,19 +112,20 @@ def mitigate(
     Returns
     -------
     xarray.Dataset
-        Over ``measure``: ``added_damping_1`` and ``_2`` [-], and ``link_damping_constant`` [N s/m] of
-        all links between both buildings together, NaN if some of their dashpots are not linear.
+        Over ``measure``: ``added_damping_1`` and ``_2`` [-], and ``link_damping_constant`` [N s/m]
+        of all links between both buildings together, NaN if some of their dashpots are not linear.
 
-        Over ``measure``, by simulation: ``required_gap`` [m], and ``no_pounding_probability`` [-] with
-        the existing gap, each with a 95 % interval ``_lower`` and ``_upper``; ``verdict`` on the gap.
-        By linearization: ``rho`` [-] and ``relative_displacement_std`` [m]. The coordinates ``kind``,
-        ``description`` and ``missing`` are texts. A row whose search found nothing is NaN.
+        Over ``measure``, by simulation: ``required_gap`` [m], and ``no_pounding_probability`` [-]
+        with the existing gap, each with a 95 % interval ``_lower`` and ``_upper``; ``verdict`` on
+        the gap. By linearization: ``rho`` [-] and ``relative_displacement_std`` [m]. The
+        coordinates ``kind``, ``description`` and ``missing`` are texts. A row whose search found
+        nothing is NaN.
 
-        For measures with links or dampers, over ``measure`` and ``link``, its place in the list: the
-        texts ``link_kind`` and ``link_place``, the floors as structure.floor; ``peak_link_force`` [N],
-        ``peak_link_stroke`` [m] and ``link_energy`` [J], which it dissipates in a motion, each as
-        ``_mean`` and 95 % ``_quantile`` over the simulated motions without contact. Cells beyond the
-        links of a measure are NaN.
+        For measures with links or dampers, over ``measure`` and ``link``, its place in the list:
+        the texts ``link_kind`` and ``link_place``, the floors as structure.floor;
+        ``peak_link_force`` [N], ``peak_link_stroke`` [m] and ``link_energy`` [J], which it
+        dissipates in a motion, each as ``_mean`` and 95 % ``_quantile`` over the simulated motions
+        without contact. Cells beyond the links of a measure are NaN.
 
     Raises
     ------
@@ -131,8 +137,8 @@ def mitigate(
     -----
     Strengths are converted to metres as built. All results are for motions without contact: what a
     bumper changes is computed by `pound`, with its contact and with the gap less its thickness.
-    Linearization is unsafe if structures yield and is given for comparison. A least measure is the first
-    that is enough as the damping grows from zero.
+    Linearization is unsafe if structures yield and is given for comparison. A least measure is the
+    first that is enough as the damping grows from zero.
 
     References
     ----------
@@ -166,7 +172,9 @@ def mitigate(
         except ValueError as error:
             raise ValueError(f"measures[{brief(name)}]: {error}") from error
         for text in pair.doubts(measure):
-            warnings.warn(f"mitigate: measures[{brief(name)}]: {text}", ImplausibleInput, stacklevel=3)
+            warnings.warn(
+                f"mitigate: measures[{brief(name)}]: {text}", ImplausibleInput, stacklevel=3
+            )
         rows.append(partial(pair.row, name, GIVEN, measure))
     searches = [partial(pair.least, *search) for search in pair.searches()]
     ends = np.cumsum([1] * len(rows) + [OF_SEARCH] * len(searches))
@@ -276,8 +284,8 @@ class MitigatedPair:
     def searches(self) -> list[tuple[str, Callable[[float], Measure], Array, str]]:
         """Searches for the least measures: names, measures of a value, values, and what these are.
 
-        They are for added damping, and for a dashpot if the structures have masses; there is none if the
-        gap is enough as built.
+        They are for added damping, and for a dashpot if the structures have masses; there is none
+        if the gap is enough as built.
         """
         if required_gaps(self.built)[0] <= self.gap:
             return []
@@ -364,14 +372,18 @@ def _devices(motions: xr.Dataset, system: Assembly) -> xr.Dataset:
     """Kind and place of each link, and means and 95 % quantiles of its force, stroke and energy."""
     floors = system.floors
     ends = [
-        (floors[t.floor], floors[t.other] if t.other >= 0 else "ground") for t in system.placed_links
+        (floors[t.floor], floors[t.other] if t.other >= 0 else "ground")
+        for t in system.placed_links
     ]
     columns: dict[str, Any] = {
-        "link_kind": ["damper" if placed.link.within_one else "link" for placed in system.placed_links],
+        "link_kind": [
+            "damper" if placed.link.within_one else "link" for placed in system.placed_links
+        ],
         "link_place": [f"{low} to {high}" for low, high in ends],
     }
     columns |= {
-        f"{name}_quantile": quantiles_of(motions[name].values, np.array(QUANTILE)) for name in LINK_PEAKS
+        f"{name}_quantile": quantiles_of(motions[name].values, np.array(QUANTILE))
+        for name in LINK_PEAKS
     }
     means = motions[[f"{name}_mean" for name in LINK_PEAKS]]
     return means.assign({name: (LINK, each) for name, each in columns.items()})

@@ -44,23 +44,25 @@ def pounding_estimate(
     Parameters
     ----------
     first, second : Bilinear, BoucWen or Hysteretic
-        Structures with a mass, ``first`` on the left. Only their masses and periods are used. That of a
-        building with storeys is its ``oscillator()``, which meets the other one with all of its mass.
+        Structures with a mass, ``first`` on the left. Only their masses and periods are used. That
+        of a building with storeys is its ``oscillator()``, which meets the other one with all of
+        its mass.
     gap : float or array
         Gap between the structures [m], not negative.
     contact : Contact
         Contact between the structures, of which only the coefficient of restitution is used.
     radius_1, radius_2 : float or array
-        Energy radii ``r_i`` [m], positive, for instance the `pseudo_energy_radius` of each structure
-        alone.
+        Energy radii ``r_i`` [m], positive, for instance the `pseudo_energy_radius` of each
+        structure alone.
     points : int
-        Number of displacements of the impact, evenly spaced over the range that both structures reach.
+        Number of displacements of the impact, evenly spaced over the range that both structures
+        reach.
 
     Returns
     -------
     xarray.Dataset
-        Over ``point``, ``direction_1`` and ``direction_2`` (1 for a velocity to the right, -1 to the
-        left) and the dimensions of the parameters: ``contact_displacement_1/2`` [m],
+        Over ``point``, ``direction_1`` and ``direction_2`` (1 for a velocity to the right, -1 to
+        the left) and the dimensions of the parameters: ``contact_displacement_1/2`` [m],
         ``velocity_before_1/2`` and ``velocity_after_1/2`` [m/s] of the impact,
         ``radius_amplification_1/2`` [-] and ``energy_lost`` [J]; NaN where the structures do not
         approach one another. ``largest_radius_amplification_1/2`` [-] is the largest over these
@@ -69,14 +71,14 @@ def pounding_estimate(
     Raises
     ------
     ValueError, TypeError
-        If a mass is missing, a scalar is out of range, a value is not a number, dimensions do not match,
-        or ``points`` is not a whole number from 2. Cells of arrays that are out of range are NaN, with
-        the status ``invalid_input``.
+        If a mass is missing, a scalar is out of range, a value is not a number, dimensions do not
+        match, or ``points`` is not a whole number from 2. Cells of arrays that are out of range are
+        NaN, with the status ``invalid_input``.
 
     Notes
     -----
-    The estimate is for linear structures; after yielding the stiffness at the impact differs. It gives
-    the possible effect of one impact at full energy; `pound` gives the response history.
+    The estimate is for linear structures; after yielding the stiffness at the impact differs. It
+    gives the possible effect of one impact at full energy; `pound` gives the response history.
 
     References
     ----------
@@ -153,5 +155,7 @@ def _impacts(
         table[f"contact_displacement_{n}"] = u[i]
         table[f"velocity_before_{n}"] = v[i].where(approach)
         table[f"velocity_after_{n}"] = after[i].where(approach)
-        table[f"radius_amplification_{n}"] = (np.hypot(u[i], after[i] / w[i]) / r[i]).where(approach)
+        table[f"radius_amplification_{n}"] = (np.hypot(u[i], after[i] / w[i]) / r[i]).where(
+            approach
+        )
     return xr.Dataset(table).transpose(..., *OF_IMPACT)

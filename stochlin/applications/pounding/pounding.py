@@ -10,7 +10,13 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from stochlin.applications.pounding.results import contacts, floor_coords, histories, labelled, summary
+from stochlin.applications.pounding.results import (
+    contacts,
+    floor_coords,
+    histories,
+    labelled,
+    summary,
+)
 from stochlin.applications.pounding.rows import (
     BetweenBuildings,
     Standing,
@@ -62,7 +68,11 @@ REFERENCES = (
 )
 PATH = "path"
 NEIGHBOURS = "neighbours"
-BETWEEN = "impacts", "hardest_force", "contact_energy"  # also of all contacts between two neighbours
+BETWEEN = (
+    "impacts",
+    "hardest_force",
+    "contact_energy",
+)  # also of all contacts between two neighbours
 PEAKS = "peak", "peak_acceleration", "peak_storey_shear", "peak_base_shear"
 # Variables with a mean and quantiles over several motions.
 STATISTICS = (
@@ -93,42 +103,42 @@ def pound(
 ) -> xr.Dataset:
     """Response of a row of buildings, with all impacts, in one motion or in many.
 
-    For one motion the result has response histories, for several motions a summary of each motion, with
-    means and quantiles. One building alone has no impacts; its displacements, forces and energies are
-    computed in the same way.
+    For one motion the result has response histories, for several motions a summary of each motion,
+    with means and quantiles. One building alone has no impacts; its displacements, forces and
+    energies are computed in the same way.
 
     Parameters
     ----------
     structures : list of Bilinear, BoucWen or Hysteretic with a mass, of ShearBuilding, and of Wall
-        Buildings from left to right, or one building, with any hysteresis law. They can meet at every
-        floor of either building up to the lower roof: slab to slab where the floors are within 0.05 m of
-        the same level, otherwise slab to column of the neighbour, between two of its floors. An
-        oscillator meets the roof of a shear building. The first and the last may be a rigid `Wall`,
-        which is not counted in the numbers of structures.
+        Buildings from left to right, or one building, with any hysteresis law. They can meet at
+        every floor of either building up to the lower roof: slab to slab where the floors are
+        within 0.05 m of the same level, otherwise slab to column of the neighbour, between two of
+        its floors. An oscillator meets the roof of a shear building. The first and the last may be
+        a rigid `Wall`, which is not counted in the numbers of structures.
     gaps : list of float
         Gaps between neighbours [m], also to walls, not negative. For two structures one number is
         enough. One building alone has no gap.
     contact : Contact
-        Contact between all neighbours, for instance `Kelvin` or `Stereomechanical`. It is not required
-        for one building alone.
+        Contact between all neighbours, for instance `Kelvin` or `Stereomechanical`. It is not
+        required for one building alone.
     motion : xarray.DataArray, or list or mapping of them
-        Ground acceleration [m/s^2] over ``time``, as from `read_record`, linear between samples. Several
-        motions are an array also over ``path``, as from `simulated_motions`, or records as from
-        `read_records`, which may differ in length and time step.
+        Ground acceleration [m/s^2] over ``time``, as from `read_record`, linear between samples.
+        Several motions are an array also over ``path``, as from `simulated_motions`, or records as
+        from `read_records`, which may differ in length and time step.
     link : Link or list of Link and None, optional
         Links between buildings and devices inside them, with springs that are linear or yield, and
-        dashpots that are linear or have an exponent. Without ``floors`` a link ties the highest floors
-        at the same level. Without ``structures`` a list has one link for each two
-        neighbours, or None. A link that names one structure twice is a device inside it and also acts
-        in the response of this building alone.
+        dashpots that are linear or have an exponent. Without ``floors`` a link ties the highest
+        floors at the same level. Without ``structures`` a list has one link for each two
+        neighbours, or None. A link that names one structure twice is a device inside it and also
+        acts in the response of this building alone.
     start : Start or xarray.DataArray, optional
         Displacements and velocities at the start, from rest by default; or the ``end_state`` of the
         result for a motion before, of the same arguments, which then goes on.
     quantiles : sequence of float
         Probabilities, between 0 and 1, of the quantiles over several motions.
     steps_per_contact : int
-        Number of time steps in half a period of the contact, from 4 to 4096; see Notes. All time steps
-        are shorter the larger it is, and the error falls with its square.
+        Number of time steps in half a period of the contact, from 4 to 4096; see Notes. All time
+        steps are shorter the larger it is, and the error falls with its square.
     progress : callable, optional
         Called with the share of the work that is done.
 
@@ -137,49 +147,50 @@ def pound(
     xarray.Dataset
         For one motion, histories over ``time`` [s] and ``structure``, for shear buildings also
         ``floor``: ``displacement`` [m] and ``velocity`` [m/s] relative to the ground, absolute
-        ``acceleration`` [m/s^2], and ``storey_shear`` [N] of the storey below the floor. Over ``time``
-        and ``structure``: ``base_shear`` [N], ``input_energy``, ``kinetic_energy``, ``elastic_energy``,
-        ``viscous_energy`` and ``hysteretic_energy`` [J]. Over ``time`` and ``contact``:
-        ``contact_force`` [N]. Over ``time``: ``contact_stored_energy`` and ``contact_lost_energy`` [J],
-        and ``energy_balance_error`` [-], the energy that the time steps did not account for over the
-        largest input energy so far. With links also ``link_force`` [N] over ``time`` and ``link``, and
-        ``link_stored_energy`` and ``link_lost_energy`` [J] over ``time``. With walls fixed in space also
-        ``wall_displacement`` [m], relative to the ground, and ``wall_energy`` [J], their work on the
-        buildings.
+        ``acceleration`` [m/s^2], and ``storey_shear`` [N] of the storey below the floor. Over
+        ``time`` and ``structure``: ``base_shear`` [N], ``input_energy``, ``kinetic_energy``,
+        ``elastic_energy``, ``viscous_energy`` and ``hysteretic_energy`` [J]. Over ``time`` and
+        ``contact``: ``contact_force`` [N]. Over ``time``: ``contact_stored_energy`` and
+        ``contact_lost_energy`` [J], and ``energy_balance_error`` [-], the energy that the time
+        steps did not account for over the largest input energy so far. With links also
+        ``link_force`` [N] over ``time`` and ``link``, and ``link_stored_energy`` and
+        ``link_lost_energy`` [J] over ``time``. With walls fixed in space also ``wall_displacement``
+        [m], relative to the ground, and ``wall_energy`` [J], their work on the buildings.
 
         Over ``impact``: ``impact_time`` [s], ``impact_contact``, ``approach_velocity`` [m/s],
         ``largest_force`` [N] (NaN for a `Stereomechanical` contact), ``impact_duration`` [s] and
-        ``energy_lost`` [J]; also over ``side``, ``energy_transferred`` [J], the work of the impact on
-        the structure on this side.
+        ``energy_lost`` [J]; also over ``side``, ``energy_transferred`` [J], the work of the impact
+        on the structure on this side.
 
         Peaks over ``structure`` and for shear buildings ``floor``: ``peak`` [m] in the row and
         ``peak_alone`` [m] of each building alone, and ``amplification`` [-], their ratio;
-        ``peak_acceleration`` [m/s^2], ``peak_storey_shear`` [N] and ``peak_base_shear`` [N], each also
-        with the ending ``_alone``. With links also, over ``link``, ``peak_link_force``
-        [N], ``peak_link_stroke`` [m], the largest absolute extension, and ``link_energy`` [J], which the
+        ``peak_acceleration`` [m/s^2], ``peak_storey_shear`` [N] and ``peak_base_shear`` [N], each
+        also with the ending ``_alone``. With links also, over ``link``, ``peak_link_force`` [N],
+        ``peak_link_stroke`` [m], the largest absolute extension, and ``link_energy`` [J], which the
         link dissipates.
 
-        For one motion ``end_state`` over ``state``, from which ``start`` goes on. Histories, energies
-        and peaks of the second of two motions are then those of one motion of both, with the same bits;
-        its impacts begin with one that was going on.
+        For one motion ``end_state`` over ``state``, from which ``start`` goes on. Histories,
+        energies and peaks of the second of two motions are then those of one motion of both, with
+        the same bits; its impacts begin with one that was going on.
 
-        For one motion ``step_error`` [-]: the largest relative change from steps twice as long of a peak
-        displacement, drift, storey shear or acceleration, or of the largest force of a contact. About a
-        third of it remains. Histories are sampled: their largest values are below the peaks.
+        For one motion ``step_error`` [-]: the largest relative change from steps twice as long of a
+        peak displacement, drift, storey shear or acceleration, or of the largest force of a
+        contact. About a third of it remains. Histories are sampled: their largest values are below
+        the peaks.
 
         Over ``contact``: ``gap`` [m], the number of ``impacts``, ``hardest_force`` [N],
         ``fastest_approach`` [m/s], ``longest_impact`` [s] and ``deepest_compression`` [m], all 0
         without an impact; ``hardest_force`` and ``deepest_compression`` are NaN for a
-        `Stereomechanical` contact. Also ``contact_energy`` [J], the energy lost in the contact. Over
-        ``structure``: ``energy_received`` [J] from all impacts.
+        `Stereomechanical` contact. Also ``contact_energy`` [J], the energy lost in the contact.
+        Over ``structure``: ``energy_received`` [J] from all impacts.
 
-        Coordinates of ``contact`` are the structures and floors that meet, 0 for a wall, the ``level``
-        [m] and the ``kind``, for instance slab to column. If a column is met, there are also the
-        coordinates ``column``, the side of the column, ``storey``, that of the column, and ``share``, by
-        which the displacement of the floor above counts in that of the column; and the variables
-        ``column_force`` [N], the largest force on the columns of this storey, and
-        ``column_force_share`` [-], this force over the shear of the storey at yield. With walls there
-        is the coordinate ``wall``, ground or space.
+        Coordinates of ``contact`` are the structures and floors that meet, 0 for a wall, the
+        ``level`` [m] and the ``kind``, for instance slab to column. If a column is met, there are
+        also the coordinates ``column``, the side of the column, ``storey``, that of the column, and
+        ``share``, by which the displacement of the floor above counts in that of the column; and
+        the variables ``column_force`` [N], the largest force on the columns of this storey, and
+        ``column_force_share`` [-], this force over the shear of the storey at yield. With walls
+        there is the coordinate ``wall``, ground or space.
 
         Over ``neighbours``, for all contacts across a gap together: ``impacts_between``,
         ``hardest_force_between`` [N] and ``contact_energy_between`` [J].
@@ -191,31 +202,31 @@ def pound(
         ``_mean_standard_error``, and in ``_quantile`` over ``quantile`` with its 95 % interval
         ``_lower`` and ``_upper`` (infinite where the motions are too few), for all these variables
         except ``longest_impact``, ``deepest_compression`` and ``energy_received``.
-        ``pounding_probability`` and ``no_pounding_probability`` [-] over ``neighbours`` are the shares
-        of motions with and without an impact, with their 95 % intervals.
+        ``pounding_probability`` and ``no_pounding_probability`` [-] over ``neighbours`` are the
+        shares of motions with and without an impact, with their 95 % intervals.
 
         For one building alone there is nothing over ``contact``, ``impact`` and ``neighbours``.
 
     Raises
     ------
     ValueError, TypeError
-        If there is no structure, or a structure has an array as parameter or no mass; if a wall is not
-        at an end of the row, or has levels above the roof; if the contact is missing for several
-        structures, or is `Stereomechanical` where a column is met; if a gap is negative, or the number
-        of gaps or links is wrong; if a link names a floor or structure that does not exist; if the
-        output step is not positive or is given with several motions; if there is no motion, or a motion
-        is not a record, has NaN, or from rest only zeros; if the start has another number of values,
-        yields or overlaps; or if the computation would take too long.
+        If there is no structure, or a structure has an array as parameter or no mass; if a wall is
+        not at an end of the row, or has levels above the roof; if the contact is missing for
+        several structures, or is `Stereomechanical` where a column is met; if a gap is negative, or
+        the number of gaps or links is wrong; if a link names a floor or structure that does not
+        exist; if the output step is not positive or is given with several motions; if there is no
+        motion, or a motion is not a record, has NaN, or from rest only zeros; if the start has
+        another number of values, yields or overlaps; or if the computation would take too long.
     ArithmeticError
-        If the response is no longer finite, since a law runs away. Also if a structure with a negative
-        stiffness after yielding falls, as in `simulate`. With several motions the results of such a
-        motion are NaN; only if all motions fail, the error of the first is raised.
+        If the response is no longer finite, since a law runs away. Also if a structure with a
+        negative stiffness after yielding falls, as in `simulate`. With several motions the results
+        of such a motion are NaN; only if all motions fail, the error of the first is raised.
 
     Warns
     -----
     ImplausibleInput
-        If a gap is above 1 m, or a contact is pressed together by more than 2 cm, as if its stiffness
-        were in another unit.
+        If a gap is above 1 m, or a contact is pressed together by more than 2 cm, as if its
+        stiffness were in another unit.
 
     Notes
     -----
@@ -223,33 +234,35 @@ def pound(
     instance because a building collapses, is a severe one. Quantiles over the other motions are
     therefore too small.
 
-    Displacements are positive to the right; structure 2 stands to the right of structure 1. The time
-    steps are those of the trapezoidal rule, which is of second order, with contacts as elements that
-    only push. There are at least ``12.5 steps_per_contact`` steps in the shortest of the first periods
-    and ``5 steps_per_contact`` in the shortest period of a mode with 1 % of the mass. While a contact
-    is closed, or may become so, they are divided further, so that ``steps_per_contact`` of them are in
-    half a period of every contact with the reduced mass of its floors; for a Hertz element it is that of
-    an approach at 1 m/s. A contact force is the mean over the step, in which the penetration grows
-    evenly. Outputs that are not at the end of a step are interpolated linearly.
+    Displacements are positive to the right; structure 2 stands to the right of structure 1. The
+    time steps are those of the trapezoidal rule, which is of second order, with contacts as
+    elements that only push. There are at least ``12.5 steps_per_contact`` steps in the shortest of
+    the first periods and ``5 steps_per_contact`` in the shortest period of a mode with 1 % of the
+    mass. While a contact is closed, or may become so, they are divided further, so that
+    ``steps_per_contact`` of them are in half a period of every contact with the reduced mass of its
+    floors; for a Hertz element it is that of an approach at 1 m/s. A contact force is the mean over
+    the step, in which the penetration grows evenly. Outputs that are not at the end of a step are
+    interpolated linearly.
 
-    Peaks of displacements include those within steps, and the largest force of an impact is that of a
-    parabola through forces at the ends of steps. Peaks of storey shears are those at the ends of steps,
-    peaks of accelerations and of link forces are means over steps.
+    Peaks of displacements include those within steps, and the largest force of an impact is that of
+    a parabola through forces at the ends of steps. Peaks of storey shears are those at the ends of
+    steps, peaks of accelerations and of link forces are means over steps.
 
-    An impact ends when the gap opens again; its duration is until the contact force has vanished. If a
-    `NoTensionKelvin` pushes again before the gap has opened, this continues the same impact. For
-    `HertzDamp`, an approach velocity below a thousandth of ``max |a| T/(2 pi)``, with the largest ground
-    acceleration ``|a|`` and the shortest first period ``T``, counts as zero, and the contact is then
-    elastic. A `Stereomechanical` impact takes place at the time of touch within a step. If the floors
-    are pressed together so much that the rebound would take less than two steps, they move together, as
-    one impact, until they are pulled apart; smaller rebounds are not counted.
+    An impact ends when the gap opens again; its duration is until the contact force has vanished.
+    If a `NoTensionKelvin` pushes again before the gap has opened, this continues the same impact.
+    For `HertzDamp`, an approach velocity below a thousandth of ``max |a| T/(2 pi)``, with the
+    largest ground acceleration ``|a|`` and the shortest first period ``T``, counts as zero, and the
+    contact is then elastic. A `Stereomechanical` impact takes place at the time of touch within a
+    step. If the floors are pressed together so much that the rebound would take less than two
+    steps, they move together, as one impact, until they are pulled apart; smaller rebounds are not
+    counted.
 
     References
     ----------
-    Valles-Mattox and Reinhorn (1996), eqs. (13) to (16); Newmark, N. M. (1959), J. Eng. Mech. Div. ASCE
-    85, with average acceleration, for the time steps; Quispel, G. R. W. and McLaren, D. I. (2008), J.
-    Phys. A 41, for mean forces over a step, which conserve energy; Clopper and Pearson (1934),
-    Biometrika 26, for the intervals of probabilities.
+    Valles-Mattox and Reinhorn (1996), eqs. (13) to (16); Newmark, N. M. (1959), J. Eng. Mech. Div.
+    ASCE 85, with average acceleration, for the time steps; Quispel, G. R. W. and McLaren, D. I.
+    (2008), J. Phys. A 41, for mean forces over a step, which conserve energy; Clopper and Pearson
+    (1934), Biometrika 26, for the intervals of probabilities.
 
     Examples
     --------
@@ -294,7 +307,9 @@ def pound(
         table = table.drop_dims(OF_CONTACTS, errors="ignore")
     else:
         table = table.merge(between_neighbours(table))
-        deepest = float(table["deepest_compression"].max())  # NaN of impacts without one is left out
+        deepest = float(
+            table["deepest_compression"].max()
+        )  # NaN of impacts without one is left out
         if text := PLAUSIBLE["penetration"].doubt(deepest):
             what = f"pound: a contact is pressed together by {deepest:.3g} m"
             warnings.warn(f"{what}; {text}", ImplausibleInput, stacklevel=3)
@@ -410,7 +425,9 @@ def with_statistics(table: xr.Dataset, over: str, levels: Array) -> xr.Dataset:
         made = mean_columns(name, dims, values) | quantile_columns(name, dims, values, levels)
         columns |= {what: (at, np.where(known, each, np.nan)) for what, (at, each) in made.items()}
     # Added at once, because each addition to a dataset takes a millisecond.
-    table = table.assign(columns).assign_coords(quantile=labels.axis("quantile", "quantile", levels))
+    table = table.assign(columns).assign_coords(
+        quantile=labels.axis("quantile", "quantile", levels)
+    )
     if NEIGHBOURS not in table.dims:
         return table
     hits = good.impacts_between.rename({over: PATH})

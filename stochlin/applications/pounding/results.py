@@ -26,8 +26,8 @@ Quantities = dict[str, tuple[str, Any]]
 def labelled(values: Quantities, standing: Standing, *over: str) -> dict[str, xr.Variable]:
     """Values as arrays over named dimensions, the first of which are ``over``.
 
-    The coordinates are those of `floor_coords`; a dataset takes them once, since to align those of every
-    array takes longer than all else.
+    The coordinates are those of `floor_coords`; a dataset takes them once, since to align those of
+    every array takes longer than all else.
     """
     return {
         name: _by_floor(array, standing, *over)
@@ -213,7 +213,10 @@ def contacts(places: Sequence[Meeting], links: Sequence[Link | None]) -> xr.Data
 
 
 def summary(
-    standing: Standing, response: RowResponse, alone: RowResponse, coarser: RowResponse | None = None
+    standing: Standing,
+    response: RowResponse,
+    alone: RowResponse,
+    coarser: RowResponse | None = None,
 ) -> Quantities:
     """Summary of one motion, from the responses of the row and of each building alone.
 
@@ -229,8 +232,9 @@ def summary(
 def _step_error(standing: Standing, response: RowResponse, finer: RowResponse) -> float:
     """Largest relative change of a peak or largest force from steps twice as long [-].
 
-    The steps are of second order, so that the error that remains in the finer response is about a third
-    of the change. A displacement counts beside the largest of its structure, all else beside itself.
+    The steps are of second order, so that the error that remains in the finer response is about a
+    third of the change. A displacement counts beside the largest of its structure, all else beside
+    itself.
     """
     whole = np.maximum.reduceat(finer.peaks, standing.first[:-1])
     largest = np.repeat(whole, np.diff(standing.first))

@@ -44,10 +44,10 @@ SIDES = "left", "right"  # sides of a contact
 class Meeting(NamedTuple):
     """A contact between two neighbours: the building on its left, both floors and their level [m].
 
-    Buildings and floors are counted from 0; before the first building, and in place of the floor of a
-    wall, stands -1. Where a slab meets a column, the floor on the side of the column is the one above
-    the level. The displacement of the column is ``share`` times that of this floor plus ``1 - share``
-    times that of the floor below or the ground.
+    Buildings and floors are counted from 0; before the first building, and in place of the floor of
+    a wall, stands -1. Where a slab meets a column, the floor on the side of the column is the one
+    above the level. The displacement of the column is ``share`` times that of this floor plus ``1 -
+    share`` times that of the floor below or the ground.
     """
 
     building: int
@@ -97,7 +97,9 @@ class Standing(NamedTuple):
     """Buildings in a row, and each of them alone, as kernels take them."""
 
     row: BuildingRow
-    alone: BuildingRow  # the same without links between buildings; the row itself, if there are none
+    alone: (
+        BuildingRow  # the same without links between buildings; the row itself, if there are none
+    )
     assembly: Assembly
     places: list[Meeting]
     reduced: Array  # (c,) [kg]: reduced mass of both sides of each contact
@@ -125,7 +127,9 @@ def checked_row(structures: Sequence[AnyStructure | Wall]) -> Neighbours:
         if isinstance(structure, Wall):
             if 1 < number < len(structures) or len(structures) == 1:
                 what = "a wall" if len(structures) > 1 else "a wall alone"
-                raise ValueError(f"{role} is {what}; allowed: a wall first or last, beside a building")
+                raise ValueError(
+                    f"{role} is {what}; allowed: a wall first or last, beside a building"
+                )
             side = SIDES[0] if number == 1 else SIDES[1]
             walls[side] = structure
             continue
@@ -188,7 +192,9 @@ def meetings(levels: Sequence[Array], walls: Mapping[str, Wall]) -> list[Meeting
             contacts.append(Meeting(b, left.size - 1, right.size - 1, float(level)))
         else:
             contacts += _facing(b, left, right)
-    return sorted(contacts, key=lambda m: (round(np.nan_to_num(m.level, nan=np.inf), 6), m.building))
+    return sorted(
+        contacts, key=lambda m: (round(np.nan_to_num(m.level, nan=np.inf), 6), m.building)
+    )
 
 
 def build_row(
@@ -201,10 +207,14 @@ def build_row(
     if contact is not None and not isinstance(contact, Element) and columns:
         column = columns[0]
         what = f"contact = {contact.describe()}: velocities jump where slabs meet"
-        place = f"of structures {column.building + 1} and {column.building + 2} a floor meets a column"
+        place = (
+            f"of structures {column.building + 1} and {column.building + 2} a floor meets a column"
+        )
         if column.wall:
             place = "a wall meets a column"
-        raise ValueError(f"{what}, and {place} at {column.level:g} m; allowed: a contact with a force")
+        raise ValueError(
+            f"{what}, and {place} at {column.level:g} m; allowed: a contact with a force"
+        )
     left, right = (floors @ system.storeys.shapes for floors in _sides(places, system))
     mass = system.storeys.mass
     reduced = 1.0 / ((left + right) ** 2 @ (1.0 / mass))
@@ -283,7 +293,10 @@ def _on_wall(wall: Wall, side: str, levels: Sequence[Array]) -> list[Meeting]:
 def _facing(b: int, left: Array, right: Array) -> list[Meeting]:
     """Contacts of two neighbours up to the lower roof, slab to slab and slab to column."""
     pairs = [
-        (i, j) for i in range(left.size) for j in range(right.size) if abs(left[i] - right[j]) < LEVEL
+        (i, j)
+        for i in range(left.size)
+        for j in range(right.size)
+        if abs(left[i] - right[j]) < LEVEL
     ]
     contacts = [Meeting(b, i, j, float(0.5 * (left[i] + right[j]))) for i, j in pairs]
     for side, floor in slabs_on_columns(left, right):

@@ -184,7 +184,8 @@ class DriftingMotion(NamedTuple):
         apart = self.motions.difference
         assert second is not None
         of_strengths = (
-            self.motions.means(each)[self.shown] for each in (first.variance, second.variance, apart)
+            self.motions.means(each)[self.shown]
+            for each in (first.variance, second.variance, apart)
         )
         return Variances(*of_strengths)
 
@@ -262,7 +263,9 @@ def by_formula(
     moments = moments_of_pair(system, problem, heights, course, shortest, progress)
     return [
         _table(RelativeMotion(PairMoments(*parts), course, weights), heights, distance, confidence)
-        for parts in zip(*(np.split(each, intensities.size, axis=1) for each in moments), strict=True)
+        for parts in zip(
+            *(np.split(each, intensities.size, axis=1) for each in moments), strict=True
+        )
     ]
 
 

@@ -76,13 +76,15 @@ def pounding_fragility(
 ) -> xr.Dataset:
     """Probability of pounding of two given buildings over the intensity of the motion and the gap.
 
-    The strengths of the buildings do not change with the intensity: a ``reduction_factor`` refers to
-    ``ground`` as given, and its yield displacement is kept at all intensities.
+    The strengths of the buildings do not change with the intensity: a ``reduction_factor`` refers
+    to ``ground`` as given, and its yield displacement is kept at all intensities.
 
     Parameters
     ----------
-    first, second : Bilinear, BoucWen, Hysteretic, ModifiedClough, ShearBuilding or any other structure
-        The structures, as in `pounding_probability`; without formulas if a law cannot be linearized.
+    first, second : Bilinear, BoucWen, Hysteretic, ModifiedClough, ShearBuilding or any other
+    structure
+        The structures, as in `pounding_probability`; without formulas if a law cannot be
+        linearized.
     ground : WhiteNoise, KanaiTajimi or CloughPenzien
         The ground, with the intensity to which reduction factors refer.
     gap : float or array
@@ -95,18 +97,18 @@ def pounding_fragility(
     Returns
     -------
     xarray.Dataset
-        Over ``intensity`` and ``gap``: ``pounding_probability`` [-], the probability of pounding in the
-        motion by formula with crossings in clumps, and with the endings ``_poisson`` for independent
-        crossings, and ``_simulated`` with a 95 % interval ``_lower`` and ``_upper``. By formula it is
-        that of the worst height.
+        Over ``intensity`` and ``gap``: ``pounding_probability`` [-], the probability of pounding in
+        the motion by formula with crossings in clumps, and with the endings ``_poisson`` for
+        independent crossings, and ``_simulated`` with a 95 % interval ``_lower`` and ``_upper``. By
+        formula it is that of the worst height.
 
         Over ``intensity``: ``required_gap`` [m], also ``_simulated``, and ``status``.
 
         Over ``gap``: the lognormal fragility by maximum likelihood from the simulated motions, with
-        ``fragility_median`` [m^2/s^3] and ``fragility_dispersion`` [-], the standard deviation of the
-        logarithm of ``S0``, both with standard errors. They are NaN, with the reason in
-        ``fragility_status``, if fewer than two motions lead to pounding, if all of them do at the lowest
-        intensity, for a single intensity, for invalid gaps, and if a structure falls.
+        ``fragility_median`` [m^2/s^3] and ``fragility_dispersion`` [-], the standard deviation of
+        the logarithm of ``S0``, both with standard errors. They are NaN, with the reason in
+        ``fragility_status``, if fewer than two motions lead to pounding, if all of them do at the
+        lowest intensity, for a single intensity, for invalid gaps, and if a structure falls.
 
     Raises
     ------
@@ -116,16 +118,16 @@ def pounding_fragility(
 
     Notes
     -----
-    The fragility is fitted to the lowest intensity of pounding in each simulated motion, interpolated as
-    in `pounding_risk`. For a motion without pounding, this intensity is known to be above the highest
-    one (censored data). Below the lowest intensity separations are taken as proportional to the root of
-    ``S0``, as for elastic structures; the lowest intensity should therefore lead to pounding in hardly
-    any motion.
+    The fragility is fitted to the lowest intensity of pounding in each simulated motion,
+    interpolated as in `pounding_risk`. For a motion without pounding, this intensity is known to be
+    above the highest one (censored data). Below the lowest intensity separations are taken as
+    proportional to the root of ``S0``, as for elastic structures; the lowest intensity should
+    therefore lead to pounding in hardly any motion.
 
     References
     ----------
-    Vanmarcke, E. H. (1975), J. Appl. Mech. 42; Rice, S. O. (1945), Bell Syst. Tech. J. 24; Baker, J. W.
-    (2015), Earthquake Spectra 31, for fragilities by maximum likelihood.
+    Vanmarcke, E. H. (1975), J. Appl. Mech. 42; Rice, S. O. (1945), Bell Syst. Tech. J. 24; Baker,
+    J. W. (2015), Earthquake Spectra 31, for fragilities by maximum likelihood.
 
     Examples
     --------
@@ -144,7 +146,9 @@ def pounding_fragility(
     levels = _increasing(intensity)
     models: dict[str, Any] = {"first": first, "second": second, "ground": ground}
     if arrays := arrays_of(models):
-        raise ValueError(f"{', '.join(arrays)} is an array; allowed: the numbers of one pair at a time")
+        raise ValueError(
+            f"{', '.join(arrays)} is an array; allowed: the numbers of one pair at a time"
+        )
     scatter = scatter_of(ground, scatter)
     seconds = check_course(duration, envelope)
     pair = (first, second)
@@ -160,7 +164,9 @@ def pounding_fragility(
     comment = IN_TIME[taken]
     try:
         part = part_of(progress, 0.0, OF_FORMULA if paths else 1.0)
-        formulas = by_formula(pair, ground, distance, course, confidence, scatter, part, taken, levels)
+        formulas = by_formula(
+            pair, ground, distance, course, confidence, scatter, part, taken, levels
+        )
         last = xr.concat(formulas, along).isel(time=-1, drop=True)
         for ending in ("", "_poisson"):
             missed = 1 - last[f"confidence_of_no_pounding{ending}"]

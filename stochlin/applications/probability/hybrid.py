@@ -36,11 +36,11 @@ def hybrid_pounding(
 ) -> xr.Dataset:
     """Dataset of `pounding_probability` by the hybrid method.
 
-    For a phase difference ``D`` in [0, pi] of the two structures, ``u_1 - u_2`` reaches an amplitude
-    ``A(t, D)`` once in each cycle, which increases with ``D``. If ``D`` is the same during the whole
-    record, there was pounding if ``D`` exceeds the smallest phase difference that leads to pounding at
-    some instant until then. The phase differences have the correlation of linearization, or that of the
-    record itself if a law cannot be linearized.
+    For a phase difference ``D`` in [0, pi] of the two structures, ``u_1 - u_2`` reaches an
+    amplitude ``A(t, D)`` once in each cycle, which increases with ``D``. If ``D`` is the same
+    during the whole record, there was pounding if ``D`` exceeds the smallest phase difference that
+    leads to pounding at some instant until then. The phase differences have the correlation of
+    linearization, or that of the record itself if a law cannot be linearized.
     """
     for role, structure in (("first", first), ("second", second)):
         expect(structure, Structure, role)

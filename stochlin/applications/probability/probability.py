@@ -78,13 +78,15 @@ def pounding_probability(
 
     Parameters
     ----------
-    first, second : Bilinear, BoucWen, Hysteretic, ModifiedClough, ShearBuilding or any other structure
-        The structures. All parameters of oscillators broadcast by dimension name. With a building with
-        storeys the gap is checked at all heights; see the notes. For what cannot be linearized the
-        result has the simulated variables only, and its attribute ``comment`` gives the reason. A
-        structure that falls, because it softens after yielding, has moved beyond any gap.
+    first, second : Bilinear, BoucWen, Hysteretic, ModifiedClough, ShearBuilding or any other
+    structure
+        The structures. All parameters of oscillators broadcast by dimension name. With a building
+        with storeys the gap is checked at all heights; see the notes. For what cannot be linearized
+        the result has the simulated variables only, and its attribute ``comment`` gives the reason.
+        A structure that falls, because it softens after yielding, has moved beyond any gap.
     ground : WhiteNoise, KanaiTajimi or CloughPenzien
-        The ground before modulation. With ``"hybrid"`` it may be None; it is then fitted to the record.
+        The ground before modulation. With ``"hybrid"`` it may be None; it is then fitted to the
+        record.
     gap : float or array
         Gap [m], positive.
     envelope : AminAng, ShinozukaSato or GammaEnvelope, optional
@@ -92,21 +94,19 @@ def pounding_probability(
     duration : float
         Duration of the motion [s], at least one period of the structures. Not for ``"hybrid"``.
     method : {"evolutionary", "hybrid"}
-        ``"evolutionary"``: modulated ground motion, and response by the ``closure``.
-        ``"hybrid"``: energy radii, eq. (1), of both structures in ``record``, and a random phase between
-        them.
+        ``"evolutionary"``: modulated ground motion, and response by the ``closure``. ``"hybrid"``:
+        energy radii, eq. (1), of both structures in ``record``, and a random phase between them.
     record : xarray.DataArray, optional
         Ground acceleration [m/s^2] over ``time`` [s] for ``"hybrid"``, such as from `read_record`.
     confidence : float
         Probability of no pounding for ``required_gap``, between 0 and 1.
     closure : {"gaussian", "drift"}, optional
-        Of the formulas: transient linearization, or the drift closure in time, as in `passage_gap`. By
-        default the latter for yielding oscillators whose laws have it. Not for ``"hybrid"``.
+        Of the formulas: transient linearization, or the drift closure in time, as in `passage_gap`.
+        By default the latter for yielding oscillators whose laws have it. Not for ``"hybrid"``.
     scatter : float
-        Standard deviation [-] of the logarithm of a random factor on each motion, as in `simulate`, by
-        default that of the ground.
-        Formulas are averaged over it, and structures keep the yield displacement that they have for
-        ``ground``. Not for ``"hybrid"``.
+        Standard deviation [-] of the logarithm of a random factor on each motion, as in `simulate`,
+        by default that of the ground. Formulas are averaged over it, and structures keep the yield
+        displacement that they have for ``ground``. Not for ``"hybrid"``.
     points : int
         Number of instants of the result.
     paths, seed : int, optional
@@ -118,66 +118,68 @@ def pounding_probability(
     Returns
     -------
     xarray.Dataset
-        By formula over ``time`` [s], from rest at 0: ``instantaneous_probability`` [-], the probability
-        ``1 - Phi(gap/s)`` that ``u_1 - u_2`` with the standard deviation ``s`` exceeds the gap, and
-        ``confidence_of_no_pounding`` [-], the probability of no pounding so far, with crossings in
-        clumps (Vanmarcke), and with the ending ``_poisson`` for independent crossings; the standard
-        deviations ``displacement_std_1`` and ``_2`` and ``difference_std`` [m]; and ``rho`` [-], NaN at
-        rest. Also ``envelope`` [-]. With the drift closure ``drift_std_1``, ``_2`` and
-        ``difference_drift_std`` [m], the standard deviations of the slow parts, which in the end are
-        those of the permanent displacements; without it ``permanent_set_left_out``, a flag that is 1
-        after the strong shaking.
+        By formula over ``time`` [s], from rest at 0: ``instantaneous_probability`` [-], the
+        probability ``1 - Phi(gap/s)`` that ``u_1 - u_2`` with the standard deviation ``s`` exceeds
+        the gap, and ``confidence_of_no_pounding`` [-], the probability of no pounding so far, with
+        crossings in clumps (Vanmarcke), and with the ending ``_poisson`` for independent crossings;
+        the standard deviations ``displacement_std_1`` and ``_2`` and ``difference_std`` [m]; and
+        ``rho`` [-], NaN at rest. Also ``envelope`` [-]. With the drift closure ``drift_std_1``,
+        ``_2`` and ``difference_drift_std`` [m], the standard deviations of the slow parts, which in
+        the end are those of the permanent displacements; without it ``permanent_set_left_out``, a
+        flag that is 1 after the strong shaking.
 
-        Without ``time``: ``confidence_of_no_pounding_simulated`` [-] for the whole duration, with a 95 %
-        interval ``_lower`` and ``_upper``; ``required_gap`` [m], also ``_simulated`` with its interval;
-        and ``status``. The variables of ``"hybrid"`` are in the notes.
+        Without ``time``: ``confidence_of_no_pounding_simulated`` [-] for the whole duration, with a
+        95 % interval ``_lower`` and ``_upper``; ``required_gap`` [m], also ``_simulated`` with its
+        interval; and ``status``. The variables of ``"hybrid"`` are in the notes.
 
     Raises
     ------
     ValueError, TypeError
-        If an argument is out of range or of the wrong kind, the envelope has negative values or is zero
-        within the whole duration, the duration is shorter than a period, or arguments do not belong to
-        the method.
+        If an argument is out of range or of the wrong kind, the envelope has negative values or is
+        zero within the whole duration, the duration is shorter than a period, or arguments do not
+        belong to the method.
     ArithmeticError
-        If a single case fails; in a table the cell is NaN and its status gives the reason. Also if a
-        structure cannot be linearized and there is no simulation, with ``paths=0``.
+        If a single case fails; in a table the cell is NaN and its status gives the reason. Also if
+        a structure cannot be linearized and there is no simulation, with ``paths=0``.
 
     Notes
     -----
     For linear structures the moments are exact, and the confidence has the error of the crossings
-    alone. For 200 random pairs in simulated motions, at gaps that 10 to 90 % of them do not close, it
-    was -0.24 to +0.06 in 95 % of the cases, and -0.49 to +0.09 in all, largest for structures of
+    alone. For 200 random pairs in simulated motions, at gaps that 10 to 90 % of them do not close,
+    it was -0.24 to +0.06 in 95 % of the cases, and -0.49 to +0.09 in all, largest for structures of
     different periods and light damping; the gap for 90 % was off by -4 to +9 % and by -6 to +24 %.
 
-    Two buildings are checked at the floor levels of both, up to the lower roof, because displacements
-    are linear between floors. The variables ``_at_height`` are the formulas at each height by itself.
-    The confidence without this ending is that of the worst height, and the confidence at all heights
-    together is not larger. ``confidence_of_no_pounding_at_least`` is a lower bound of the latter by
-    Boole's inequality, which adds the probabilities of pounding at all heights and holds for any
-    dependence between them. Likewise, ``required_gap`` is the gap at ``governing_height``, and the
-    buildings need at least this gap. The simulated results hold for all heights together.
-    ``displacement_std``, ``difference_std`` and ``rho`` are those at the highest level.
+    Two buildings are checked at the floor levels of both, up to the lower roof, because
+    displacements are linear between floors. The variables ``_at_height`` are the formulas at each
+    height by itself. The confidence without this ending is that of the worst height, and the
+    confidence at all heights together is not larger. ``confidence_of_no_pounding_at_least`` is a
+    lower bound of the latter by Boole's inequality, which adds the probabilities of pounding at all
+    heights and holds for any dependence between them. Likewise, ``required_gap`` is the gap at
+    ``governing_height``, and the buildings need at least this gap. The simulated results hold for
+    all heights together. ``displacement_std``, ``difference_std`` and ``rho`` are those at the
+    highest level.
 
-    The errors of the drift closure are those of `passage_gap`. Transient linearization omits the plastic
-    drift and the permanent displacement of yielding structures after strong shaking. For 762 random
-    yielding pairs (R 1 to 9, hardening 0.02 to 0.3, white noise, Kanai-Tajimi and named grounds, 8 to
-    40 s) its confidence was too large by more than 0.1 in 24 % of the cases, and by up to 0.97.
+    The errors of the drift closure are those of `passage_gap`. Transient linearization omits the
+    plastic drift and the permanent displacement of yielding structures after strong shaking. For
+    762 random yielding pairs (R 1 to 9, hardening 0.02 to 0.3, white noise, Kanai-Tajimi and named
+    grounds, 8 to 40 s) its confidence was too large by more than 0.1 in 24 % of the cases, and by
+    up to 0.97.
 
     The simulated confidence always has an interval, and takes a second or two with the default
     ``paths``.
 
     The hybrid method returns, over the time of the record: ``radius_1`` and ``radius_2`` [m], the
     energy radii of both structures; ``recorded_difference`` [m], ``u_1 - u_2`` in the record; and
-    ``confidence_of_no_pounding``, with one phase for all of the record. Without
-    time it returns ``rho``, ``separation`` [m], the largest ``u_1 - u_2`` in the
-    record, and ``required_gap`` [m]. The confidence is 0 from the instant at which the radii differ by
-    more than the gap, since one structure then closes the gap for any phase. The structures are
-    oscillators, and ``rho`` is that of linearization, or that of the record itself if a law cannot be
-    linearized.
+    ``confidence_of_no_pounding``, with one phase for all of the record. Without time it returns
+    ``rho``, ``separation`` [m], the largest ``u_1 - u_2`` in the record, and ``required_gap`` [m].
+    The confidence is 0 from the instant at which the radii differ by more than the gap, since one
+    structure then closes the gap for any phase. The structures are oscillators, and ``rho`` is that
+    of linearization, or that of the record itself if a law cannot be linearized.
 
     References
     ----------
-    Valles-Mattox and Reinhorn (1996), eq. (1); Vanmarcke, E. H. (1975), J. Appl. Mech. 42; Rice (1945).
+    Valles-Mattox and Reinhorn (1996), eq. (1); Vanmarcke, E. H. (1975), J. Appl. Mech. 42; Rice
+    (1945).
 
     Examples
     --------
@@ -194,7 +196,12 @@ def pounding_probability(
         refuse(
             "method",
             method,
-            {"envelope": envelope, "duration": duration, "scatter": scatter or None, "closure": closure},
+            {
+                "envelope": envelope,
+                "duration": duration,
+                "scatter": scatter or None,
+                "closure": closure,
+            },
         )
         return hybrid_pounding(first, second, ground, distance, record, confidence)
     refuse("method", method, {"record": record})
@@ -289,8 +296,8 @@ def simulated_columns(
 ) -> dict[str, xr.DataArray]:
     """Simulated shares of motions with their intervals, and gaps [m] for a confidence with theirs.
 
-    ``samples`` are the separations over ``path`` and the dimensions of the gaps; shares of invalid gaps
-    are NaN.
+    ``samples`` are the separations over ``path`` and the dimensions of the gaps; shares of invalid
+    gaps are NaN.
     """
     columns = {
         f"{name}_simulated{end}": share.where(distance.valid())

@@ -50,10 +50,14 @@ def _by_name(records: object) -> dict[str, Any]:
     """Several records by their names, or by their numbers from 1."""
     if isinstance(records, Mapping):
         return {str(name): record for name, record in records.items()}
-    return {str(n): r for n, r in enumerate(records, 1)} if isinstance(records, (list, tuple)) else {}
+    return (
+        {str(n): r for n, r in enumerate(records, 1)} if isinstance(records, (list, tuple)) else {}
+    )
 
 
-Records = Annotated[xr.DataArray | Sequence[xr.DataArray] | Mapping[str, xr.DataArray], AskedRecords()]
+Records = Annotated[
+    xr.DataArray | Sequence[xr.DataArray] | Mapping[str, xr.DataArray], AskedRecords()
+]
 """One record, as from `read_record`, or several as a list, or as a mapping with their names."""
 
 RECORD = "record"
@@ -77,7 +81,9 @@ class RecordedMotions(NamedTuple):
         """The records in one line, for the run information."""
         names = self.names or ["record"]
         named = zip(names, self.grounds, strict=True)
-        return "; ".join(f"{name}: {len(values)} samples at {dt:g} s" for name, (values, dt) in named)
+        return "; ".join(
+            f"{name}: {len(values)} samples at {dt:g} s" for name, (values, dt) in named
+        )
 
     def together(self, tables: Sequence[xr.Dataset]) -> xr.Dataset:
         """The tables of all records in one over ``record``, or that of a single record as it is."""
@@ -93,7 +99,9 @@ def checked_motions(record: Records, may_be_still: bool = False) -> RecordedMoti
     A ground that ``may_be_still`` has zeros alone.
     """
     if isinstance(record, xr.DataArray):
-        return RecordedMotions([record], [SampledMotion(*checked_record(record, may_be_still))], None)
+        return RecordedMotions(
+            [record], [SampledMotion(*checked_record(record, may_be_still))], None
+        )
     if isinstance(record, Mapping):
         names = [str(name) for name in record]
         records = list(record.values())
@@ -103,7 +111,9 @@ def checked_motions(record: Records, may_be_still: bool = False) -> RecordedMoti
         distinct = all(map(is_label, sources)) and len(set(sources)) == len(sources)
         names = sources if distinct else [str(n + 1) for n in range(len(records))]
     else:
-        raise TypeError(f"record is a {type(record).__name__}; allowed: an xarray.DataArray or several")
+        raise TypeError(
+            f"record is a {type(record).__name__}; allowed: an xarray.DataArray or several"
+        )
     if not records:
         raise ValueError("record is empty; allowed: at least one record")
     grounds = []
@@ -119,10 +129,12 @@ def checked_motions(record: Records, may_be_still: bool = False) -> RecordedMoti
 def ends_of_events(values: xr.DataArray, events: Sequence[object]) -> list[xr.DataArray]:
     """The smallest and the largest values of each event, over ``record``.
 
-    Components of a station are not independent: the lower end of an interval is that of the smallest
-    values, its upper end that of the largest.
+    Components of a station are not independent: the lower end of an interval is that of the
+    smallest values, its upper end that of the largest.
     """
-    numbers = [[n for n, each in enumerate(events) if each == event] for event in dict.fromkeys(events)]
+    numbers = [
+        [n for n, each in enumerate(events) if each == event] for event in dict.fromkeys(events)
+    ]
     parts = [values.isel({RECORD: of_event}) for of_event in numbers]
     ends = ([getattr(part, end)(RECORD, skipna=False) for part in parts] for end in ("min", "max"))
     return [xr.concat(each, RECORD) for each in ends]
@@ -180,9 +192,10 @@ class RecordCells(NamedTuple):
     def table(self, columns: Mapping[str, Array], peaks: Sequence[Array]) -> xr.Dataset:
         """Columns (records, valid cells) as a labelled table over the records and the dimensions.
 
-        The status of a cell is ``elastic_limit`` if no structure yielded in its peak displacement, and
-        ``invalid_input`` if its parameters are. Where a number is not finite, and no structure falls,
-        all are NaN, with the status ``not_converged``. An ArithmeticError is raised for a lone cell.
+        The status of a cell is ``elastic_limit`` if no structure yielded in its peak displacement,
+        and ``invalid_input`` if its parameters are. Where a number is not finite, and no structure
+        falls, all are NaN, with the status ``not_converged``. An ArithmeticError is raised for a
+        lone cell.
         """
         shape = self.flat.shape
         check_names((*shape.dims, *shape.coords), columns)

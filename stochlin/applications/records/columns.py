@@ -19,12 +19,14 @@ from stochlin.messages import brief
 from stochlin.models.units import size_of
 
 MOST_TITLES = 2
-# Allowed deviation of a printed time from its even position, in time steps. Times at 1/300 s are printed
-# 0.003, 0.007, 0.010. A lost sample deviates by 0.5 at least.
+# Allowed deviation of a printed time from its even position, in time steps. Times at 1/300 s are
+# printed 0.003, 0.007, 0.010. A lost sample deviates by 0.5 at least.
 TIME_TOLERANCE = 0.25
 LONGEST_STEP = 0.5  # s; no untitled column of longer ones is known to be a time
 _ROWS_OF_A_SERIES = 5  # fewest numbers in a row; the usual components of a motion are three
-_SMOOTHER = 0.7  # mean change along the rows of one series, over that from row to row; of three 0.3 to 1
+_SMOOTHER = (
+    0.7  # mean change along the rows of one series, over that from row to row; of three 0.3 to 1
+)
 _HEAD = 50  # lines in which the numbers begin
 # Lines of other formats: "SAMPLING INTERVAL (sec) : 0.01", "UNITS OF ACCEL ARE SEC AND G/10".
 _STATEMENT = re.compile(r"[:=]\s*\S|\bunits?\b", re.IGNORECASE)
@@ -56,7 +58,9 @@ class TextFile(NamedTuple):
             return None
         return cls(lines, head, titles)
 
-    def series(self, column: ColumnName | None, time_column: ColumnName | None, wrapped: bool) -> Series:
+    def series(
+        self, column: ColumnName | None, time_column: ColumnName | None, wrapped: bool
+    ) -> Series:
         """The record, from a column or from all numbers in their order."""
         count, dt = self._stated_above()
         if dt and self._rows_below() == count and (below := self._below()) is not None:
@@ -76,7 +80,9 @@ class TextFile(NamedTuple):
         values = of_values.numbers()
         if not of_values.column.said.quantities and _even_step(values):
             what = f"has column {of_values.column.label}, which rises by equal steps, as a time"
-            raise table.error(f"{what}; allowed as column=: accelerations, or with a title that says so")
+            raise table.error(
+                f"{what}; allowed as column=: accelerations, or with a title that says so"
+            )
         about = noted([choice for choice in (time, of_values) if choice])
         rows = 0 if of_values.column.title or time else _in_rows(table)
         units = self.units_of(of_values.column.said.unit)
@@ -99,7 +105,11 @@ class TextFile(NamedTuple):
             read = pd.DataFrame([""])
         read = read.dropna(axis="columns", how="all")
         values = read.to_numpy()
-        if values.dtype.kind in "iuf" and [*read] == [*range(head.width)] and np.isfinite(values).all():
+        if (
+            values.dtype.kind in "iuf"
+            and [*read] == [*range(head.width)]
+            and np.isfinite(values).all()
+        ):
             lines = [number for number, line in below if line.strip()]
             return head._replace(rows=read.astype(float).set_axis(lines))
         whole = table_of(text_sheet(self.lines, sheet.name))
@@ -129,7 +139,9 @@ class TextFile(NamedTuple):
 
     def _stated_above(self) -> tuple[int, float | None]:
         """Number of samples and time step of a first row with both, ``1559 0.02``; None without one."""
-        numbers = [number_in(cell, ".,") or 0.0 for cell in self.head.sheet.row(self.head.rows.index[0])]
+        numbers = [
+            number_in(cell, ".,") or 0.0 for cell in self.head.sheet.row(self.head.rows.index[0])
+        ]
         step = min(numbers)
         count = max(numbers)
         known = len(numbers) == 2 and 0 < step < 1 < count == round(count)
@@ -156,14 +168,23 @@ class TextFile(NamedTuple):
         """What else may be given for a table in which no column is known."""
         if not self.head.titles:
             return self._or_wrapped()
-        known = not any(column.is_unknown() for column in columns_of(self.head))  # titles, not remarks
+        known = not any(
+            column.is_unknown() for column in columns_of(self.head)
+        )  # titles, not remarks
         return "" if known else f", or skip={self.head.titles} without titles"
 
-    def _time(self, table: Table, column: object, by_caller: ColumnName | None) -> ColumnName | None:
+    def _time(
+        self, table: Table, column: object, by_caller: ColumnName | None
+    ) -> ColumnName | None:
         """The column of times that is asked for, or of unknown ones that at equal steps."""
         columns = columns_of(table)
         named = any(of.unit for each in columns for of in each.said.quantities)
-        if by_caller is not None or named or len(columns) == 1 or not table.rows.dtypes.eq(float).all():
+        if (
+            by_caller is not None
+            or named
+            or len(columns) == 1
+            or not table.rows.dtypes.eq(float).all()
+        ):
             return by_caller
         free = [each.number for each in columns if not each.counts and each.number != column]
         steps = [_even_step(table.numbers(number - 1, "number")) for number in free]
@@ -174,8 +195,8 @@ class TextFile(NamedTuple):
 def _in_rows(table: Table) -> int:
     """Number of columns without names that may be rows of one series; 0 if they are not.
 
-    They may where they are many, or where the numbers change less from column to column than from line
-    to line.
+    They may where they are many, or where the numbers change less from column to column than from
+    line to line.
     """
     many = table.width >= _ROWS_OF_A_SERIES
     if table.width == 1 or many or not table.rows.dtypes.eq(float).all():

@@ -28,31 +28,44 @@ class ComponentWord(NamedTuple):
     after: str = ""  # what follows it and is no part of it, such as the number of a sensor
 
 
-# The words of vertical components, and of horizontal ones by their angle. Letters, and words that are in
-# names of places as well, weigh less.
+# The words of vertical components, and of horizontal ones by their angle. Letters, and words that
+# are in names of places as well, weigh less.
 _TABLE = {
-    ComponentWord(True): "UP DN DWN DOWN UD DU UPD UPDN UPDOWN UPWARD UPWARDS DOWNWARD DOWNWARDS ZUP "
+    ComponentWord(
+        True
+    ): "UP DN DWN DOWN UD DU UPD UPDN UPDOWN UPWARD UPWARDS DOWNWARD DOWNWARDS ZUP "
     "ZDN ZDOWN UPZ VT VTC VRT VER VERT VERTIC VERTICAL VERTICALE DUSEY",
     ComponentWord(True, weight=USUAL): "U V Z AZ ACCZ",
     ComponentWord(False, 0.0): "NS SN LN LONG LONGITUDINAL RADIAL H1 HOR1 COMP1 FN",
     ComponentWord(False, 90.0): "EW WE TR TRAN TRANS TRANSVERSE TRANSVERSAL H2 HOR2 COMP2 FP",
-    ComponentWord(False, 0.0, USUAL): "N S L R X AX ACCX NORTH SOUTH NORTE SUR NORD SUD KUZEY GUNEY",
+    ComponentWord(
+        False, 0.0, USUAL
+    ): "N S L R X AX ACCX NORTH SOUTH NORTE SUR NORD SUD KUZEY GUNEY",
     ComponentWord(False, 90.0, USUAL): "E W T Y AY ACCY EAST WEST ESTE OESTE EST OVEST DOGU BATI",
 }
 _WORDS = {text: word for word, texts in _TABLE.items() for text in texts.split()}
 _BELOW = {"BOREHOLE", "DOWNHOLE", "UNDERGROUND"}
-_SEED = re.compile(r"[BCDEFGHLMS][HLNG]([ZNERT123])(\d{0,2})")  # band, instrument, orientation, location
+_SEED = re.compile(
+    r"[BCDEFGHLMS][HLNG]([ZNERT123])(\d{0,2})"
+)  # band, instrument, orientation, location
 _SEED_ANGLES = {"N": 0.0, "R": 0.0, "1": 0.0, "E": 90.0, "T": 90.0, "2": 90.0}
 _CHANNEL = re.compile(r"[A-Z]{1,2}Z\d{0,2}")  # vertical where it is stated, of any instrument
 _QUADRANT = re.compile(r"([NS])(\d{1,2})([EW])")  # N45W
 _AZIMUTH = re.compile(r"([0-2]\d\d|3[0-5]\d|360)")
 _RIGHT_ANGLE = 5.0  # deg, allowed deviation from 90 degrees between two components
-# Words of a text, and where they are attached to others: ELC180, SCT190985NS, EQ5h1, kobeUP, NS19950117.
-_RUN = re.compile(r"(?<![^\W_])(?:N-S|S-N|E-W|W-E|U-D|UP-D(?:OW)?N)(?![^\W_])|[^\W_]+", re.IGNORECASE)
+# Words of a text, and where they are attached to others: ELC180, SCT190985NS, EQ5h1, kobeUP,
+# NS19950117.
+_RUN = re.compile(
+    r"(?<![^\W_])(?:N-S|S-N|E-W|W-E|U-D|UP-D(?:OW)?N)(?![^\W_])|[^\W_]+", re.IGNORECASE
+)
 _AZIMUTH_BEHIND = r".*[^\W\d_](?P<azimuth>\d{3})"
-_BEHIND = re.compile(rf"{_AZIMUTH_BEHIND}|.*(?:\d(?P<word>[^\W\d_]+[12]?)|[a-z](?P<capitals>[A-Z]+))")
+_BEHIND = re.compile(
+    rf"{_AZIMUTH_BEHIND}|.*(?:\d(?P<word>[^\W\d_]+[12]?)|[a-z](?P<capitals>[A-Z]+))"
+)
 _AHEAD = re.compile(r"([^\W\d_]+)\d{3,}")
-_ENDING = re.compile(r"V?\d+[A-Z]?", re.IGNORECASE)  # of a file, such as V2 and 191, is no component
+_ENDING = re.compile(
+    r"V?\d+[A-Z]?", re.IGNORECASE
+)  # of a file, such as V2 and 191, is no component
 
 
 class Place(NamedTuple):
@@ -78,7 +91,9 @@ def _by_pattern(plain: str) -> ComponentWord | None:
     """The component of a quadrant, a channel or an azimuth, in capitals."""
     if match := _QUADRANT.fullmatch(plain):
         angle = float(match[2])
-        return ComponentWord(False, angle if (match[1] == "N") == (match[3] == "E") else 180.0 - angle)
+        return ComponentWord(
+            False, angle if (match[1] == "N") == (match[3] == "E") else 180.0 - angle
+        )
     if match := _SEED.fullmatch(plain):
         return ComponentWord(match[1] == "Z", _SEED_ANGLES.get(match[1]), after=match[2])
     return ComponentWord(False, float(plain), USUAL) if _AZIMUTH.fullmatch(plain) else None
@@ -107,8 +122,8 @@ def is_below(text: str) -> bool:
 def titled_as_vertical(title: str) -> bool | None:
     """True if a title begins or ends with a vertical component, or has that word; None otherwise.
 
-    A single letter, which may be a name, is a component at the end only. The title is what stands behind
-    the last comma, without what is in brackets.
+    A single letter, which may be a name, is a component at the end only. The title is what stands
+    behind the last comma, without what is in brackets.
     """
     part = title[:LONGEST].rpartition(",")[2]
     runs = _RUN.findall(re.sub(r"[(\[].*?[)\]]", " ", part))
@@ -165,8 +180,9 @@ def _word_in(run: re.Match[str]) -> tuple[int, int, ComponentWord | None]:
 class FileNames:
     """Names of files that are read together, which tell where each of them has its component.
 
-    That is the last word in which the files of a record differ: two of them have horizontal components
-    at right angles there, and a third one may be vertical. Otherwise it is the last one of most weight.
+    That is the last word in which the files of a record differ: two of them have horizontal
+    components at right angles there, and a third one may be vertical. Otherwise it is the last one
+    of most weight.
     """
 
     def __init__(self, names: Iterable[str]) -> None:
@@ -189,7 +205,9 @@ class FileNames:
         return place.rest if place else name
 
     def _differing(self, name: str) -> Place | None:
-        return next((p for p in reversed(self._places[name]) if self._are_of_a_record(p.rest)), None)
+        return next(
+            (p for p in reversed(self._places[name]) if self._are_of_a_record(p.rest)), None
+        )
 
     def _are_of_a_record(self, rest: str) -> bool:
         words = self._words[rest]
@@ -207,11 +225,13 @@ def identifies(event: str) -> bool:
 def events_of(labels: Iterable[str], records: Sequence[xr.DataArray]) -> list[object]:
     """What is equal for the components of a station in one earthquake, for each record.
 
-    This is event and station where both are known. Otherwise the files have names that differ in the
-    component alone, or are the same, and the records begin at the same time.
+    This is event and station where both are known. Otherwise the files have names that differ in
+    the component alone, or are the same, and the records begin at the same time.
     """
     about = [record.attrs for record in records]
-    files = [str(of.get("file") or of.get("source") or n) for n, of in zip(labels, about, strict=True)]
+    files = [
+        str(of.get("file") or of.get("source") or n) for n, of in zip(labels, about, strict=True)
+    ]
     parts = [(file, of.get("component")) for file, of in zip(files, about, strict=True)]
     names = FileNames({*files})
     counted = Counter(parts)

@@ -50,15 +50,15 @@ FITTED_ENVELOPES: Mapping[FittedEnvelope, tuple[Callable[..., Envelope], tuple[_
 def fit_envelope(record: xr.DataArray, model: FittedEnvelope = "amin_ang") -> Envelope:
     """Envelope fitted to the cumulative energy of a record.
 
-    The fit is by least squares on the cumulative ``Int m^2 dt`` of the envelope ``m`` over its total,
-    compared with ``Int a^2 dt`` of the record (Husid plot). It is therefore not governed by single
-    peaks.
+    The fit is by least squares on the cumulative ``Int m^2 dt`` of the envelope ``m`` over its
+    total, compared with ``Int a^2 dt`` of the record (Husid plot). It is therefore not governed by
+    single peaks.
 
     Parameters
     ----------
     record : xarray.DataArray
-        Ground acceleration [m/s^2] over ``time`` [s], as from `read_record`. The time of the envelope
-        is counted from the first sample.
+        Ground acceleration [m/s^2] over ``time`` [s], as from `read_record`. The time of the
+        envelope is counted from the first sample.
     model : str
         ``"amin_ang"``, ``"shinozuka_sato"`` or ``"gamma"``.
 

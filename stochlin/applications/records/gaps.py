@@ -43,39 +43,40 @@ def recorded_gap(
 ) -> xr.Dataset:
     """Smallest gap without contact between two structures in a recorded motion.
 
-    It is ``max (u_1 - u_2)`` over the motion, with ``first`` on the left. It requires no rule for the
-    combination of peaks.
+    It is ``max (u_1 - u_2)`` over the motion, with ``first`` on the left. It requires no rule for
+    the combination of peaks.
 
     Parameters
     ----------
     first, second : Bilinear, BoucWen, Hysteretic or ShearBuilding, or None for ``second``
         Structures, elastic or with a yield displacement or yield drifts. Parameters of oscillators
-        broadcast by dimension name. If ``second`` is None, ``first`` stands alone, and the gap is its
-        distance from the property line on its right.
+        broadcast by dimension name. If ``second`` is None, ``first`` stands alone, and the gap is
+        its distance from the property line on its right.
     record : xarray.DataArray, or list or mapping of them
-        Ground acceleration [m/s^2] over ``time`` [s], as from `read_record`. Several records add the
-        dimension ``record`` to the result.
+        Ground acceleration [m/s^2] over ``time`` [s], as from `read_record`. Several records add
+        the dimension ``record`` to the result.
     progress : callable, optional
         Called with the share of the work that is done.
 
     Returns
     -------
     xarray.Dataset
-        Over the dimensions of the parameters: ``separation`` [m]; ``peak_1`` and ``peak_2`` [m], the
-        peaks ``max |u|`` of both structures, for a building at the level of the lower roof; ``srss``
-        [m] of the two peaks and ``separation_over_srss`` [-]; ``rho`` [-], ``int u_1 u_2 dt`` over the
-        square root of ``int u_1^2 dt int u_2^2 dt``, with displacements from the position before the
-        motion; ``status``, which is ``elastic_limit`` where no structure yielded. For two oscillators
-        also ``pseudo_energy_radius_1`` and ``_2`` [m]. Unless both structures are `Bilinear`, also
-        ``step_error`` [-], the largest change of a peak when the time step was last halved.
+        Over the dimensions of the parameters: ``separation`` [m]; ``peak_1`` and ``peak_2`` [m],
+        the peaks ``max |u|`` of both structures, for a building at the level of the lower roof;
+        ``srss`` [m] of the two peaks and ``separation_over_srss`` [-]; ``rho`` [-], ``int u_1 u_2
+        dt`` over the square root of ``int u_1^2 dt int u_2^2 dt``, with displacements from the
+        position before the motion; ``status``, which is ``elastic_limit`` where no structure
+        yielded. For two oscillators also ``pseudo_energy_radius_1`` and ``_2`` [m]. Unless both
+        structures are `Bilinear`, also ``step_error`` [-], the largest change of a peak when the
+        time step was last halved.
 
         For buildings with storeys, ``separation`` is the largest over all heights; there are also
-        ``separation_at_height`` [m] over ``height``, and ``peak_drift`` [m] and ``ductility`` [-] over
-        ``element``. For several records there is also ``separation_quantile`` [m] over ``quantile``,
-        with a 95 % interval ``_lower`` and ``_upper``, infinite if the records are too few, in which two
-        components of a station in one earthquake count as one (see `read_records`). If a
-        structure falls (see `simulate`), its peak and ``separation`` are infinite. For one
-        structure alone, the variables of two structures are left out.
+        ``separation_at_height`` [m] over ``height``, and ``peak_drift`` [m] and ``ductility`` [-]
+        over ``element``. For several records there is also ``separation_quantile`` [m] over
+        ``quantile``, with a 95 % interval ``_lower`` and ``_upper``, infinite if the records are
+        too few, in which two components of a station in one earthquake count as one (see
+        `read_records`). If a structure falls (see `simulate`), its peak and ``separation`` are
+        infinite. For one structure alone, the variables of two structures are left out.
 
     Raises
     ------
@@ -84,9 +85,10 @@ def recorded_gap(
 
     Notes
     -----
-    For two `Bilinear` structures the response is exact for a ground acceleration that is linear between
-    samples, as in `response_spectrum`; both have common sub-steps, chosen for the stiffer one. Other
-    structures have the time steps of `simulate`, halved until no peak changes by more than 1e-4.
+    For two `Bilinear` structures the response is exact for a ground acceleration that is linear
+    between samples, as in `response_spectrum`; both have common sub-steps, chosen for the stiffer
+    one. Other structures have the time steps of `simulate`, halved until no peak changes by more
+    than 1e-4.
 
     References
     ----------
@@ -113,7 +115,9 @@ def recorded_gap(
     if all(isinstance(structure, Bilinear) for structure in roles.values()):
         table = _exactly(list(roles.values()), motions, progress)
     else:
-        table = over_cells(lambda **roles: stepped_gap(list(roles.values()), motions, progress), roles)
+        table = over_cells(
+            lambda **roles: stepped_gap(list(roles.values()), motions, progress), roles
+        )
     if motions.names is not None:
         events = events_of(motions.names, motions.records)
         table = table.merge(quantiles_of_records("separation", table.separation, events, QUANTILES))
@@ -127,7 +131,9 @@ def quantiles_of_records(
 ) -> xr.Dataset:
     """Quantiles of values over the records, with their 95 % intervals over events."""
     like = values.isel({RECORD: 0}, drop=True)
-    table = xr.Dataset(coords={**like.coords, "quantile": labels.axis("quantile", "quantile", levels)})
+    table = xr.Dataset(
+        coords={**like.coords, "quantile": labels.axis("quantile", "quantile", levels)}
+    )
     for n, each in enumerate([values, *ends_of_events(values, events)]):
         quantiles = quantile_intervals(each.transpose(RECORD, ...).to_numpy(), levels)[n]
         table[f"{name}_quantile{labels.VALUE_AND_ENDS[n]}"] = ("quantile", *like.dims), quantiles

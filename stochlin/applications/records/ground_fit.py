@@ -37,8 +37,9 @@ _ON_BOUND = 1e-3
 class Estimator(NamedTuple):
     """Residuals of a fit, with the weight and variance from which standard errors follow.
 
-    The estimating equations are ``sum weight e dlog(model)/dp = 0``. The error ``e`` has the variance
-    ``variance``, since ordinates of a record over the true PSD are exponentially distributed.
+    The estimating equations are ``sum weight e dlog(model)/dp = 0``. The error ``e`` has the
+    variance ``variance``, since ordinates of a record over the true PSD are exponentially
+    distributed.
     """
 
     text: str
@@ -65,7 +66,9 @@ OF_LOG = np.pi**2 / 6  # variance of the logarithm of an exponential variable
 Estimated = Literal["psd", "log_psd", "whittle"]
 ESTIMATORS: Mapping[Estimated, Estimator] = {
     "psd": Estimator("least squares on the linear PSD", _difference, np.square, 1.0, 0.0),
-    "log_psd": Estimator("least squares on the log PSD", _log_difference, np.ones_like, OF_LOG, _TAPER),
+    "log_psd": Estimator(
+        "least squares on the log PSD", _log_difference, np.ones_like, OF_LOG, _TAPER
+    ),
     "whittle": Estimator("Whittle likelihood", _deviance, np.ones_like, 1.0, _TAPER),
 }
 
@@ -82,7 +85,9 @@ def best_fit(
     """
     lower, upper = bounds
     inside = (np.clip(start, lower + _INSIDE, upper - _INSIDE) for start in starts)
-    fits = [optimize.least_squares(residual, start, "3-point", bounds, **options) for start in inside]
+    fits = [
+        optimize.least_squares(residual, start, "3-point", bounds, **options) for start in inside
+    ]
     return min(fits, key=lambda fit: float(fit.cost))
 
 
@@ -90,7 +95,9 @@ class _Problem(NamedTuple):
     """A kind of ground; its parameters are fitted by their logarithms, times over the ground period."""
 
     kind: type[Ground]
-    bounds: Mapping[str, tuple[float, float]]  # of the period, the parameters of `Fit`, the intensity
+    bounds: Mapping[
+        str, tuple[float, float]
+    ]  # of the period, the parameters of `Fit`, the intensity
     starts: Sequence[tuple[float, ...]]  # of the parameters of `Fit`
 
     def over_period(self, name: str) -> bool:
@@ -135,7 +142,9 @@ def ground_of_record(
     narrowest = 2 * np.pi * _MINIMUM_ORDINATES / duration
     if not (low >= 0 and high <= frequency[-1] and high - low >= narrowest):
         allowed = f"0 to {frequency[-1]:g} rad/s, {narrowest:.3g} rad/s or more apart in this part"
-        raise ValueError(f"frequency_range = ({low:g}, {high:g}) is out of range; allowed: {allowed}")
+        raise ValueError(
+            f"frequency_range = ({low:g}, {high:g}) is out of range; allowed: {allowed}"
+        )
     used = (frequency >= low) & (frequency <= high) & (frequency > 0) & (density > 0)
     frequency = frequency[used]
     density = density[used]
@@ -170,7 +179,9 @@ def _minimize(frequency: Array, density: Array, problem: _Problem, estimator: Es
     starts = _starts(frequency, density, problem, residual)
     best = best_fit(lambda logs: residual(logs)[0], starts, tuple(bounds))
     if not best.success:
-        raise ValueError(f"the fit failed ({best.message}); try another estimator or frequency_range")
+        raise ValueError(
+            f"the fit failed ({best.message}); try another estimator or frequency_range"
+        )
     for name, value, lower, upper in zip(problem.bounds, best.x, *bounds, strict=True):
         if min(value - lower, upper - value) < _ON_BOUND:
             which = f"the fit ends on a bound of {name}, which the record does not define"
@@ -200,7 +211,9 @@ def _starts(
     return starts
 
 
-def _standard_errors(frequency: Array, logs: Array, problem: _Problem, estimator: Estimator) -> Array:
+def _standard_errors(
+    frequency: Array, logs: Array, problem: _Problem, estimator: Estimator
+) -> Array:
     """Relative standard errors of the parameters [-], by the sandwich estimator of their covariance."""
     shifts = _STEP * np.eye(logs.size)
     up = problem.psd(logs + shifts, frequency)

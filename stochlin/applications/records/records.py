@@ -38,8 +38,9 @@ ENDING = 1.0  # s, the last part of a record
 FEWEST = 4.5  # times as long is a record that is judged by it
 SAME_SHAPE = 1e-3  # difference over the peak, of digits that are left out in files
 SHORTEST_STEP = 1e-6  # s, of a file
-# Of any record, with room for all numbers of a response: of structures with periods from 1e-9 to 1e9 s
-# displacements are below 1e60 m, and the squares of their squares below the largest number, 1e308.
+# Of any record, with room for all numbers of a response: of structures with periods from 1e-9 to
+# 1e9 s displacements are below 1e60 m, and the squares of their squares below the largest number,
+# 1e308.
 LARGEST_ACCELERATION = 1e9  # m/s^2
 STEPS = Range(1e-9, 1e9, include_lower=True, include_upper=True)  # s
 
@@ -71,22 +72,23 @@ def read_record(
     Parameters
     ----------
     path : str or path
-        Path of the file, text in UTF-8, also compressed by gzip: a regular file of at most 64 MiB and
-        two million lines.
+        Path of the file, text in UTF-8, also compressed by gzip: a regular file of at most 64 MiB
+        and two million lines.
     dt : float, optional
         Time step [s], positive. Not needed if the header states it or a column has the time.
     units : str, optional
-        Units of the numbers in the file, such as ``"g"``, ``"m/s^2"``, ``"gal"`` or ``"in/s^2"``. Not
-        needed if the file states them.
+        Units of the numbers in the file, such as ``"g"``, ``"m/s^2"``, ``"gal"`` or ``"in/s^2"``.
+        Not needed if the file states them.
     column, time_column : int or str, optional
-        Columns of the acceleration and of the time, in seconds if its name has no other unit, each by
-        its number from 1 or by its name, also without its unit. They are not needed where one name
-        says so, or one column alone remains; of columns without names, that which rises by equal steps
-        is the time. Dates such as ``2020-01-31T23:59:59.98`` are read as seconds from the first.
+        Columns of the acceleration and of the time, in seconds if its name has no other unit, each
+        by its number from 1 or by its name, also without its unit. They are not needed where one
+        name says so, or one column alone remains; of columns without names, that which rises by
+        equal steps is the time. Dates such as ``2020-01-31T23:59:59.98`` are read as seconds from
+        the first.
     component : int or str, optional
-        Component of a file that holds several, by its name there, such as ``"N00E"``, or by its number
-        from 1. A file of one component that states another name is refused; of one that states none it
-        becomes the attribute of this name.
+        Component of a file that holds several, by its name there, such as ``"N00E"``, or by its
+        number from 1. A file of one component that states another name is refused; of one that
+        states none it becomes the attribute of this name.
     wrapped : bool
         Whether all numbers of a file without a known header are one series, written in rows.
     skip : int
@@ -96,30 +98,31 @@ def read_record(
     -------
     xarray.DataArray
         Ground acceleration [m/s^2] with the dimension ``time`` [s], named ``acceleration``. The
-        attributes ``source`` and ``dt`` hold the file name and the time step; ``event``, ``station`` and
-        ``component`` are those that the header states, and ``columns`` has those that were asked for by
-        number; the name of a region, without a date or a number, is no event. The mean is subtracted
-        from records that are not
-        corrected for their baseline: those of K-NET and KiK-net, and of ESM where the header says so.
-        The attribute ``comment`` then states it.
+        attributes ``source`` and ``dt`` hold the file name and the time step; ``event``,
+        ``station`` and ``component`` are those that the header states, and ``columns`` has those
+        that were asked for by number; the name of a region, without a date or a number, is no
+        event. The mean is subtracted from records that are not corrected for their baseline: those
+        of K-NET and KiK-net, and of ESM where the header says so. The attribute ``comment`` then
+        states it.
 
     Raises
     ------
     FileNotFoundError
         If there is no such file.
     ValueError
-        If the time step, the units, a column or a component are missing, unknown or contradict the file;
-        if a column is another quantity, such as a velocity;
-        if a header or its number of samples is not that of its format; if the file
-        has text, NaN or infinity among its numbers (the message names the line), lines of unequal
-        length, a time that does not increase or has a gap, fewer than 16 samples or only zeros.
+        If the time step, the units, a column or a component are missing, unknown or contradict the
+        file; if a column is another quantity, such as a velocity; if a header or its number of
+        samples is not that of its format; if the file has text, NaN or infinity among its numbers
+        (the message names the line), lines of unequal length, a time that does not increase or has
+        a gap, fewer than 16 samples or only zeros.
 
     Warns
     -----
     UserWarning
         If the record is implausible: a peak below 0.02 g or above 1.5 g, a time step of more than
-        0.05 s, a duration of more than 600 s, a velocity that no acceleration without an offset gives,
-        one of several columns without names that may be rows of one series, or a vertical component.
+        0.05 s, a duration of more than 600 s, a velocity that no acceleration without an offset
+        gives, one of several columns without names that may be rows of one series, or a vertical
+        component.
 
     Examples
     --------
@@ -144,7 +147,10 @@ def recorded(
     One that is read ``alone`` is also doubted if it is vertical.
     """
     record = _labelled(series, name, dt, units)
-    for warning in (*_doubts(record, series), *(_doubt_of_direction(series, name) if alone else ())):
+    for warning in (
+        *_doubts(record, series),
+        *(_doubt_of_direction(series, name) if alone else ()),
+    ):
         warnings.warn(f"{name}: {warning}", DoubtfulInput, stacklevel=4)
     return record
 
@@ -157,7 +163,11 @@ def doubts_of_motion(acceleration: Array, step: float) -> Iterator[str]:
     alone = _peak_over_others(np.abs(acceleration))
     # Of what follows from one mistake the first is said.
     for of, value, shown in (
-        ("peak over other samples", alone, f"its peak, {peak:.4g} m/s^2, is {alone:.3g} times the next"),
+        (
+            "peak over other samples",
+            alone,
+            f"its peak, {peak:.4g} m/s^2, is {alone:.3g} times the next",
+        ),
         ("peak of a record", peak, f"its peak is {peak / constants.g:.4g} g"),
         ("time step of a record", step, f"its time step is {step:.6g} s"),
         ("duration", duration, f"its duration is {duration:.6g} s"),
@@ -232,12 +242,15 @@ def strong_samples(motions: Array, start: float = 0.05, end: float = 0.95) -> tu
 def strong_part(record: xr.DataArray, start: float = 0.05, end: float = 0.95) -> xr.DataArray:
     """Part of a record between two fractions of its Arias intensity, 0 <= start < end <= 1.
 
-    Samples [m/s^2] over their ``time`` in the record; the attribute ``energy_part`` names the fractions
-    (Trifunac and Brady, 1975, Bull. Seismol. Soc. Am. 65). Raises a ValueError if they are out of range.
+    Samples [m/s^2] over their ``time`` in the record; the attribute ``energy_part`` names the
+    fractions (Trifunac and Brady, 1975, Bull. Seismol. Soc. Am. 65). Raises a ValueError if they
+    are out of range.
     """
     values, _ = checked_record(record)
     if not (is_number(start) and is_number(end) and 0 <= start < end <= 1):
-        raise ValueError(f"start, end = {brief(start)}, {brief(end)}; allowed: 0 <= start < end <= 1")
+        raise ValueError(
+            f"start, end = {brief(start)}, {brief(end)}; allowed: 0 <= start < end <= 1"
+        )
     first, last = strong_samples(values, start, end)
     part = record.isel(time=slice(int(first), int(last) + 1))
     part.attrs = dict(record.attrs) | {"energy_part": f"{100 * start:g}-{100 * end:g} %"}
@@ -249,7 +262,9 @@ def checked_array(array: xr.DataArray, role: str, dim: str) -> tuple[Array, Arra
     if not isinstance(array, xr.DataArray):
         raise TypeError(f"{role} is a {type(array).__name__}; allowed: an xarray.DataArray")
     if array.dims != (dim,) or dim not in array.coords:
-        raise ValueError(f"{role} has the dimensions {array.dims}; allowed: {dim} with its coordinate")
+        raise ValueError(
+            f"{role} has the dimensions {array.dims}; allowed: {dim} with its coordinate"
+        )
     if "units" not in array.attrs:
         cure = '.assign_attrs(units="m/s^2"), if it is so'
         raise ValueError(f"{role} has no attribute units; allowed: m/s^2, stated by {cure}")
@@ -269,10 +284,10 @@ def checked_record(
 ) -> tuple[npt.NDArray[np.float64], float]:
     """Values [m/s^2] and time step [s] of a record, checked.
 
-    A record is a DataArray over an evenly spaced ``time`` [s], with the attribute ``units`` m/s^2, and
-    with at least 16 finite samples that are not all zero, of at most 1e9 m/s^2, and a time step from
-    1e-9 to 1e9 s. Otherwise a TypeError or ValueError is raised. A ground that ``may_be_still``
-    has zeros alone.
+    A record is a DataArray over an evenly spaced ``time`` [s], with the attribute ``units`` m/s^2,
+    and with at least 16 finite samples that are not all zero, of at most 1e9 m/s^2, and a time step
+    from 1e-9 to 1e9 s. Otherwise a TypeError or ValueError is raised. A ground that
+    ``may_be_still`` has zeros alone.
     """
     time, values = checked_array(record, "record", "time")
     if values.size < MINIMUM_SAMPLES:
@@ -281,7 +296,9 @@ def checked_record(
         i = int(np.argmin(np.isfinite(values)))
         raise ValueError(f"record is {values[i]} at {time[i]:g} s; allowed: finite values")
     if not (may_be_still or values.any()):
-        raise ValueError("record holds only zeros; allowed: some motion, so check which column it is")
+        raise ValueError(
+            "record holds only zeros; allowed: some motion, so check which column it is"
+        )
     i = int(np.argmax(np.abs(values)))
     if np.abs(values[i]) > LARGEST_ACCELERATION:
         what = f"record is {values[i]:.3g} m/s^2 at {time[i]:g} s"
@@ -306,7 +323,9 @@ def _labelled(series: Series, name: str, dt: float | None, units: str | None) ->
     if step is None:
         raise ValueError(f"dt is missing and {name} does not state it; give dt= or time_column=")
     if not step >= SHORTEST_STEP:
-        raise ValueError(f"the time step of {name} is {step:g} s; allowed: {SHORTEST_STEP:g} s or more")
+        raise ValueError(
+            f"the time step of {name} is {step:g} s; allowed: {SHORTEST_STEP:g} s or more"
+        )
     time = start + step * np.arange(series.values.size)
     about = {key: " ".join(text.split()) for key, text in series.about.items() if text}
     if not identifies(about.get("event", "")):  # a region, which has many earthquakes
@@ -315,7 +334,8 @@ def _labelled(series: Series, name: str, dt: float | None, units: str | None) ->
         series.values * size,
         coords=[labels.axis("time", "time", time, "s")],
         name="acceleration",
-        attrs={"units": "m/s^2", "long_name": "ground acceleration", "source": name, "dt": step} | about,
+        attrs={"units": "m/s^2", "long_name": "ground acceleration", "source": name, "dt": step}
+        | about,
     )
     checked_record(record)
     return record
@@ -343,4 +363,6 @@ def _time_step(time: npt.NDArray[np.float64], dt: float | None = None, of: str =
 
 def _check_step(dt: float, of_time: float) -> None:
     if not np.isclose(dt, of_time, rtol=_STEP_TOLERANCE, atol=0):
-        raise ValueError(f"dt = {dt:g} contradicts the time, whose step is {of_time:.6g} s; {_CURE}")
+        raise ValueError(
+            f"dt = {dt:g} contradicts the time, whose step is {of_time:.6g} s; {_CURE}"
+        )

@@ -57,8 +57,8 @@ def pseudo_energy_radius(
 ) -> xr.Dataset:
     """Pseudo energy radius of structures on records, eqs. (1) and (2).
 
-    ``r_PER = max sqrt(u^2 + (u'/w)^2)``, with ``w = 2 pi/T`` of the elastic structure. It is at least
-    ``max |u|``, and equal to it only if the velocity is zero at the largest energy.
+    ``r_PER = max sqrt(u^2 + (u'/w)^2)``, with ``w = 2 pi/T`` of the elastic structure. It is at
+    least ``max |u|``, and equal to it only if the velocity is zero at the largest energy.
 
     Parameters
     ----------
@@ -68,8 +68,9 @@ def pseudo_energy_radius(
     Returns
     -------
     xarray.Dataset
-        Over the dimensions of the parameters: ``pseudo_energy_radius`` [m]; ``displacement_max`` [m],
-        which is ``max |u|``; ``status``, which is ``elastic_limit`` where the structure did not yield.
+        Over the dimensions of the parameters: ``pseudo_energy_radius`` [m]; ``displacement_max``
+        [m], which is ``max |u|``; ``status``, which is ``elastic_limit`` where the structure did
+        not yield.
 
     Raises
     ------
@@ -113,14 +114,14 @@ def response_spectrum(
     Parameters
     ----------
     record : xarray.DataArray, or list or mapping of them
-        Ground acceleration [m/s^2] over ``time`` [s], as from `read_record`. Several records add the
-        dimension ``record`` to the result.
+        Ground acceleration [m/s^2] over ``time`` [s], as from `read_record`. Several records add
+        the dimension ``record`` to the result.
     period, damping : float or array
         Period ``T`` [s], at least a tenth of the time step of the record, and damping ratio [-], in
         (0, 1).
     hardening : float or array, optional
-        Hardening ratio, post-yield over elastic stiffness [-], in (0, 1]. It is required with a yield
-        displacement.
+        Hardening ratio, post-yield over elastic stiffness [-], in (0, 1]. It is required with a
+        yield displacement.
     yield_displacement : float or array, optional
         Yield displacement ``uy`` [m], positive. By default the structure stays elastic.
     progress : callable, optional
@@ -135,25 +136,26 @@ def response_spectrum(
         ``pseudo_energy_radius`` [m]; ``input_energy_per_mass``, ``viscous_energy_per_mass`` and
         ``hysteretic_energy_per_mass`` [m^2/s^2] at the end of the record, as in `respond`; and
         ``status``, which is ``elastic_limit`` where the structure did not yield. With a yield
-        displacement also ``permanent_set`` [m], the displacement at which the structure comes to rest if
-        it does not yield after the end of the record.
+        displacement also ``permanent_set`` [m], the displacement at which the structure comes to
+        rest if it does not yield after the end of the record.
 
     Raises
     ------
     ValueError, TypeError
-        If a record is not valid, a scalar is out of range, a period is too short, or dimensions do not
-        match. Other cells of an array that are out of range are NaN, with the status ``invalid_input``.
-        If the table would need too much memory or time.
+        If a record is not valid, a scalar is out of range, a period is too short, or dimensions do
+        not match. Other cells of an array that are out of range are NaN, with the status
+        ``invalid_input``. If the table would need too much memory or time.
     ArithmeticError
-        If the response is not a number, since its squares are beyond the range of numbers. In a table
-        such cells are NaN, with the status ``not_converged``.
+        If the response is not a number, since its squares are beyond the range of numbers. In a
+        table such cells are NaN, with the status ``not_converged``.
 
     Notes
     -----
     The ground acceleration is linear between samples, and for it the response is exact: each linear
-    branch has its closed-form solution, and yielding and unloading are located within a time step. Peaks
-    between steps are those of cubic interpolation, with an error of a few 1e-4. Peaks after the end of
-    the record are not found; append zeros to a record that ends while structures still move.
+    branch has its closed-form solution, and yielding and unloading are located within a time step.
+    Peaks between steps are those of cubic interpolation, with an error of a few 1e-4. Peaks after
+    the end of the record are not found; append zeros to a record that ends while structures still
+    move.
 
     References
     ----------
@@ -214,10 +216,11 @@ def respond(
     structure : Bilinear, BoucWen, Hysteretic or ShearBuilding
         Structure with scalar parameters, elastic or with a yield displacement or yield drifts.
     record : xarray.DataArray
-        Ground acceleration [m/s^2] over ``time`` [s], as from `read_record`, linear between samples.
+        Ground acceleration [m/s^2] over ``time`` [s], as from `read_record`, linear between
+        samples.
     refine : int
-        Number of output times in each interval of the record. The response at the times of the record
-        does not depend on it.
+        Number of output times in each interval of the record. The response at the times of the
+        record does not depend on it.
     start : Start or xarray.DataArray, optional
         Displacements and velocities at the start, from rest by default; or the ``end_state`` of the
         result for a record before, which then goes on.
@@ -227,30 +230,29 @@ def respond(
     xarray.Dataset
         Over ``time`` [s]: ``displacement`` [m] and ``velocity`` [m/s], relative to the ground;
         ``radius`` [m], ``sqrt(u^2 + (u'/w)^2)`` of eq. (1); and energies per unit mass [m^2/s^2]:
-        ``input_energy_per_mass``, ``-Int a_g u' dt`` up to this time with the energy at
-        the start; ``viscous_energy_per_mass`` and
-        ``hysteretic_energy_per_mass``, dissipated up to this time; ``kinetic_energy_per_mass``,
-        ``u'^2/2``; and ``elastic_energy_per_mass``, which unloading would release. The last four add up
-        to the first. If the structure can yield, also ``z`` [-], the hysteretic displacement over
-        ``uy``, which is in [-1, 1] for the bilinear law.
+        ``input_energy_per_mass``, ``-Int a_g u' dt`` up to this time with the energy at the start;
+        ``viscous_energy_per_mass`` and ``hysteretic_energy_per_mass``, dissipated up to this time;
+        ``kinetic_energy_per_mass``, ``u'^2/2``; and ``elastic_energy_per_mass``, which unloading
+        would release. The last four add up to the first. If the structure can yield, also ``z``
+        [-], the hysteretic displacement over ``uy``, which is in [-1, 1] for the bilinear law.
 
         For a building with storeys, ``displacement`` and ``velocity`` are over ``floor``, and
-        ``storey_drift`` [m] and ``z`` over ``element``; energies are those of all floors over the total
-        mass, and there is no ``radius``. For all structures except `Bilinear`, the time steps are those
-        of `simulate`, halved until no peak changes by more than 1e-4 relatively, and ``z`` at no time
-        by more than 1e-4; ``step_error`` [-] is the last change, and the error about a third of it. If
-        the structure falls (see `simulate`), histories are NaN from then on, and the attribute
-        ``collapse_s`` is the time.
+        ``storey_drift`` [m] and ``z`` over ``element``; energies are those of all floors over the
+        total mass, and there is no ``radius``. For all structures except `Bilinear`, the time steps
+        are those of `simulate`, halved until no peak changes by more than 1e-4 relatively, and
+        ``z`` at no time by more than 1e-4; ``step_error`` [-] is the last change, and the error
+        about a third of it. If the structure falls (see `simulate`), histories are NaN from then
+        on, and the attribute ``collapse_s`` is the time.
 
-        Over ``state``, ``end_state``, from which ``start`` goes on. The histories of two records are
-        then those of one record of both. They have the same bits for `Bilinear`, and with ``refine`` of
-        1 for all structures if their time steps are the same.
+        Over ``state``, ``end_state``, from which ``start`` goes on. The histories of two records
+        are then those of one record of both. They have the same bits for `Bilinear`, and with
+        ``refine`` of 1 for all structures if their time steps are the same.
 
     Raises
     ------
     ValueError, TypeError
-        If the structure has arrays or a reduction factor, the record is not valid, ``refine`` is not a
-        whole number from 1, or the start has another number of values, or yields.
+        If the structure has arrays or a reduction factor, the record is not valid, ``refine`` is
+        not a whole number from 1, or the start has another number of values, or yields.
     ArithmeticError
         If the response is not finite, as with a law whose states run away.
 
@@ -261,8 +263,8 @@ def respond(
 
     References
     ----------
-    Valles-Mattox and Reinhorn (1996), eqs. (1) and (5) to (7); Uang, C.-M. and Bertero, V. V. (1990),
-    Earthquake Eng. Struct. Dyn. 19, for the relative input energy.
+    Valles-Mattox and Reinhorn (1996), eqs. (1) and (5) to (7); Uang, C.-M. and Bertero, V. V.
+    (1990), Earthquake Eng. Struct. Dyn. 19, for the relative input energy.
 
     Examples
     --------
@@ -302,7 +304,9 @@ def _until_fall(table: xr.Dataset, structure: AnyStructure) -> xr.Dataset:
     if not fallen.any():
         return table
     falls = float(table.time[int(np.argmax(fallen))])
-    histories = {n: v.where(table.time <= falls) for n, v in table.data_vars.items() if "time" in v.dims}
+    histories = {
+        n: v.where(table.time <= falls) for n, v in table.data_vars.items() if "time" in v.dims
+    }
     return table.assign(histories).assign_attrs(collapse_s=falls)
 
 

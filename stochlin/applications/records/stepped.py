@@ -37,7 +37,8 @@ from stochlin.solver.tables.labels import ELEMENT, FLOOR, element_coordinates, f
 STEPS_PER_PERIOD = 32  # steps in the shortest period before the first halving
 FALLEN = 1e3  # displacement over the largest at which a structure falls, where it is not followed
 CLOSE = 1e-4  # allowed change of peaks, relatively, and of z when the step is halved
-# Most halvings. States of laws, where yield displacements are small, need more than displacements do.
+# Most halvings. States of laws, where yield displacements are small, need more than displacements
+# do.
 HALVINGS = 6
 HALVINGS_OF_HISTORY = 10
 SECONDS = 4e-7  # of a step of an element [s]
@@ -87,8 +88,8 @@ def halved(
 ) -> SteppedResponse:
     """The response of a system with steps halved from ``cuts`` until it converges, or ``most`` times.
 
-    The steps are of second order, so that the remaining error is about a third of the last change. Warns
-    of a response that has not converged, and raises an ArithmeticError if it is not finite.
+    The steps are of second order, so that the remaining error is about a third of the last change.
+    Warns of a response that has not converged, and raises an ArithmeticError if it is not finite.
     """
     coarse = followed(cuts)
     for _ in range(most):
@@ -99,7 +100,9 @@ def halved(
         coarse = response
     if not np.isfinite(coarse.error):
         raise ArithmeticError(f"the response is no longer finite; {runs_away(system.sticks)}")
-    what = f"the response changes by {coarse.error:.2g} when the time step is halved for the last time"
+    what = (
+        f"the response changes by {coarse.error:.2g} when the time step is halved for the last time"
+    )
     warnings.warn(f"{what}, more than {CLOSE:g}: see step_error", DoubtfulInput, stacklevel=4)
     return coarse
 
@@ -255,8 +258,8 @@ def gap_columns(separation: Any, peaks: Sequence[Any], rho: Any | None) -> dict[
 def _in_one(system: Assembly, motion: SteppedResponse) -> xr.Dataset:
     """Results for one record.
 
-    The functions in ``motion`` are the displacement of each structure at the highest level where they
-    can meet, all drifts, and the relative displacements at all levels.
+    The functions in ``motion`` are the displacement of each structure at the highest level where
+    they can meet, all drifts, and the relative displacements at all levels.
     """
     n = len(system.watched)
     values = motion.values

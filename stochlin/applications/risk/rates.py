@@ -41,7 +41,9 @@ class SeparationsByIntensity(NamedTuple):
 
     intensity: Array  # (n,)
     separation: Array  # (paths, n) [m]
-    power: float = 1.0  # exponent of the intensity in the separation of linear structures; 0.5 for S0
+    power: float = (
+        1.0  # exponent of the intensity in the separation of linear structures; 0.5 for S0
+    )
 
     def every_other(self) -> SeparationsByIntensity:
         """Those at every other intensity, with both ends of an odd number."""
@@ -63,7 +65,9 @@ class SeparationsByIntensity(NamedTuple):
         x = np.broadcast_to(np.log(self.intensity), self.separation.shape)
         beyond = np.log(np.maximum(self.separation, TINY)) - np.log(gap)
         first = beyond[:, :1]  # from where the gap is reached, below the lowest intensity
-        x = np.hstack([x[:, :1] - np.maximum(first, 0) / self.power, x, np.full_like(first, np.inf)])
+        x = np.hstack(
+            [x[:, :1] - np.maximum(first, 0) / self.power, x, np.full_like(first, np.inf)]
+        )
         beyond = np.hstack([np.minimum(first, 0), beyond, beyond[:, -1:]])
         left = beyond[:, :-1]
         right = beyond[:, 1:]
@@ -105,9 +109,9 @@ def times_intensity(ground: Any, factor: float) -> Any:
 def lognormal_fragility(motions: SeparationsByIntensity, gap: float) -> Fragility:
     """The fragility by maximum likelihood from the lowest intensity of pounding in each motion.
 
-    For a motion without pounding, this intensity is known to be above the highest one. The numbers are
-    NaN, with the reason as their status, if fewer than two motions have pounding, all of them already at
-    the lowest intensity, or a structure falls.
+    For a motion without pounding, this intensity is known to be above the highest one. The numbers
+    are NaN, with the reason as their status, if fewer than two motions have pounding, all of them
+    already at the lowest intensity, or a structure falls.
     """
     if not np.isfinite(motions.separation).all() or not 0 < gap < np.inf:
         return Fragility(status=NOT_SIMULATED)
@@ -134,7 +138,9 @@ def lognormal_fragility(motions: SeparationsByIntensity, gap: float) -> Fragilit
     log_b = np.log(known.std())
     if never:  # else these are the maximum
         options = {"gtol": 1e-6}
-        mean, log_b = scipy.optimize.minimize(surprise, [mean, log_b], method="BFGS", options=options).x
+        mean, log_b = scipy.optimize.minimize(
+            surprise, [mean, log_b], method="BFGS", options=options
+        ).x
     median = float(np.exp(mean))
     b = float(np.exp(log_b))
     z = (known - mean) / b
@@ -154,6 +160,8 @@ def lognormal_fragility(motions: SeparationsByIntensity, gap: float) -> Fragilit
 def range_of_rate(risk: xr.Dataset, left_out: float) -> tuple[float, float]:
     """The intensities between which the rate arises, but for such a part of it at either end."""
     edges = np.append(risk.risk_from_intensity.values, np.inf)
-    above = 1 - np.append(0.0, np.cumsum(risk.risk_annual_rate_by_intensity / risk.risk_annual_rate))
+    above = 1 - np.append(
+        0.0, np.cumsum(risk.risk_annual_rate_by_intensity / risk.risk_annual_rate)
+    )
     low = edges[np.flatnonzero(above >= 1 - left_out)[-1]]
     return float(low), float(edges[np.flatnonzero(above <= left_out)[0]])

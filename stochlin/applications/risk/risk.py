@@ -45,7 +45,11 @@ from stochlin.solver.tables.cells import over_cells
 from stochlin.solver.tables.checks import check_duration, standing
 
 POINTS = 25  # least number of simulated intensities, odd, so that every other one has both ends
-TYPICAL = 0.25, 0.5, 0.75  # quantiles of all separations, gaps for which intensities are close enough
+TYPICAL = (
+    0.25,
+    0.5,
+    0.75,
+)  # quantiles of all separations, gaps for which intensities are close enough
 RETURN_PERIODS = (5.0, 2e5)  # [yr] of the lowest and highest intensity of a hazard without a table
 NORMAL = 1.96  # standard errors from a mean to the ends of its 95 % interval
 CLOSE = 1e-6  # relative tolerance of a required gap
@@ -77,22 +81,23 @@ def pounding_risk(
 ) -> xr.Dataset:
     """Mean annual frequency of pounding of two buildings, from the hazard of the site.
 
-    The mean annual frequency is ``Int P(pounding | im) |d lambda(im)|`` over the intensities ``im`` of
-    the hazard ``lambda``. The probability of pounding in ``t`` years is ``1 - exp(-rate t)``. The same
-    motions are simulated at increasing intensities, which gives the intensities of pounding for each.
+    The mean annual frequency is ``Int P(pounding | im) |d lambda(im)|`` over the intensities ``im``
+    of the hazard ``lambda``. The probability of pounding in ``t`` years is ``1 - exp(-rate t)``.
+    The same motions are simulated at increasing intensities, which gives the intensities of
+    pounding for each.
 
     Parameters
     ----------
     first, second, ground
         As in `separation`, with arrays over the cells of a table or `Uncertain` parameters. A
-        ``reduction_factor`` refers to ``ground`` as given; the resulting strength in metres is the same
-        at all intensities. If ``second`` is None, the result is for one building crossing its property
-        line.
+        ``reduction_factor`` refers to ``ground`` as given; the resulting strength in metres is the
+        same at all intensities. If ``second`` is None, the result is for one building crossing its
+        property line.
     gap : float
         Gap between the buildings, or distance of one building from its property line [m], positive.
     hazard : HazardCurve or PowerLawHazard
-        Hazard of peak ground acceleration, ``Sa`` at a period, or ``S0``. The intensity of motions is
-        their mean peak ground or spectral acceleration, as in `scale_ground`, or ``S0``.
+        Hazard of peak ground acceleration, ``Sa`` at a period, or ``S0``. The intensity of motions
+        is their mean peak ground or spectral acceleration, as in `scale_ground`, or ``S0``.
     duration, envelope
         As in `separation`.
     years : float
@@ -100,21 +105,21 @@ def pounding_risk(
     scatter
         As in `separation`.
     paths : int
-        Number of motions at each of 25 intensities, or of 49 where the interpolation between 25 has a
-        larger error than the motions.
+        Number of motions at each of 25 intensities, or of 49 where the interpolation between 25 has
+        a larger error than the motions.
     seed, progress
         As in `separation`.
 
     Returns
     -------
     xarray.Dataset
-        Over the dimensions of the parameters: ``annual_rate`` [1/yr] with its standard error and its
-        interval; ``annual_rate_unseen`` and ``annual_rate_unseen_weaker`` [1/yr], the largest possible
-        contributions of intensities above the table of the hazard, or a return period of 200 000 years,
-        and of those below it; ``probability_in_years`` [-] with its interval. The intervals are those of
-        95 % of the sampling; their upper ends include both contributions.
-        Also over ``intensity``: ``pounding_probability`` [-] with its 95 % interval. Also
-        over ``from_intensity``: ``annual_rate_by_intensity`` [1/yr], the part of the rate from the
+        Over the dimensions of the parameters: ``annual_rate`` [1/yr] with its standard error and
+        its interval; ``annual_rate_unseen`` and ``annual_rate_unseen_weaker`` [1/yr], the largest
+        possible contributions of intensities above the table of the hazard, or a return period of
+        200 000 years, and of those below it; ``probability_in_years`` [-] with its interval. The
+        intervals are those of 95 % of the sampling; their upper ends include both contributions.
+        Also over ``intensity``: ``pounding_probability`` [-] with its 95 % interval. Also over
+        ``from_intensity``: ``annual_rate_by_intensity`` [1/yr], the part of the rate from the
         interval of intensities that begins there.
 
     Raises
@@ -125,12 +130,12 @@ def pounding_risk(
 
     Notes
     -----
-    A motion with pounding at an intensity and without pounding at a higher one counts for the former
-    only. Shaking beyond the ends of a `HazardCurve` is left out of the rate. A motion without pounding
-    at the highest intensity adds at most the frequency there to the upper end of the interval. For a
-    motion with pounding below the lowest intensity the first two points are extrapolated, which is an
-    upper limit for a curve that becomes flatter towards weaker shaking, as hazard curves do in
-    logarithms.
+    A motion with pounding at an intensity and without pounding at a higher one counts for the
+    former only. Shaking beyond the ends of a `HazardCurve` is left out of the rate. A motion
+    without pounding at the highest intensity adds at most the frequency there to the upper end of
+    the interval. For a motion with pounding below the lowest intensity the first two points are
+    extrapolated, which is an upper limit for a curve that becomes flatter towards weaker shaking,
+    as hazard curves do in logarithms.
 
     Motions of the same intensity differ as samples of a
     random process; the larger difference between earthquakes is included by ``scatter``.
@@ -193,14 +198,14 @@ def required_gap(
     -------
     xarray.Dataset
         Over the dimensions of the parameters: ``required_gap`` [m] with its interval, as that of
-        ``annual_rate`` in `pounding_risk`; ``target_rate`` [1/yr], and ``annual_rate`` [1/yr] with this
-        gap, with its standard error.
+        ``annual_rate`` in `pounding_risk`; ``target_rate`` [1/yr], and ``annual_rate`` [1/yr] with
+        this gap, with its standard error.
 
     Raises
     ------
     ValueError, TypeError
-        If the risk cannot be read or is out of range, or is not between the smallest and the largest
-        annual frequency of the hazard; otherwise as in `pounding_risk`.
+        If the risk cannot be read or is out of range, or is not between the smallest and the
+        largest annual frequency of the hazard; otherwise as in `pounding_risk`.
 
     References
     ----------
@@ -247,7 +252,9 @@ def _over_cells(
     envelope = motion.envelope
     both = {role: median_of(structure) for role, structure in structures.items()}
     check_duration(duration, both)
-    long_enough = reduce(and_, (structure.first_period() <= duration for structure in both.values()))
+    long_enough = reduce(
+        and_, (structure.first_period() <= duration for structure in both.values())
+    )
 
     def of_cell(ground: Ground, **structures: AnyStructure) -> xr.Dataset:
         return result(simulated_risk(structures, ground, hazard, motion, paths, progress))
@@ -283,7 +290,9 @@ def allowed_rate(risk: str | float) -> tuple[float, float | None]:
     match = _RISK.fullmatch(risk) if isinstance(risk, str) else None
     share, years = (float(match[1]) / 100, float(match[2])) if match else (0.0, 0.0)
     if not 0 < share < 1 or not years > 0:
-        allowed = 'such as "2 % in 50 years", above 0 and below 100 %, or an annual frequency [1/yr]'
+        allowed = (
+            'such as "2 % in 50 years", above 0 and below 100 %, or an annual frequency [1/yr]'
+        )
         raise ValueError(f"risk = {brief(risk)}; allowed: {allowed}")
     return -np.log1p(-share) / years, years
 
@@ -356,8 +365,8 @@ class SimulatedRisk(NamedTuple):
     def quadrature_error(self, gap: float) -> float:
         """Error [1/yr] of the rate by the interpolation between intensities.
 
-        It is about as large as the change with half of them: two to four times more then, since motions
-        of yielding structures pound at some intensities and not at stronger ones.
+        It is about as large as the change with half of them: two to four times more then, since
+        motions of yielding structures pound at some intensities and not at stronger ones.
         """
         half = self._replace(motions=self.motions.every_other())
         change = (self.rates(gap).sum(axis=1) - half.rates(gap).sum(axis=1)).mean()
@@ -375,8 +384,8 @@ class SimulatedRisk(NamedTuple):
     def unseen_rates(self, gap: float) -> tuple[Array, Array]:
         """Largest annual frequency of pounding [1/yr] above and below the table, of each motion.
 
-        A motion without pounding at the highest intensity may pound right above it. Below the table the
-        line through its first two points is extrapolated to where the gap is reached.
+        A motion without pounding at the highest intensity may pound right above it. Below the table
+        the line through its first two points is extrapolated to where the gap is reached.
         """
         highest = self._frequency(self.motions.intensity[-1:])
         stronger = np.where(self.motions.separation[:, -1] <= gap, highest, 0.0)
@@ -417,7 +426,9 @@ class SimulatedRisk(NamedTuple):
         )
         attrs = {"units": UNITS[hazard.measure], "long_name": f"intensity, {hazard.measure}"}
         axis = {"intensity": ("intensity", shown, attrs)}
-        samples = xr.DataArray(motions.separation[:, ::step], dims=("path", "intensity"), coords=axis)
+        samples = xr.DataArray(
+            motions.separation[:, ::step], dims=("path", "intensity"), coords=axis
+        )
         begin = {"from_intensity": ("from_intensity", np.append(0.0, shown), attrs)}
         return xr.Dataset(
             {
@@ -427,9 +438,12 @@ class SimulatedRisk(NamedTuple):
                 "annual_rate_unseen_weaker": float(weaker.mean()),
                 "annual_rate_by_intensity": ("from_intensity", by_interval),
                 **{
-                    f"probability_in_years{end}": -np.expm1(-rate * years) for end, rate in rates.items()
+                    f"probability_in_years{end}": -np.expm1(-rate * years)
+                    for end, rate in rates.items()
                 },
-                **{f"pounding_{name}": each for name, each in pounding_shares(samples, gap).items()},
+                **{
+                    f"pounding_{name}": each for name, each in pounding_shares(samples, gap).items()
+                },
             },
             begin,
         )
@@ -470,8 +484,8 @@ def simulated_risk(
 ) -> SimulatedRisk:
     """Simulated motions at all intensities of a hazard.
 
-    ``structures`` are those of `pounding_risk`, by the names of their arguments. Raises an error for a
-    duration shorter than a period, or too much work.
+    ``structures`` are those of `pounding_risk`, by the names of their arguments. Raises an error
+    for a duration shorter than a period, or too much work.
     """
     levels = simulated_at(hazard)
     prepared = PreparedStructures.of(structures, ground, motion, paths, POINTS)

@@ -64,14 +64,15 @@ def sensitivity(
 ) -> xr.Dataset:
     """Influence of each input on the gap of two buildings.
 
-    The inputs are all numbers that describe the structures and the ground. For each input the result has
-    the change of the gap of `separation` with it. All estimates are from the same motions.
+    The inputs are all numbers that describe the structures and the ground. For each input the
+    result has the change of the gap of `separation` with it. All estimates are from the same
+    motions.
 
     Parameters
     ----------
     first, second, ground
-        As in `separation`, with numbers or `Uncertain` parameters. If ``second`` is None, the result is
-        for the set-back of ``first``.
+        As in `separation`, with numbers or `Uncertain` parameters. If ``second`` is None, the
+        result is for the set-back of ``first``.
     duration, envelope, confidence, scatter
         As in `separation`.
     paths : int
@@ -82,14 +83,14 @@ def sensitivity(
     Returns
     -------
     xarray.Dataset
-        Over ``input``, named ``"structure_1.period"`` and so on, with the coordinates ``input_median``,
-        ``input_unit`` and ``uncertain``, which is 1 if the input has a spread. An array, such as the
-        stiffnesses of storeys, is one input, a common factor with median 1. Also over ``end``:
-        ``input_factor_at`` [-], a low and a high value of the input over its median, which are its 16 %
-        and 84 % quantiles if it is uncertain, else 10 % below and above; ``gap_change`` [m], the change
-        of the gap if the input is known to have this value. Without dimensions: ``gap`` [m] with its
-        95 % interval; ``gap_of_medians`` [m], with all inputs at their medians. Changes have standard
-        errors.
+        Over ``input``, named ``"structure_1.period"`` and so on, with the coordinates
+        ``input_median``, ``input_unit`` and ``uncertain``, which is 1 if the input has a spread. An
+        array, such as the stiffnesses of storeys, is one input, a common factor with median 1. Also
+        over ``end``: ``input_factor_at`` [-], a low and a high value of the input over its median,
+        which are its 16 % and 84 % quantiles if it is uncertain, else 10 % below and above;
+        ``gap_change`` [m], the change of the gap if the input is known to have this value. Without
+        dimensions: ``gap`` [m] with its 95 % interval; ``gap_of_medians`` [m], with all inputs at
+        their medians. Changes have standard errors.
 
     Raises
     ------
@@ -99,10 +100,10 @@ def sensitivity(
     Notes
     -----
     A strength by reduction factor is converted to metres on the ground at its medians and does not
-    change with the ground. A value 10 % above or below that is not allowed, such as a hardening above 1,
-    is left out: its factor is 1. The ``peak_factor``, which belongs to the
-    definition of a reduction factor, and the ``mass`` of an oscillator, on which the separation does
-    not depend, are no inputs; nor are numbers within a sympy law or a list.
+    change with the ground. A value 10 % above or below that is not allowed, such as a hardening
+    above 1, is left out: its factor is 1. The ``peak_factor``, which belongs to the definition of a
+    reduction factor, and the ``mass`` of an oscillator, on which the separation does not depend,
+    are no inputs; nor are numbers within a sympy law or a list.
 
     References
     ----------
@@ -156,8 +157,8 @@ def _responses(
 ) -> tuple[Array, Array]:
     """Factors (inputs, 2) on the inputs, and separations (2 + 2 inputs, motions) [m] with them.
 
-    The first separations are those of `separation`, the next those with all inputs at their medians. All
-    simulations have the time step and the samples of the first.
+    The first separations are those of `separation`, the next those with all inputs at their
+    medians. All simulations have the time step and the samples of the first.
     """
     steps: list[float] = []  # of the simulations so far
     made: dict[str, Sequence[Any]] = {}  # samples of the models in the first simulation
@@ -201,7 +202,9 @@ def _responses(
     return factors, np.array(responses)
 
 
-def _table(listed: Sequence[Input], factors: Array, responses: Array, confidence: float) -> xr.Dataset:
+def _table(
+    listed: Sequence[Input], factors: Array, responses: Array, confidence: float
+) -> xr.Dataset:
     base = responses[0]
     falls = float(np.isposinf(responses[:2]).mean())
     if falls or np.isposinf(responses).any():
@@ -231,9 +234,10 @@ def _table(listed: Sequence[Input], factors: Array, responses: Array, confidence
 def changed_quantiles(response: Array, changed: Array, level: float) -> tuple[Array, Array]:
     """Quantiles of ``changed`` responses (k, motions) minus that of ``response``, and their errors (k,).
 
-    The differences of the sorted responses are interpolated at the quantile by a local linear regression
-    over ``response`` (Cleveland 1979). This has less noise than the difference of two quantiles, and is
-    exact if the responses are multiples of each other. Standard errors are by the jackknife.
+    The differences of the sorted responses are interpolated at the quantile by a local linear
+    regression over ``response`` (Cleveland 1979). This has less noise than the difference of two
+    quantiles, and is exact if the responses are multiples of each other. Standard errors are by the
+    jackknife.
     """
     number = np.arange(response.size)
     groups = min(GROUPS, response.size)
@@ -304,7 +308,9 @@ def inputs_of(role: str, model: UncertainModel) -> list[Input]:
         kind = next((kind for kind in kinds if key in kind.parameter_names()), None)
         if kind is None or value is None or (key in WITHOUT and not hasattr(median, "masses")):
             continue
-        quantity = value if isinstance(value, Uncertain) else Uncertain(np.asarray(value, float), 0.0)
+        quantity = (
+            value if isinstance(value, Uncertain) else Uncertain(np.asarray(value, float), 0.0)
+        )
         usual = getattr(median, key) if kind is type(median) else quantity.median
         one_number = np.ndim(usual) == 0
         size = float(np.asarray(usual)) if one_number else float(np.any(usual))

@@ -39,7 +39,9 @@ PEAKS = "peak_1", "peak_2"
 # What the displacements are, with or without the factors of a code.
 DEFINED = "displacements as each code defines them, its factors included"
 DESIGN = "displacements under design forces, which each code multiplies by its factors"
-SPECTRAL = ", of the elastic spectrum by the CQC over the modes of each building, cqc over those of both"
+SPECTRAL = (
+    ", of the elastic spectrum by the CQC over the modes of each building, cqc over those of both"
+)
 NEEDS = "needs "  # begins what is missing
 TEXTS: Mapping[str, str] = {
     "family": "what governs a building code: SRSS or sum of the peaks, the height, or a fixed distance",
@@ -84,7 +86,9 @@ def _check_source(
 ) -> None:
     """Raise a ValueError unless displacements are given once, as peaks or as modes with a spectrum."""
     if (modes_1 is None) != (spectrum is None) or (modes_2 is not None and modes_1 is None):
-        raise ValueError("modes_1 and spectrum go together, and modes_2 with both; give what is missing")
+        raise ValueError(
+            "modes_1 and spectrum go together, and modes_2 with both; give what is missing"
+        )
     if (peak_1 is None) == (modes_1 is None) or not (peak_2 is None or modes_1 is None):
         raise ValueError("peak_1 is missing, or given beside modes_1; allowed: one of both")
 
@@ -118,23 +122,24 @@ def code_gaps(
 ) -> xr.Dataset:
     """Separation of two buildings by every known rule of a building code.
 
-    The rules include the four families of the paper: the square root of the sum of squares, a factor
-    times the sum, a factor times the height, and a fixed distance.
+    The rules include the four families of the paper: the square root of the sum of squares, a
+    factor times the sum, a factor times the height, and a fixed distance.
 
-    With the factors of a code it is the code as an engineer applies it: ``peak_1`` and ``peak_2`` are
-    then displacements under design forces, which each code multiplies by its factors. Without them the
-    peaks are displacements as the code defines them.
+    With the factors of a code it is the code as an engineer applies it: ``peak_1`` and ``peak_2``
+    are then displacements under design forces, which each code multiplies by its factors. Without
+    them the peaks are displacements as the code defines them.
 
-    In place of peaks the modes of the buildings and an elastic design spectrum may be given. The peaks
-    are then those of a response spectrum analysis of each building, at every height at which they could
-    meet. Beside each code stands ``cqc``, the response spectrum analysis of both buildings together.
+    In place of peaks the modes of the buildings and an elastic design spectrum may be given. The
+    peaks are then those of a response spectrum analysis of each building, at every height at which
+    they could meet. Beside each code stands ``cqc``, the response spectrum analysis of both
+    buildings together.
 
     Parameters
     ----------
     peak_1, peak_2 : float or array, optional
         Peak displacements [m], not negative, at the level where the buildings could meet. Each code
-        defines its own displacement, see ``assumptions``. If ``peak_2`` is None, the gap is the distance
-        of one building from its property line, for rules that define it.
+        defines its own displacement, see ``assumptions``. If ``peak_2`` is None, the gap is the
+        distance of one building from its property line, for rules that define it.
     height_1, height_2 : float or array, optional
         Heights of the buildings [m].
     floors_align : bool
@@ -155,23 +160,24 @@ def code_gaps(
         Numbers of rules by name, in place of their defaults, as in `stochlin.rules.code_rule`. With
         a number, ``"share_of_height"`` and ``"fixed_distance"`` [m] are also in the table.
     behaviour_1, behaviour_2 : float or array, optional
-        Behaviour factor of each building [-], at least 1: ``q`` of Eurocode 8, ``R`` of UBC-97, IS 1893
-        and TBDY 2018, ``Rd Ro`` of Canada, ``Q`` of Mexico City.
+        Behaviour factor of each building [-], at least 1: ``q`` of Eurocode 8, ``R`` of UBC-97, IS
+        1893 and TBDY 2018, ``Rd Ro`` of Canada, ``Q`` of Mexico City.
     deflection_1, deflection_2 : float or array, optional
-        Displacement factor of each building [-], at least 1: ``Cd`` of ASCE 7 and Iran, ``1.4 alpha_y
-        Ra`` of Taiwan, ``0.75 R`` of Peru (0.85 if irregular), ``mu_d`` of Italy, ``mu`` of New Zealand.
+        Displacement factor of each building [-], at least 1: ``Cd`` of ASCE 7 and Iran, ``1.4
+        alpha_y Ra`` of Taiwan, ``0.75 R`` of Peru (0.85 if irregular), ``mu_d`` of Italy, ``mu`` of
+        New Zealand.
     importance_1, importance_2 : float or array, optional
         Importance factor of each building [-], 0.5 to 2, by default 1. ASCE 7, Canada and TBDY 2018
-        divide by it, and Iran asks for the displacement if it is above 1. ``ag`` of Eurocode 8 contains
-        it, so that it has no effect there.
+        divide by it, and Iran asks for the displacement if it is above 1. ``ag`` of Eurocode 8
+        contains it, so that it has no effect there.
     modes_1, modes_2 : ModalBuilding, ShearBuilding or oscillator, optional
-        Buildings of which all modes are taken, as elastic, in place of peaks. If ``modes_2`` is None, it
-        is one building beside its property line. Factors of codes then need ``behaviour_1`` and ``_2``,
-        by which the spectrum is reduced to design forces.
+        Buildings of which all modes are taken, as elastic, in place of peaks. If ``modes_2`` is
+        None, it is one building beside its property line. Factors of codes then need
+        ``behaviour_1`` and ``_2``, by which the spectrum is reduced to design forces.
     spectrum : DataArray, optional
-        Elastic spectrum [m/s^2] over ``period`` [s], as from `eurocode_8`, `asce_7` and `read_spectrum`,
-        given with ``modes_1``. It is taken as it is, also for modes with other damping ratios. A mode
-        shorter than its shortest period has the ordinate there.
+        Elastic spectrum [m/s^2] over ``period`` [s], as from `eurocode_8`, `asce_7` and
+        `read_spectrum`, given with ``modes_1``. It is taken as it is, also for modes with other
+        damping ratios. A mode shorter than its shortest period has the ordinate there.
     elastic, divided_by : optional
         What a spectrum is that does not say so itself, as in `read_spectrum`.
 
@@ -180,42 +186,45 @@ def code_gaps(
     xarray.Dataset
         Over ``rule`` and the dimensions of the arguments: ``gap`` [m], NaN for rules that lack an
         argument, and ``status``. Coordinates along ``rule`` are ``family`` (``SRSS``, ``sum``,
-        ``height`` or ``fixed``), ``reference``, ``mark`` (S: seen in a copy of the source; P: in the
-        text of the paper that was available; M: not compared with the source), ``assumptions``, and
-        ``missing``, the arguments that the rule lacks. The attribute ``comment`` says which
+        ``height`` or ``fixed``), ``reference``, ``mark`` (S: seen in a copy of the source; P: in
+        the text of the paper that was available; M: not compared with the source), ``assumptions``,
+        and ``missing``, the arguments that the rule lacks. The attribute ``comment`` says which
         displacements the peaks are taken for.
 
-        With modes the table is also over ``height`` [m], unless both structures are oscillators, and has
-        ``peak_1`` and ``peak_2`` [m], the CQC of each building under the spectrum, and ``rho`` [-], the
-        correlation of both. ``cqc`` [m], over ``rule``, is eq. (3) with ``rho`` and the displacements of
-        the code. It has no reduction for floors that align, and is NaN for rules without displacements.
+        With modes the table is also over ``height`` [m], unless both structures are oscillators,
+        and has ``peak_1`` and ``peak_2`` [m], the CQC of each building under the spectrum, and
+        ``rho`` [-], the correlation of both. ``cqc`` [m], over ``rule``, is eq. (3) with ``rho``
+        and the displacements of the code. It has no reduction for floors that align, and is NaN for
+        rules without displacements.
 
     Raises
     ------
     ValueError, TypeError
-        If the zone or a rule is unknown, a scalar is out of range, a value is not a number, dimensions
-        do not match, or an importance factor is given without a factor on displacements. With modes, if
-        peaks are given as well, the spectrum is missing or ends before the longest period, or heights
-        contradict the storeys.
+        If the zone or a rule is unknown, a scalar is out of range, a value is not a number,
+        dimensions do not match, or an importance factor is given without a factor on displacements.
+        With modes, if peaks are given as well, the spectrum is missing or ends before the longest
+        period, or heights contradict the storeys.
 
     Warns
     -----
     DoubtfulInput
-        If modes have another damping ratio than the spectrum, or ``design_pga`` is above its plateau.
+        If modes have another damping ratio than the spectrum, or ``design_pga`` is above its
+        plateau.
 
     Notes
     -----
     The table is a summary of one clause of each code for comparison. It does not replace the code.
 
-    The modes ``i`` of both buildings have the spectral displacements ``D_i``, and ``d_i`` is the share
-    of ``D_i`` by which a mode of building 1 closes the gap at the height, or, negative, by which one of
-    building 2 opens it. Then ``cqc`` is the root of ``sum_ij d_i d_j rho_ij D_i D_j`` over all modes of
-    both, with the correlations ``rho_ij`` of the oscillators of the modes on white noise, eq. (4).
+    The modes ``i`` of both buildings have the spectral displacements ``D_i``, and ``d_i`` is the
+    share of ``D_i`` by which a mode of building 1 closes the gap at the height, or, negative, by
+    which one of building 2 opens it. Then ``cqc`` is the root of ``sum_ij d_i d_j rho_ij D_i D_j``
+    over all modes of both, with the correlations ``rho_ij`` of the oscillators of the modes on
+    white noise, eq. (4).
 
     References
     ----------
-    The coordinate ``reference`` names the source of each rule. Der Kiureghian (1981), Earthquake Eng.
-    Struct. Dyn. 9, for the CQC of one building.
+    The coordinate ``reference`` names the source of each rule. Der Kiureghian (1981), Earthquake
+    Eng. Struct. Dyn. 9, for the CQC of one building.
 
     Examples
     --------
@@ -361,10 +370,14 @@ def code_row(rule: CodeRule, site: Site) -> Rule:
 def rules_with(numbers: Mapping[str, float] | None) -> list[CodeRule]:
     """All rules in their order, with the given numbers of rules in place of their defaults."""
     if numbers is not None and not isinstance(numbers, Mapping):
-        raise TypeError(f"numbers = {brief(numbers)}; allowed: a mapping from names of rules to numbers")
+        raise TypeError(
+            f"numbers = {brief(numbers)}; allowed: a mapping from names of rules to numbers"
+        )
     stated = {
         look_up(CODE_RULES, name, "a name in numbers").name: value
         for name, value in (numbers or {}).items()
     }
     usual = code_rule_names()
-    return [code_rule(name, stated.get(name)) for name in CODE_RULES if name in usual or name in stated]
+    return [
+        code_rule(name, stated.get(name)) for name in CODE_RULES if name in usual or name in stated
+    ]

@@ -53,9 +53,9 @@ def critical_gap(peak_1: Parameter, peak_2: Parameter, rho: Parameter) -> xr.Dat
 
     Notes
     -----
-    If the ground period lies between those of the structures, the correlation may be negative. The gap
-    is then larger than the square root of the sum of the squared peaks. With ``rho`` and peaks by
-    linearization, the gap is mostly too small for yielding structures, as in `correlate`.
+    If the ground period lies between those of the structures, the correlation may be negative. The
+    gap is then larger than the square root of the sum of the squared peaks. With ``rho`` and peaks
+    by linearization, the gap is mostly too small for yielding structures, as in `correlate`.
 
     References
     ----------

@@ -29,7 +29,12 @@ SIDES: Mapping[str, tuple[float, float]] = {
 DAMPED = "damped"
 BY_DAMPING = "added_damping"
 LEAST = "least_added_damping"
-CURVES = ("critical_gap", "separation", "rho_estimate", *(f"pseudo_energy_radius_{n}" for n in (1, 2)))
+CURVES = (
+    "critical_gap",
+    "separation",
+    "rho_estimate",
+    *(f"pseudo_energy_radius_{n}" for n in (1, 2)),
+)
 
 
 @checked
@@ -43,28 +48,29 @@ def energy_gap(
     """Critical gap in a recorded motion by the energy approach, compared with the required gap.
 
     The critical gap is eq. (3) with the pseudo energy radii of both structures, eqs. (1) and (2),
-    elastic or yielding, and an estimate of the correlation coefficient. The gap that the record requires
-    is that of `recorded_gap`.
+    elastic or yielding, and an estimate of the correlation coefficient. The gap that the record
+    requires is that of `recorded_gap`.
 
     Parameters
     ----------
     first, second : Bilinear, BoucWen or Hysteretic
-        Structures, elastic or with a yield displacement. Their parameters broadcast by dimension name.
+        Structures, elastic or with a yield displacement. Their parameters broadcast by dimension
+        name.
     record : xarray.DataArray, or list or mapping of them
-        Ground acceleration [m/s^2] over ``time`` [s], as from `read_record`. Several records add the
-        dimension ``record`` to the result.
+        Ground acceleration [m/s^2] over ``time`` [s], as from `read_record`. Several records add
+        the dimension ``record`` to the result.
     ground : WhiteNoise, KanaiTajimi or CloughPenzien, optional
         Ground that represents the record, as from `fit_ground`: the correlation is then that of
-        linearization on it, as the paper recommends for yielding structures. By default it is eq. (4)
-        with the elastic periods and damping ratios.
+        linearization on it, as the paper recommends for yielding structures. By default it is eq.
+        (4) with the elastic periods and damping ratios.
 
     Returns
     -------
     xarray.Dataset
         Over the dimensions of the parameters: the variables of `recorded_gap`, among them
         ``pseudo_energy_radius_1`` and ``_2`` [m] and the required gap ``separation`` [m];
-        ``critical_gap`` [m] by eq. (3), with ``rho_estimate`` [-]; and ``critical_gap_error`` [-], the
-        critical gap over the separation minus 1.
+        ``critical_gap`` [m] by eq. (3), with ``rho_estimate`` [-]; and ``critical_gap_error`` [-],
+        the critical gap over the separation minus 1.
 
     Raises
     ------
@@ -73,10 +79,11 @@ def energy_gap(
 
     Notes
     -----
-    The elastic ``rho`` is too small for yielding structures, so that eq. (4) leads to too large a gap;
-    the error of linearization has either sign. Both are means over many motions. In a single record two
-    structures may therefore touch with the gap of eq. (3). With another correlation, such as that of
-    effective properties by ``correlate(..., "effective")``, `critical_gap` combines the radii.
+    The elastic ``rho`` is too small for yielding structures, so that eq. (4) leads to too large a
+    gap; the error of linearization has either sign. Both are means over many motions. In a single
+    record two structures may therefore touch with the gap of eq. (3). With another correlation,
+    such as that of effective properties by ``correlate(..., "effective")``, `critical_gap` combines
+    the radii.
 
     References
     ----------
@@ -133,8 +140,8 @@ def damping_for_gap(
     """Least supplemental damping with which a gap is sufficient in a recorded motion.
 
     It is computed in two ways: by the energy approach of the paper, that is eq. (3) with the pseudo
-    energy radii of the damped structures and a correlation by eq. (4) or by linearization on a ground;
-    and by integration of the response to the record.
+    energy radii of the damped structures and a correlation by eq. (4) or by linearization on a
+    ground; and by integration of the response to the record.
 
     Parameters
     ----------
@@ -149,12 +156,12 @@ def damping_for_gap(
     -------
     xarray.Dataset
         Over ``damped``, the structures with added damping (``"both"`` with the same ratio,
-        ``"structure 1"`` or ``"structure 2"``): ``least_added_damping`` [-] by the energy approach, and
-        ``least_added_damping_recorded`` [-] by integration of the response. They are 0 if the gap is
-        sufficient without added damping, and NaN if it is not sufficient up to 0.4. Over ``damped`` and
-        ``added_damping``, the curves from which they are found: ``critical_gap``, ``separation``,
-        ``pseudo_energy_radius_1`` and ``_2`` [m] and ``rho_estimate`` [-]. Several records add the
-        dimension ``record``. ``status``.
+        ``"structure 1"`` or ``"structure 2"``): ``least_added_damping`` [-] by the energy approach,
+        and ``least_added_damping_recorded`` [-] by integration of the response. They are 0 if the
+        gap is sufficient without added damping, and NaN if it is not sufficient up to 0.4. Over
+        ``damped`` and ``added_damping``, the curves from which they are found: ``critical_gap``,
+        ``separation``, ``pseudo_energy_radius_1`` and ``_2`` [m] and ``rho_estimate`` [-]. Several
+        records add the dimension ``record``. ``status``.
 
     Raises
     ------
@@ -163,11 +170,11 @@ def damping_for_gap(
 
     Notes
     -----
-    The required gap need not decrease with added damping: in a single record two structures may move out
-    of phase, and damping added to one of two equal buildings causes a relative displacement. The least
-    damping is the first sufficient value in steps of 0.01, and between two of these in steps of 0.001. A
-    somewhat larger value may not be sufficient again; this is shown by the curves over
-    ``added_damping``.
+    The required gap need not decrease with added damping: in a single record two structures may
+    move out of phase, and damping added to one of two equal buildings causes a relative
+    displacement. The least damping is the first sufficient value in steps of 0.01, and between two
+    of these in steps of 0.001. A somewhat larger value may not be sufficient again; this is shown
+    by the curves over ``added_damping``.
 
     References
     ----------
@@ -220,7 +227,9 @@ def _least_damping(
         enough = table[name] <= gap
         high = enough.argmax(BY_DAMPING)
         low = added[np.maximum(high - 1, 0)].drop_vars(BY_DAMPING)
-        between = low + (added[high].drop_vars(BY_DAMPING) - low) * xr.DataArray(STEPS, dims=BY_DAMPING)
+        between = low + (added[high].drop_vars(BY_DAMPING) - low) * xr.DataArray(
+            STEPS, dims=BY_DAMPING
+        )
         least = _crossing(gaps(between)[name], between, gap)
         table[f"{LEAST}{end}"] = least.where(enough.any(BY_DAMPING))
     return table

@@ -1,9 +1,9 @@
 """Limits of strength, intensity and added damping for which an existing gap is sufficient.
 
-The required gap comes from a simulation and has a 95 % interval. Each value of a parameter is simulated
-only once. Whether a gap is sufficient is often clear from a few motions; an edge is found with all of
-them. Its interval is that of the required gap there, over the rate at which the required gap changes
-between the trial values on both sides.
+The required gap comes from a simulation and has a 95 % interval. Each value of a parameter is
+simulated only once. Whether a gap is sufficient is often clear from a few motions; an edge is found
+with all of them. Its interval is that of the required gap there, over the rate at which the
+required gap changes between the trial values on both sides.
 """
 
 from __future__ import annotations
@@ -58,7 +58,9 @@ FAR = 1e6  # [m], in place of a required gap that is infinite, since a structure
 CLOSE = 1e-2  # relative difference of a simulated gap, or of two values, from which limits follow
 FEW = 8  # a few motions are one in so many
 LEAST_FEW = 64  # and at least this many
-CLEAR = 1.5  # half 95 % intervals between a gap from a few motions and the limit, so that these decide
+CLEAR = (
+    1.5  # half 95 % intervals between a gap from a few motions and the limit, so that these decide
+)
 
 
 Ends = tuple[float, float, float]  # required gap, and the ends of its interval [m]
@@ -107,7 +109,9 @@ class Required:
                 return bool(gap < self.most)
         return self(value) <= self.most
 
-    def end(self, grid: Sequence[float] | Array, order: Iterable[int], way: int, open_end: Edge) -> Edge:
+    def end(
+        self, grid: Sequence[float] | Array, order: Iterable[int], way: int, open_end: Edge
+    ) -> Edge:
         """End, on one side, of the sufficient values around the first of them in this order of a grid.
 
         It is `NONE` if there is no such value, and ``open_end`` if all on that side are sufficient.
@@ -129,14 +133,20 @@ class Required:
     def _edge(self, low: float, high: float) -> Edge:
         """The edge between two values of which one is sufficient, by a few motions at least."""
         root = min(low, high, key=lambda value: abs(self._excess(value)))
-        if self._excess(low) * self._excess(high) < 0:  # else it is close, or all contradict the few
+        if (
+            self._excess(low) * self._excess(high) < 0
+        ):  # else it is close, or all contradict the few
             root = scipy.optimize.brentq(self._excess, low, high, rtol=CLOSE, xtol=1e-6)
         rate = (self(high) - self(low)) / (high - low) or TINY
         gap, *ends = self._at(root, self.paths)
-        between = sorted((self(x), x) for x, n in self.known if n == self.paths and low <= x <= high)
+        between = sorted(
+            (self(x), x) for x, n in self.known if n == self.paths and low <= x <= high
+        )
         value = float(np.interp(self.most, *np.transpose(between)))
         ends = [value + (gap - end) / rate for end in ends]
-        if max(self(low), self(high)) >= FAR:  # a structure falls there, so that the rate has no use
+        if (
+            max(self(low), self(high)) >= FAR
+        ):  # a structure falls there, so that the rate has no use
             ends += [low, high]
         return Edge(value, min(ends), max(ends))
 
@@ -163,13 +173,14 @@ def existing_gap(
 ) -> xr.Dataset:
     """Limits of strength, intensity and added damping for which an existing gap is sufficient.
 
-    Each limit is found separately, with everything else unchanged, by simulation with the same motions.
+    Each limit is found separately, with everything else unchanged, by simulation with the same
+    motions.
 
     Parameters
     ----------
     first, second, ground
-        As in `separation`. If ``second`` is None, the result is for one building beside its property
-        line.
+        As in `separation`. If ``second`` is None, the result is for one building beside its
+        property line.
     gap : float
         Existing gap, or distance of one building from its property line [m], positive.
     duration, envelope, confidence, scatter, paths, seed
@@ -182,17 +193,17 @@ def existing_gap(
     xarray.Dataset
         Without dimensions: ``no_pounding_probability`` [-] as built, with its 95 % interval;
         ``required_gap`` [m]; ``largest_reduction_factor_1`` and ``_2`` and
-        ``least_reduction_factor_1`` and ``_2`` [-], the range of reduction factors around the present
-        ones with the required confidence, when both strengths are changed by the same factor (for a
-        building with storeys, those of its first mode); ``largest_intensity`` [m^2/s^3] of the ground,
-        up to which the gap has the confidence, with unchanged strengths in metres; and
-        ``least_added_damping`` [-], the same damping ratio added to both structures. Each limit has a
-        95 % interval ``_lower`` and ``_upper``.
+        ``least_reduction_factor_1`` and ``_2`` [-], the range of reduction factors around the
+        present ones with the required confidence, when both strengths are changed by the same
+        factor (for a building with storeys, those of its first mode); ``largest_intensity``
+        [m^2/s^3] of the ground, up to which the gap has the confidence, with unchanged strengths in
+        metres; and ``least_added_damping`` [-], the same damping ratio added to both structures.
+        Each limit has a 95 % interval ``_lower`` and ``_upper``.
 
-        If the gap lacks the confidence as built, the range of reduction factors is the next one with the
-        confidence. A largest value is infinite, and a least value 0, if the confidence holds up to the
-        end of the searched range, which is the attribute ``searched``. A limit is NaN if the confidence
-        holds nowhere in this range.
+        If the gap lacks the confidence as built, the range of reduction factors is the next one
+        with the confidence. A largest value is infinite, and a least value 0, if the confidence
+        holds up to the end of the searched range, which is the attribute ``searched``. A limit is
+        NaN if the confidence holds nowhere in this range.
 
     Raises
     ------
@@ -201,13 +212,14 @@ def existing_gap(
 
     Notes
     -----
-    Trial values are simulated with one motion in eight, at least 64, where these decide by one and a
-    half times the half length of their 95 % interval. Limits are interpolated between values that are
-    simulated with all motions, of which one requires the existing gap within 1 %. Their intervals are
-    that of the required gap there, over its rate of change between the trial values on both sides.
+    Trial values are simulated with one motion in eight, at least 64, where these decide by one and
+    a half times the half length of their 95 % interval. Limits are interpolated between values that
+    are simulated with all motions, of which one requires the existing gap within 1 %. Their
+    intervals are that of the required gap there, over its rate of change between the trial values
+    on both sides.
 
-    A least reduction factor above 0 means that the gap is not sufficient for stronger structures, for
-    instance if they are in resonance while elastic.
+    A least reduction factor above 0 means that the gap is not sufficient for stronger structures,
+    for instance if they are in resonance while elastic.
 
     References
     ----------
@@ -283,7 +295,8 @@ class GapSearch:
             return {"ground": ground}
 
         by_strength = required(partial(changed, weaker), 1.0)
-        # The present strength, or the next that is sufficient, sought among stronger structures first.
+        # The present strength, or the next that is sufficient, sought among stronger structures
+        # first.
         order = (*range(AS_BUILT, -1, -1), *range(AS_BUILT + 1, STRENGTHS.size))
         least_factor = by_strength.end(STRENGTHS, order, -1, Edge(0.0))
         largest_factor = by_strength.end(STRENGTHS, order, 1, NO_LIMIT)

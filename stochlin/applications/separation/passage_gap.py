@@ -27,7 +27,14 @@ from stochlin.solver.tables.lazy import in_blocks
 
 TOGETHER = 256  # pairs that are computed together
 OF_PAIRS = ("displacement_std_2", "drift_std_2", "difference_std", "difference_drift_std", "rho")
-OF_ALL = ("required_gap", "required_gap_error", "caution", "displacement_std_1", "drift_std_1", "status")
+OF_ALL = (
+    "required_gap",
+    "required_gap_error",
+    "caution",
+    "displacement_std_1",
+    "drift_std_1",
+    "status",
+)
 BLANK = {"caution": 2, "status": labels.INVALID_INPUT}  # of invalid cells; others are NaN
 CAUTION: Mapping[str, Any] = {
     "long_name": "caution flag of the required gap",
@@ -50,15 +57,15 @@ def passage_gap(
 ) -> xr.Dataset:
     """Gap that two bilinear oscillators require in a motion, without simulation.
 
-    The displacements have a fast part, a Gaussian process by the clipped closure, and a slow plastic
-    drift. The gap is that which ``u_1 - u_2`` does not exceed with the probability ``confidence``, with
-    ``first`` on the left, by eqs. (14) to (21) of ``docs/drift.md``.
+    The displacements have a fast part, a Gaussian process by the clipped closure, and a slow
+    plastic drift. The gap is that which ``u_1 - u_2`` does not exceed with the probability
+    ``confidence``, with ``first`` on the left, by eqs. (14) to (21) of ``docs/drift.md``.
 
     Parameters
     ----------
     first, second : Bilinear, or None for ``second``
-        Structures, which may be elastic. If ``second`` is None, the result is the set-back of ``first``
-        from a line on its right.
+        Structures, which may be elastic. If ``second`` is None, the result is the set-back of
+        ``first`` from a line on its right.
     ground : WhiteNoise, KanaiTajimi or CloughPenzien
         Ground. All parameters broadcast by dimension name; with dask arrays the table is lazy.
     duration : float
@@ -71,27 +78,28 @@ def passage_gap(
     Returns
     -------
     xarray.Dataset
-        Over the dimensions of the parameters: ``required_gap`` [m]; ``required_gap_error`` [-], the mean
-        absolute relative error in simulated pairs of the same kind, and the flag ``caution``, 1 where
-        errors are larger than usual; ``displacement_std_1``, ``_2`` and ``difference_std`` [m] at the
-        instant at which ``u_1 - u_2`` varies most; ``drift_std_1``, ``_2`` and ``difference_drift_std``
-        [m], the standard deviations of the permanent displacements at the end of the motion; ``rho``
-        [-], the correlation of the displacements while the envelope is at least half of its maximum;
-        with a ``gap`` also ``no_pounding_probability`` [-]; and ``status``.
+        Over the dimensions of the parameters: ``required_gap`` [m]; ``required_gap_error`` [-], the
+        mean absolute relative error in simulated pairs of the same kind, and the flag ``caution``,
+        1 where errors are larger than usual; ``displacement_std_1``, ``_2`` and ``difference_std``
+        [m] at the instant at which ``u_1 - u_2`` varies most; ``drift_std_1``, ``_2`` and
+        ``difference_drift_std`` [m], the standard deviations of the permanent displacements at the
+        end of the motion; ``rho`` [-], the correlation of the displacements while the envelope is
+        at least half of its maximum; with a ``gap`` also ``no_pounding_probability`` [-]; and
+        ``status``.
 
     Raises
     ------
     ValueError, TypeError
-        If a structure has storeys, a law without the drift closure or no stiffness after yielding, an
-        argument is out of range, or dimensions do not fit.
+        If a structure has storeys, a law without the drift closure or no stiffness after yielding,
+        an argument is out of range, or dimensions do not fit.
     ArithmeticError
         If a single case fails; in a table the cell is NaN.
 
     Notes
     -----
     Errors were measured on 900 simulated pairs. They are larger than usual, with ``caution``, for
-    periods within 8 %, on grounds with a damping of 0.2 or less, for structures that are both stiffer
-    than the ground, and in less than a cycle of strong shaking: see ``docs/drift.md``.
+    periods within 8 %, on grounds with a damping of 0.2 or less, for structures that are both
+    stiffer than the ground, and in less than a cycle of strong shaking: see ``docs/drift.md``.
 
     References
     ----------
@@ -161,7 +169,9 @@ def _of_cells(
         names = [*OF_ALL, *(OF_PAIRS if len(structures) > 1 else ())]
         names += ["no_pounding_probability"] if beside else []
         columns = {name: np.empty(0, np.int8 if name in BLANK else float) for name in names}
-    return xr.Dataset({name: cells.array(row, BLANK.get(name, np.nan)) for name, row in columns.items()})
+    return xr.Dataset(
+        {name: cells.array(row, BLANK.get(name, np.nan)) for name, row in columns.items()}
+    )
 
 
 def _columns(pairs: PairsInTime, confidence: float, gaps: Array | None) -> dict[str, Array]:

@@ -63,9 +63,9 @@ Gaps = tuple[Array, Array | None]
 class PairInMotion:
     """Two structures, or one beside its property line, with their simulated motions of finite length.
 
-    Rules take the structures at their medians, and the peaks of all samples. Arrays are over the heights
-    at which the structures could meet, or cross the line. Without storeys there is one height, which is
-    NaN.
+    Rules take the structures at their medians, and the peaks of all samples. Arrays are over the
+    heights at which the structures could meet, or cross the line. Without storeys there is one
+    height, which is NaN.
     """
 
     prepared: PreparedStructures
@@ -189,7 +189,9 @@ class PairInMotion:
         A ValueError or an ArithmeticError if there is none.
         """
         if self.has_storeys:
-            raise ValueError("the linearized amplification of Fig. 5b is only available for oscillators")
+            raise ValueError(
+                "the linearized amplification of Fig. 5b is only available for oscillators"
+            )
         peaks = np.empty((len(self.structures), 1))
         for n, (elastic, weights) in enumerate(zip(self.elastic, self.of_coordinates, strict=True)):
             moments = response_moments(elastic)
@@ -201,8 +203,8 @@ class PairInMotion:
     def combined_modes(self) -> tuple[Array, Array]:
         """Peak ``|u|`` by the CQC of elastic modes [m], as `peaks`, and its correlation (heights,).
 
-        The peak of a mode is the quantile of that of its oscillator. An ArithmeticError or a ValueError
-        if there is none.
+        The peak of a mode is the quantile of that of its oscillator. An ArithmeticError or a
+        ValueError if there is none.
         """
         modes = modes_of(self.system)
         moments = response_moments(solved_together((oscillators_of(modes),), self.ground))
@@ -212,7 +214,9 @@ class PairInMotion:
     def effective_rho(self, rule: EffectiveRule) -> Array:
         """Correlation by a rule for effective properties of the first modes [-], (1,)."""
         arguments: dict[str, float] = {}
-        for n, (mode, ductility) in enumerate(zip(self.modes, self.ductilities, strict=True), start=1):
+        for n, (mode, ductility) in enumerate(
+            zip(self.modes, self.ductilities, strict=True), start=1
+        ):
             parameters = mode.arrays()
             arguments |= {f"{key}_{n}": float(parameters[key]) for key in ("period", "damping")}
             arguments[f"hardening_{n}"] = float(parameters["hardening"]) if mode.yields else 1.0
@@ -224,7 +228,9 @@ class PairInMotion:
         weights_1, *weights_2 = self.of_coordinates
         apart = weights_1 - sum(weights_2)
         moments = (xr.DataArray(each[0]) for each in self.linearized.spectral_moments(apart))
-        gaps = peak_quantile(tuple(moments), self.strong_seconds, self.confidence, sides=1).to_numpy()
+        gaps = peak_quantile(
+            tuple(moments), self.strong_seconds, self.confidence, sides=1
+        ).to_numpy()
         alike = self.linearized.std(apart) < ALIKE * self.linearized.std(weights_1)
         return _finite(np.where(alike[0], 0.0, gaps))
 
@@ -312,17 +318,23 @@ def _formulas(pair: PairInMotion) -> Iterator[tuple[Rule, Callable[[], Gaps]]]:
     yield eq_3("drift", "rho with plastic drift in time", pair.drift_rho, "C")
     scatter = pair.motions.attrs.get("scatter", 0.0)
     without = f", without the scatter of {scatter:g} between motions" if scatter else ""
-    unsimulated = f"stationary for {pair.strong_seconds:.3g} s, Gaussian; nothing simulated{without}"
+    unsimulated = (
+        f"stationary for {pair.strong_seconds:.3g} s, Gaussian; nothing simulated{without}"
+    )
     about = f"eq. (3) with elastic peaks times D; rho and D of linearization; {unsimulated}"
     paper = Rule("eq_3_paper", EQUATION_3, reference=PAPER, mark="P", assumptions=about)
     yield paper, lambda: _equation_3(pair.amplified_peaks(), pair.linearized_rho())
     for rule in map(effective_rule, effective_rule_names()):
-        yield eq_3(rule.name, OF_DUCTILITY, partial(pair.effective_rho, rule), rule.mark, rule.reference)
+        yield eq_3(
+            rule.name, OF_DUCTILITY, partial(pair.effective_rho, rule), rule.mark, rule.reference
+        )
     about = f"{ELASTIC_MODES}; {unsimulated}"
     of_modes = Rule("cqc", "response_spectrum", reference=OF_CQC, mark="C", assumptions=about)
     yield of_modes, partial(_of_modes, pair)
     source = PEAK_FACTORS["Vanmarcke1975"].reference
-    alone = Rule("linearization", "linearization", reference=source, mark="C", assumptions=unsimulated)
+    alone = Rule(
+        "linearization", "linearization", reference=source, mark="C", assumptions=unsimulated
+    )
     yield alone, lambda: (pair.linearized_gaps(), None)
 
 

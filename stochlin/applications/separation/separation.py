@@ -93,13 +93,13 @@ def separation(
 ) -> xr.Dataset:
     """Gap that two buildings require, by simulation and by every rule.
 
-    The gap by simulation is the quantile of ``max(u_1 - u_2)`` at the probability ``confidence``, in
-    motions of this duration from rest, with ``first`` on the left. The rules use the quantiles of the
-    simulated peaks of the same buildings at the same probability. The table has the error of each rule,
-    and the share of the motions in which its gap prevents pounding.
+    The gap by simulation is the quantile of ``max(u_1 - u_2)`` at the probability ``confidence``,
+    in motions of this duration from rest, with ``first`` on the left. The rules use the quantiles
+    of the simulated peaks of the same buildings at the same probability. The table has the error of
+    each rule, and the share of the motions in which its gap prevents pounding.
 
-    If ``second`` is None, the result is the set-back of one building: the distance from the property
-    line on its right that ``max(u_1)`` of all its floors does not exceed.
+    If ``second`` is None, the result is the set-back of one building: the distance from the
+    property line on its right that ``max(u_1)`` of all its floors does not exceed.
 
     Parameters
     ----------
@@ -107,9 +107,9 @@ def separation(
         Structures; a ``reduction_factor`` refers to the stationary ground. If ``second`` is None,
         ``first`` stands alone.
     ground : WhiteNoise, KanaiTajimi or CloughPenzien
-        Ground. All parameters broadcast by dimension name; each cell is simulated separately. Parameters
-        of structures and ground may be `Uncertain`, as in `simulate`; the rules are then applied to the
-        structures at their medians.
+        Ground. All parameters broadcast by dimension name; each cell is simulated separately.
+        Parameters of structures and ground may be `Uncertain`, as in `simulate`; the rules are then
+        applied to the structures at their medians.
     duration : float
         Length of each motion [s], at least a period of the structures.
     envelope : AminAng, ShinozukaSato or GammaEnvelope, optional
@@ -117,17 +117,19 @@ def separation(
     confidence : float
         Required probability of no pounding, between 0 and 1.
     scatter : float
-        As in `simulate`, by default that of the ground. It is included in the simulated gap and in the
-        peaks for the rules.
+        As in `simulate`, by default that of the ground. It is included in the simulated gap and in
+        the peaks for the rules.
     paths : int, optional
-        Number of motions. By default so many that they take half a second on one core, 256 to 2048, and
-        more of them, to 2048, until the 95 % interval of the gap is within 10 % of it; 2048 in a table.
+        Number of motions. By default so many that they take half a second on one core, 256 to 2048,
+        and more of them, to 2048, until the 95 % interval of the gap is within 10 % of it; 2048 in
+        a table.
     seed : int
         As in `simulate`.
     codes : mapping, optional
-        What rules of building codes ask besides the peaks, by the names of the arguments of `code_gaps`:
-        ``height_1`` and ``height_2``, ``storeys_1`` and ``storeys_2`` of oscillators; ``floors_align``,
-        ``same_property``, ``same_system``; ``zone``, ``design_pga``; and ``numbers`` of rules.
+        What rules of building codes ask besides the peaks, by the names of the arguments of
+        `code_gaps`: ``height_1`` and ``height_2``, ``storeys_1`` and ``storeys_2`` of oscillators;
+        ``floors_align``, ``same_property``, ``same_system``; ``zone``, ``design_pga``; and
+        ``numbers`` of rules.
     records : DataArray, or list or mapping of them, optional
         Recorded motions [m/s^2] over ``time`` [s], as from `read_record`.
     progress : callable, optional
@@ -138,56 +140,60 @@ def separation(
     xarray.Dataset
         Over ``rule``, of which the first is the simulation: ``gap`` [m]; ``gap_lower`` and
         ``gap_upper`` [m], the 95 % interval of the simulated gap; ``error`` [-], the gap over the
-        simulated gap minus 1; ``no_pounding_probability`` [-] in the simulated motions with its 95 %
-        interval ``_lower`` and ``_upper``; ``rho`` [-] if the rule has one; ``verdict`` and ``status``
-        (flags). Building codes that define displacements of their own have neither probability nor
-        verdict here, as the attribute ``comment`` says; `code_gaps` applies them. Coordinates along
-        ``rule`` are ``kind``, ``family`` (of a code, as in `code_gaps`), ``reference``, ``mark``,
-        ``assumptions`` and ``missing``.
+        simulated gap minus 1; ``no_pounding_probability`` [-] in the simulated motions with its 95
+        % interval ``_lower`` and ``_upper``; ``rho`` [-] if the rule has one; ``verdict`` and
+        ``status`` (flags). Building codes that define displacements of their own have neither
+        probability nor verdict here, as the attribute ``comment`` says; `code_gaps` applies them.
+        Coordinates along ``rule`` are ``kind``, ``family`` (of a code, as in `code_gaps`),
+        ``reference``, ``mark``, ``assumptions`` and ``missing``.
 
         Over the dimensions of the parameters, from the simulation: ``peak_1`` and ``_2`` [m], the
         quantiles that the rules use; ``peak_mean_1`` and ``_2`` and ``separation_mean`` [m], with
-        standard errors; ``separation_samples`` [m], also over ``path``; ``ductility_1`` and ``_2`` [-],
-        of the mean peaks; ``yield_displacement_1`` and ``_2`` [m]; ``reduction_factor_1`` and ``_2``
-        [-]; if a structure can fall, as in `simulate`, ``collapse_probability_1`` and ``_2`` [-]. With
-        records, over ``record``, the variables of `recorded_gap` with the prefix ``record_``.
+        standard errors; ``separation_samples`` [m], also over ``path``; ``ductility_1`` and ``_2``
+        [-], of the mean peaks; ``yield_displacement_1`` and ``_2`` [m]; ``reduction_factor_1`` and
+        ``_2`` [-]; if a structure can fall, as in `simulate`, ``collapse_probability_1`` and ``_2``
+        [-]. With records, over ``record``, the variables of `recorded_gap` with the prefix
+        ``record_``.
 
-        For buildings with storeys also ``gap_at_height`` [m] over ``rule`` and ``height`` [m], that of
-        the simulation with a 95 % interval ``_lower`` and ``_upper``; ``governing_height`` [m] over
-        ``rule``; and over ``element``, for every storey, ``peak_drift_mean`` [m] with its standard error
-        and ``ductility`` [-].
+        For buildings with storeys also ``gap_at_height`` [m] over ``rule`` and ``height`` [m], that
+        of the simulation with a 95 % interval ``_lower`` and ``_upper``; ``governing_height`` [m]
+        over ``rule``; and over ``element``, for every storey, ``peak_drift_mean`` [m] with its
+        standard error and ``ductility`` [-].
 
-        For one building alone, the variables ending in ``_2`` are left out, the heights are those of its
-        floors, and rules that do not cover one building are NaN, with the reason in ``missing``.
+        For one building alone, the variables ending in ``_2`` are left out, the heights are those
+        of its floors, and rules that do not cover one building are NaN, with the reason in
+        ``missing``.
 
     Raises
     ------
     ValueError, TypeError
-        If a number is out of range, the duration is shorter than a period, an argument is given for a
-        second building that is None, or the simulation would need too much time or memory.
+        If a number is out of range, the duration is shorter than a period, an argument is given for
+        a second building that is None, or the simulation would need too much time or memory.
 
     Notes
     -----
     The verdict on a rule is that it gives at least the answer, or less, if the 95 % interval of its
-    probability of no pounding is above or below the confidence. With scatter, the peaks for the rules
-    include it; correlations for stationary motions, and the rules ``eq_3_paper``, ``cqc`` and
+    probability of no pounding is above or below the confidence. With scatter, the peaks for the
+    rules include it; correlations for stationary motions, and the rules ``eq_3_paper``, ``cqc`` and
     ``linearization``, which use no simulated peaks, are for motions of the median strength.
 
-    The rule ``eq_3_paper`` is the procedure of the paper: eq. (3) with the elastic peaks times ``D`` of
-    Fig. 5b, and ``rho`` of Fig. 5a, both by linearization with the Gaussian closure. The elastic peaks
-    are the quantiles of ``|u|`` of the elastic structures by Vanmarcke's peak factor. The rule
-    ``linearization`` has the same standard deviations and ``rho``, but one peak factor, that of
-    ``u_1 - u_2`` of the yielding structures in one direction. If this were also the factor of both
-    elastic peaks, the two gaps would be equal. Buildings with storeys have no ``eq_3_paper``.
+    The rule ``eq_3_paper`` is the procedure of the paper: eq. (3) with the elastic peaks times
+    ``D`` of Fig. 5b, and ``rho`` of Fig. 5a, both by linearization with the Gaussian closure. The
+    elastic peaks are the quantiles of ``|u|`` of the elastic structures by Vanmarcke's peak factor.
+    The rule ``linearization`` has the same standard deviations and ``rho``, but one peak factor,
+    that of ``u_1 - u_2`` of the yielding structures in one direction. If this were also the factor
+    of both elastic peaks, the two gaps would be equal. Buildings with storeys have no
+    ``eq_3_paper``.
 
-    The rule ``cqc`` is the response spectrum analysis of both buildings together, as a code's user would
-    do it if programs could: all modes of both are elastic, also where the structures yield, whose
-    displacements are then those of the elastic structure (the equal displacement rule). The gap is the
-    root of ``sum_ij d_i d_j rho_ij D_i D_j``, with the quantiles ``D`` of the peaks of the oscillators
-    of the modes by Vanmarcke's peak factor, their correlations on the ground, and the shares ``d`` of
-    ``D`` in ``u_1 - u_2`` at the height. ``rho`` is the correlation of both displacements by the same
-    sum. For elastic oscillators it is ``eq_3_paper``; for one building it is the CQC of each floor. For
-    30 elastic pairs it was -2 to +13 % off the simulated gap, for yielding ones -87 to +141 %.
+    The rule ``cqc`` is the response spectrum analysis of both buildings together, as a code's user
+    would do it if programs could: all modes of both are elastic, also where the structures yield,
+    whose displacements are then those of the elastic structure (the equal displacement rule). The
+    gap is the root of ``sum_ij d_i d_j rho_ij D_i D_j``, with the quantiles ``D`` of the peaks of
+    the oscillators of the modes by Vanmarcke's peak factor, their correlations on the ground, and
+    the shares ``d`` of ``D`` in ``u_1 - u_2`` at the height. ``rho`` is the correlation of both
+    displacements by the same sum. For elastic oscillators it is ``eq_3_paper``; for one building it
+    is the CQC of each floor. For 30 elastic pairs it was -2 to +13 % off the simulated gap, for
+    yielding ones -87 to +141 %.
 
     References
     ----------
@@ -244,7 +250,9 @@ def separation(
             return table.assign({f"record_{name}": recorded[name] for name in recorded.data_vars})
 
     models: dict[str, Any] = {**by_role, "ground": ground}
-    long_enough = reduce(and_, (structure.first_period() <= duration for structure in both.values()))
+    long_enough = reduce(
+        and_, (structure.first_period() <= duration for structure in both.values())
+    )
     table = over_cells(of_cell, models, long_enough)
     table["verdict"] = table.verdict.where(table.gap.notnull(), NOT_AVAILABLE).astype(np.int8)
     table = labels.label(table)
@@ -264,7 +272,9 @@ def separation(
 def _facts_of(codes: Mapping[str, Any] | None) -> dict[str, Any]:
     """What rules of codes ask, with names that are known."""
     if not isinstance(codes, Mapping | None):
-        raise TypeError(f"codes = {brief(codes)}; allowed: a mapping with {', '.join(ASKED)}, numbers")
+        raise TypeError(
+            f"codes = {brief(codes)}; allowed: a mapping with {', '.join(ASKED)}, numbers"
+        )
     facts = dict(codes or {})
     if unknown := [name for name in facts if name not in (*ASKED, "numbers")]:
         what = f"codes has {brief(unknown[0])}, which is not known"

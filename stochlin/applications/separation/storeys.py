@@ -1,11 +1,11 @@
 """Displacements of two structures where they could meet: storeys, and the CQC of elastic modes.
 
-The CQC (complete quadratic combination) of one building is the root of ``sum_ij a_i a_j rho_ij D_i D_j``
-over its modes: ``D`` are the spectral displacements of their oscillators, ``a`` the displacements of the
-floor over these, and ``rho`` their correlations. With ``-a`` for the modes of building 2, the same sum
-over the modes of both is the square of the gap. Written as eq. (3), its peaks are the CQC of each
-building, and its correlation is ``sum_ij a_i b_j rho_ij D_i D_j`` over the modes of one and the other,
-over the product of both peaks.
+The CQC (complete quadratic combination) of one building is the root of ``sum_ij a_i a_j rho_ij D_i
+D_j`` over its modes: ``D`` are the spectral displacements of their oscillators, ``a`` the
+displacements of the floor over these, and ``rho`` their correlations. With ``-a`` for the modes of
+building 2, the same sum over the modes of both is the square of the gap. Written as eq. (3), its
+peaks are the CQC of each building, and its correlation is ``sum_ij a_i b_j rho_ij D_i D_j`` over
+the modes of one and the other, over the product of both peaks.
 """
 
 from __future__ import annotations
@@ -61,7 +61,9 @@ def linearized_at_roof(
     floors = system.storeys.shapes
     roof_1 = at_height(system, 0, height)[None] @ floors
     roof_2 = at_height(system, 1, height)[None] @ floors
-    return float(correlation_of(motion, roof_1, roof_2)[0]), float(motion.std(roof_1 - roof_2)[0, 0])
+    return float(correlation_of(motion, roof_1, roof_2)[0]), float(
+        motion.std(roof_1 - roof_2)[0, 0]
+    )
 
 
 def correlation_of(motion: StationaryResponse, weights_1: Array, weights_2: Array) -> Array:
@@ -86,9 +88,10 @@ def combined(covariance: Array, weights: Sequence[Array]) -> tuple[Array, Array]
 def of_storeys(site: Site, structures: Sequence[AnyStructure]) -> Site:
     """What rules of codes are told of structures with storeys: their numbers, and levels that fit.
 
-    The same structural system counts only if the roofs are level: codes that reduce the gap for it also
-    ask for the same height, and with storeys they are given the height of the level, which is the same
-    for both. Raises a ValueError if a height, a number of storeys or level floors contradict them.
+    The same structural system counts only if the roofs are level: codes that reduce the gap for it
+    also ask for the same height, and with storeys they are given the height of the level, which is
+    the same for both. Raises a ValueError if a height, a number of storeys or level floors
+    contradict them.
     """
     roofs = []
     numbers = {}
@@ -99,7 +102,9 @@ def of_storeys(site: Site, structures: Sequence[AnyStructure]) -> Site:
         if structure.has_storeys:
             roof = float(structure.levels()[-1])
             if height is not None and abs(height - roof) > LEVEL:
-                what = f"height_{n} = {height:g} m, but the storeys add up to {roof:g} m; leave it out"
+                what = (
+                    f"height_{n} = {height:g} m, but the storeys add up to {roof:g} m; leave it out"
+                )
                 raise ValueError(what)
             if storeys not in (None, own):
                 what = f"storeys_{n} = {storeys:g}, but that building has {own} storeys"
@@ -164,8 +169,8 @@ def spectral_peaks(
 ) -> tuple[Site, xr.DataArray]:
     """The site with displacements by the modes at the heights where they could meet, and ``rho`` there.
 
-    Raises a ValueError if an oscillator has arrays as parameters, heights contradict the storeys or the
-    spectrum has no value for a mode.
+    Raises a ValueError if an oscillator has arrays as parameters, heights contradict the storeys or
+    the spectrum has no value for a mode.
     """
     for n, structure in enumerate(structures, start=1):
         check_scalars(structure, f"modes_{n}", "numbers")
@@ -195,7 +200,9 @@ def spectral_displacements(modes: Modes, spectrum: xr.DataArray) -> Array:
         what = f"spectrum ends at {period[-1]:g} s, and a mode has {modes.period.max():.3g} s"
         raise ValueError(f"{what}; allowed: a spectrum up to the longest period of the modes")
     if (np.abs(modes.damping / damping - 1) > SAME_DAMPING).any():
-        ends = " to ".join(f"{end:.3g}" for end in np.unique([modes.damping.min(), modes.damping.max()]))
+        ends = " to ".join(
+            f"{end:.3g}" for end in np.unique([modes.damping.min(), modes.damping.max()])
+        )
         warnings.warn(
             f"spectrum is of the damping {damping:g}, and the modes have {ends}: its ordinates are "
             "taken as they are",

@@ -1,7 +1,7 @@
 """Columns of tables: which of them a reader takes, by quantities, and their numbers in SI.
 
-A column is known by its title, by whatever the caller asks for, or as the only one that is left; never
-by its place.
+A column is known by its title, by whatever the caller asks for, or as the only one that is left;
+never by its place.
 """
 
 from __future__ import annotations
@@ -59,7 +59,9 @@ class Column:
     @property
     def label(self) -> str:
         """The column in messages."""
-        return f"{self.number} {brief(self.title)}" if self.title else f"{self.number} ({self.begins})"
+        return (
+            f"{self.number} {brief(self.title)}" if self.title else f"{self.number} ({self.begins})"
+        )
 
     @property
     def begins(self) -> str:
@@ -94,7 +96,9 @@ class Need(NamedTuple):
     wanted: Sequence[Quantity]
     left: bool = False  # whether it may be the only column that is left
     optional: bool = False
-    units: str | None = None  # as the caller states them, of a title that may mean several quantities
+    units: str | None = (
+        None  # as the caller states them, of a title that may mean several quantities
+    )
     logarithms: bool = False  # whether it may be one
     period: float | None = None  # s, of a spectral acceleration
     damping: float | None = None
@@ -159,7 +163,9 @@ class Choice(NamedTuple):
         of = "" if self.column.said.base is None else "the logarithm of "
         return f"column {self.column.label} is {of}{self.quantity.name}"
 
-    def in_si(self, units: str | None = None, argument: str = "", allowed: Range | None = None) -> Array:
+    def in_si(
+        self, units: str | None = None, argument: str = "", allowed: Range | None = None
+    ) -> Array:
         """The numbers in the unit of the quantity, without a logarithm.
 
         Its unit is that of the file, or ``units`` of the caller, by the name of this ``argument``.
@@ -197,15 +203,17 @@ class Choice(NamedTuple):
         finite = np.isfinite(values)
         if not finite.all():
             n = int(np.argmin(finite))
-            raise table.sheet.error(table.rows.index[n], column, f"the {name} is beyond all numbers")
+            raise table.sheet.error(
+                table.rows.index[n], column, f"the {name} is beyond all numbers"
+            )
         return values
 
 
 def columns_of(table: Table) -> list[Column]:
     """The columns of a table with what their titles say.
 
-    Raises a ValueError if more than one column of numbers, which may be an index, has no title below
-    others, as those of ``0,5`` between commas.
+    Raises a ValueError if more than one column of numbers, which may be an index, has no title
+    below others, as those of ``0,5`` between commas.
     """
     first_line = table.rows.index[0]
     titled = len(table.title_cells)
@@ -233,7 +241,9 @@ def check_one_kind(table: Table, column: int, what: str) -> None:
     """Raise a ValueError for the first line in which a column of names has a second name."""
     cells = table.rows[column]
     names = cells[cells != ""].drop_duplicates()
-    if len(names) > 1 and not any(table.sheet.columns_of_numbers(n) & {column} for n in names.index):
+    if len(names) > 1 and not any(
+        table.sheet.columns_of_numbers(n) & {column} for n in names.index
+    ):
         second = f"a second {what}, {brief(names.iloc[1])} beside {brief(names.iloc[0])}"
         raise table.sheet.error(names.index[1], column, f"{second}; export one of them")
 
@@ -248,11 +258,13 @@ def noted(choices: Sequence[Choice], converted: Collection[Quantity] = ()) -> di
     return {"columns": "; ".join(parts)} if parts else {}
 
 
-def chosen(table: Table, needs: Sequence[Need], cure: Callable[[], str] = str) -> list[Choice | None]:
+def chosen(
+    table: Table, needs: Sequence[Need], cure: Callable[[], str] = str
+) -> list[Choice | None]:
     """A column for each need, and None for an optional one without any.
 
-    Raises a ValueError that names all columns and what to give, if several fit or none does, or for a
-    column that is asked for and is another quantity; ``cure`` has another way out.
+    Raises a ValueError that names all columns and what to give, if several fit or none does, or for
+    a column that is asked for and is another quantity; ``cure`` has another way out.
     """
     columns = columns_of(table)
     of_caller = {
@@ -288,7 +300,9 @@ def chosen(table: Table, needs: Sequence[Need], cure: Callable[[], str] = str) -
 def _by_title(columns: Sequence[Column], need: Need) -> Column | None:
     """The only column whose title says the first of the wanted quantities that some title says."""
     for of in need.wanted:
-        if fits := [column for column in columns if need.meaning(column) == of and need.takes(column)]:
+        if fits := [
+            column for column in columns if need.meaning(column) == of and need.takes(column)
+        ]:
             fits = [column for column in fits if need.is_sure_of(column)] or fits
             return fits[0] if len(fits) == 1 else None
     return None
@@ -308,7 +322,9 @@ def _asked(table: Table, columns: Sequence[Column], need: Need) -> Column:
     else:
         name = spelled(with_unit(str(by_caller))[0])
         exact = [column for column in columns if column.title == by_caller]
-        alike = [column for column in columns if name and spelled(with_unit(column.title)[0]) == name]
+        alike = [
+            column for column in columns if name and spelled(with_unit(column.title)[0]) == name
+        ]
         fitting = exact or alike
         if len(fitting) != 1:
             count = "is the title of several columns" if fitting else "is the title of no column"
@@ -325,7 +341,9 @@ def _twice(chosen_by: dict[str, Column]) -> list[tuple[str, str]]:
     return [pair for pair in pairs if chosen_by[pair[0]] == chosen_by[pair[1]]]
 
 
-def _missing(table: Table, columns: Sequence[Column], needs: Sequence[Need], cure: str) -> ValueError:
+def _missing(
+    table: Table, columns: Sequence[Column], needs: Sequence[Need], cure: str
+) -> ValueError:
     """The error that columns are missing, or that several fit."""
     has = f"has {in_words(columns)}"
     ways = list[str]()

@@ -21,7 +21,9 @@ class Quantity:
 
     def size(self, unit: str) -> float | None:
         """The size of a unit in that of the quantity; None if it is none of this quantity."""
-        return _OF_FREQUENCIES.get(unit.strip().lower(), {}).get(self.unit) or size_of(unit, self.unit)
+        return _OF_FREQUENCIES.get(unit.strip().lower(), {}).get(self.unit) or size_of(
+            unit, self.unit
+        )
 
 
 # Sizes that powers of seconds do not tell apart.

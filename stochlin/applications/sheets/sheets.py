@@ -34,9 +34,10 @@ _UNIT = re.compile(r"(.*)[(\[]([^()\[\]]*)[)\]](.*)")  # the last pair of bracke
 class Sheet(NamedTuple):
     """The cells of a text, or of one sheet of a workbook.
 
-    ``cells`` are texts without what surrounds them; the index has the numbers of the lines, from 1, and
-    the columns theirs, from 0. Empty lines are left out. A part of them, such as
-    ``sheet.cells.loc[lines, [2, 3]]``, keeps both, so that `numbers` can say where something is wrong.
+    ``cells`` are texts without what surrounds them; the index has the numbers of the lines, from 1,
+    and the columns theirs, from 0. Empty lines are left out. A part of them, such as
+    ``sheet.cells.loc[lines, [2, 3]]``, keeps both, so that `numbers` can say where something is
+    wrong.
     """
 
     name: str  # the file, and the sheet of a workbook
@@ -105,7 +106,9 @@ class Sheet(NamedTuple):
         filled = (beyond != "").to_numpy()
         if filled.any():
             n, m = np.argwhere(filled)[0]
-            what = f"{brief(beyond.iat[n, m])} is beyond the {width} columns above; allowed: no signs"
+            what = (
+                f"{brief(beyond.iat[n, m])} is beyond the {width} columns above; allowed: no signs"
+            )
             what += " between thousands, and '.' before decimals, or ';' between columns"
             raise self.error(beyond.index[n], beyond.columns[m], what)
 
@@ -159,7 +162,9 @@ class Table(NamedTuple):
         """The last column of a name that a program writes, from 0; a ValueError if there is none."""
         fitting = [n for n, other in enumerate(self.names) if other == spelled(with_unit(name)[0])]
         if not fitting:
-            raise self.error(f"has no column {brief(name)}; allowed: columns {listed(self.title_cells)}")
+            raise self.error(
+                f"has no column {brief(name)}; allowed: columns {listed(self.title_cells)}"
+            )
         return fitting[-1]
 
     def texts(self, name: str) -> pd.Series:
@@ -191,8 +196,9 @@ class Table(NamedTuple):
 def table_of(sheet: Sheet) -> Table | None:
     """The table below titles; None if there are no numbers.
 
-    They begin in the first line of numbers alone, or with a number in a column where the next line has
-    one. The titles are the line above with the most names of known quantities, also after ``#``.
+    They begin in the first line of numbers alone, or with a number in a column where the next line
+    has one. The titles are the line above with the most names of known quantities, also after
+    ``#``.
     """
     below = sheet.without_comments().cells
     row = sheet.row
@@ -272,7 +278,9 @@ def sheets_of(path: Path) -> list[Sheet]:
 def check_alone(sheets: Sequence[Sheet], what: str) -> None:
     """Raise a ValueError if there are several sheets with what is wanted."""
     if len(sheets) > 1:
-        raise ValueError(f"{sheets[0].name} and {sheets[1].name} both have {what}; allowed: one of them")
+        raise ValueError(
+            f"{sheets[0].name} and {sheets[1].name} both have {what}; allowed: one of them"
+        )
 
 
 def number_in(text: str, decimal: str = ".") -> float | None:
@@ -310,7 +318,9 @@ def text_sheet(lines: Sequence[str], name: str, marks: str = ";\t,") -> Sheet:
         try:
             rows[number] = next(reader([line]) if separator else _apart(line, width), [])
         except csv.Error as error:
-            raise ValueError(f"{name}, line {number}: {error}; allowed: cells of less text") from error
+            raise ValueError(
+                f"{name}, line {number}: {error}; allowed: cells of less text"
+            ) from error
     return Sheet(name, _frame(rows, name), decimal, separator)
 
 
@@ -325,7 +335,9 @@ def _apart(line: str, width: int) -> Iterator[list[str]]:
 def _frame(rows: Mapping[int, Sequence[str]], name: str) -> pd.DataFrame:
     """The lines that are not empty, and their cells without what surrounds them."""
     edge = " \t\"'\xa0"
-    lines = {n: row for n, cells in rows.items() if any(row := [cell.strip(edge) for cell in cells])}
+    lines = {
+        n: row for n, cells in rows.items() if any(row := [cell.strip(edge) for cell in cells])
+    }
     width = max(map(len, lines.values()), default=0)
     if width * len(lines) > MOST_CELLS:
         raise ValueError(f"{name} has {len(lines)} lines, one with {width} columns; allowed: less")

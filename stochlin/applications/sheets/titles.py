@@ -70,9 +70,10 @@ _OF_DIVISOR = re.compile(r"\b(?:R|[qQ]0?)\s*[=:]\s*(\d+(?:[.,]\d+)?)")
 class Said(NamedTuple):
     """What a title says of its column.
 
-    ``quantities`` are those that it may mean, none if it names none; ``base`` is that of a logarithm,
-    NaN if it is not stated, ``period`` [s] that of ``SA(0.5)``, and ``damping`` that of ``5 %``.
-    ``aside`` is why it is not to be taken unless it is asked for, as ``/R`` or the words of a fractile.
+    ``quantities`` are those that it may mean, none if it names none; ``base`` is that of a
+    logarithm, NaN if it is not stated, ``period`` [s] that of ``SA(0.5)``, and ``damping`` that of
+    ``5 %``. ``aside`` is why it is not to be taken unless it is asked for, as ``/R`` or the words
+    of a fractile.
     """
 
     quantities: tuple[Quantity, ...] = ()
@@ -212,7 +213,9 @@ def _hits(words: Sequence[str]) -> Iterator[tuple[Quantity, ...]]:
     while start < len(words):
         ends = range(len(words), start, -1)
         joined = ("".join(words[start:end]) for end in ends)
-        end = next((end for end, text in zip(ends, joined, strict=True) if _is_word(text, words)), None)
+        end = next(
+            (end for end, text in zip(ends, joined, strict=True) if _is_word(text, words)), None
+        )
         if end is not None:
             yield QUANTITIES["".join(words[start:end])]
         start = start + 1 if end is None else end

@@ -1,8 +1,9 @@
 """A program apart: the cells of a workbook, from standard input to standard output, within limits.
 
-Whatever a workbook makes its reader do, this process ends within them, and no other one notices. It is
-run by its path, with the folder of python-calamine, and imports nothing that it does not need, since it
-is started for each workbook. Where a system has no such limits, as Windows, time alone is bounded.
+Whatever a workbook makes its reader do, this process ends within them, and no other one notices. It
+is run by its path, with the folder of python-calamine, and imports nothing that it does not need,
+since it is started for each workbook. Where a system has no such limits, as Windows, time alone is
+bounded.
 """
 
 from __future__ import annotations

@@ -18,13 +18,16 @@ from stochlin.solver.tables.checks import needed
 _PART = re.compile(
     r"\[Content_Types\]\.xml|_rels/\.rels|xl/(_rels/[^/]+\.rels|(worksheets/)?[^/]+\.xml)"
 )
-# A cell with a formula and without a value, or with an empty one, which is a result in cells of texts.
+# A cell with a formula and without a value, or with an empty one, which is a result in cells of
+# texts.
 _WITHOUT_RESULT = re.compile(
     rb"<\w*:?c\b([^<>]*)>\s*<\w*:?f\b[^<>]*(?:/>|>[^<]*</\w*:?f>)"
     rb"(\s*<\w*:?v(?:\s*/>|>\s*</\w*:?v>))?\s*</\w*:?c>"
 )
 _METHODS = zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED  # others take memory that they do not state
-_PATIENCE = 20.0  # s that reading may take on a busy machine, and on one that does not limit its time
+_PATIENCE = (
+    20.0  # s that reading may take on a busy machine, and on one that does not limit its time
+)
 MOST_PARTS = 2000  # of a workbook
 MOST_BYTES = 16 * 2**20  # of a workbook
 
@@ -32,8 +35,9 @@ MOST_BYTES = 16 * 2**20  # of a workbook
 def rows_of(content: bytes, name: str) -> list[tuple[str, dict[int, list[str]]]]:
     """Title and cells by line of each visible sheet; a ValueError if they cannot be read.
 
-    They are read in a process of their own, which takes at most `MEMORY` and `SECONDS`, whatever the
-    workbook is; only its unpacked parts, of at most `MOST_BYTES`, are in the memory of this one.
+    They are read in a process of their own, which takes at most `MEMORY` and `SECONDS`, whatever
+    the workbook is; only its unpacked parts, of at most `MOST_BYTES`, are in the memory of this
+    one.
     """
     what = f"{name} is a workbook, which"
     calamine = needed("python_calamine", what, "tables", "save its tables as .csv")

@@ -62,17 +62,19 @@ def eurocode_8(
 ) -> xr.DataArray:
     """Horizontal elastic response spectrum of Eurocode 8.
 
-    It is that of EN 1998-1:2004, eqs. (3.2) to (3.6), with the recommended values of tables 3.2 and 3.3.
-    A national annex may have other values; use `read_spectrum` for these.
+    It is that of EN 1998-1:2004, eqs. (3.2) to (3.6), with the recommended values of tables 3.2 and
+    3.3. A national annex may have other values; use `read_spectrum` for these.
 
     Parameters
     ----------
     ag : float
-        Design ground acceleration on ground type A, including the importance factor [m/s^2], positive.
+        Design ground acceleration on ground type A, including the importance factor [m/s^2],
+        positive.
     soil : str
         Ground type, ``"A"`` to ``"E"``.
     type : {1, 2}
-        Type of the spectrum: 1 if earthquakes with a surface-wave magnitude above 5.5 govern, else 2.
+        Type of the spectrum: 1 if earthquakes with a surface-wave magnitude above 5.5 govern, else
+        2.
     damping : float
         Damping ratio ``xi`` [-], from 0 to 1. It enters by the factor
         ``eta = sqrt(10/(5 + 100 xi)) >= 0.55``.
@@ -80,8 +82,9 @@ def eurocode_8(
     Returns
     -------
     xarray.DataArray
-        Pseudo-acceleration [m/s^2] over ``period`` [s], from 0 (the peak ground acceleration) to 4 s.
-        The attributes are ``damping``, ``source``, ``elastic`` and the arguments of this function.
+        Pseudo-acceleration [m/s^2] over ``period`` [s], from 0 (the peak ground acceleration) to 4
+        s. The attributes are ``damping``, ``source``, ``elastic`` and the arguments of this
+        function.
 
     Raises
     ------
@@ -91,8 +94,8 @@ def eurocode_8(
     Warns
     -----
     UserWarning
-        If ``ag`` is below 0.05 g, for which the code need not be applied, or above 1.5 g, so that it is
-        probably not in m/s^2.
+        If ``ag`` is below 0.05 g, for which the code need not be applied, or above 1.5 g, so that
+        it is probably not in m/s^2.
 
     References
     ----------
@@ -116,14 +119,16 @@ def eurocode_8(
     values = ag * soils[name].factor * soils[name].shape(period, 1.0, 2.5 * eta)
     source = f"Eurocode 8, type {int(type)}, ground {name}, ag = {ag / constants.g:.4g} g"
     curve = marked(labelled(period, values, damping, source), BY_CODE)
-    return curve.assign_attrs(code="eurocode_8", ag=float(ag), soil=name, spectrum_type=f"{int(type)}")
+    return curve.assign_attrs(
+        code="eurocode_8", ag=float(ag), soil=name, spectrum_type=f"{int(type)}"
+    )
 
 
 def reduced_eurocode_8(elastic: xr.DataArray, period: float, behaviour: float) -> float:
     """Design spectrum of Eurocode 8 at a period [m/s^2], EN 1998-1:2004, eqs. (3.13) to (3.16).
 
-    ``elastic`` is the spectrum by `eurocode_8`, and ``behaviour`` the factor ``q``, which includes the
-    damping. The lower bound ``beta ag`` has the recommended ``beta = 0.2``.
+    ``elastic`` is the spectrum by `eurocode_8`, and ``behaviour`` the factor ``q``, which includes
+    the damping. The lower bound ``beta ag`` has the recommended ``beta = 0.2``.
     """
     soil = _EUROCODE[int(elastic.attrs["spectrum_type"])][elastic.attrs["soil"]]
     shape = float(soil.shape(period, 2 / 3, 2.5 / behaviour))
@@ -141,16 +146,17 @@ def asce_7(sds: Acceleration, sd1: Acceleration, tl: Seconds) -> xr.DataArray:
     Parameters
     ----------
     sds, sd1 : float
-        Design spectral accelerations at short periods and at 1 s [m/s^2], positive. Values in g, as in
-        maps, are multiplied by 9.80665.
+        Design spectral accelerations at short periods and at 1 s [m/s^2], positive. Values in g, as
+        in maps, are multiplied by 9.80665.
     tl : float
         Long-period transition [s], positive.
 
     Returns
     -------
     xarray.DataArray
-        Pseudo-acceleration [m/s^2] over ``period`` [s], from 0 (the peak ground acceleration) to 10 s.
-        The attributes are ``damping``, ``source``, ``elastic`` and the arguments of this function.
+        Pseudo-acceleration [m/s^2] over ``period`` [s], from 0 (the peak ground acceleration) to 10
+        s. The attributes are ``damping``, ``source``, ``elastic`` and the arguments of this
+        function.
 
     Raises
     ------
@@ -160,8 +166,8 @@ def asce_7(sds: Acceleration, sd1: Acceleration, tl: Seconds) -> xr.DataArray:
     Warns
     -----
     UserWarning
-        If ``sds`` is below 0.167 g, for which the code asks for no spectrum, or above 3.75 g, so that it
-        is probably not in m/s^2, or if ``sd1`` is more than 1.25 times ``sds``.
+        If ``sds`` is below 0.167 g, for which the code asks for no spectrum, or above 3.75 g, so
+        that it is probably not in m/s^2, or if ``sd1`` is more than 1.25 times ``sds``.
 
     References
     ----------
@@ -179,7 +185,9 @@ def asce_7(sds: Acceleration, sd1: Acceleration, tl: Seconds) -> xr.DataArray:
     if corner >= tl:
         raise ValueError(f"tl = {tl:g} s; allowed: longer than TS = sd1/sds = {corner:.4g} s")
     if text := PLAUSIBLE["sd1 over sds"].doubt(corner):
-        warnings.warn(f"asce_7: sd1 is {corner:.3g} times sds; {text}", ImplausibleInput, stacklevel=3)
+        warnings.warn(
+            f"asce_7: sd1 is {corner:.3g} times sds; {text}", ImplausibleInput, stacklevel=3
+        )
     grid = STEP * np.arange(round(_ASCE_LONGEST / STEP) + 1)
     corners = [t for t in (0.2 * corner, corner, tl) if t < _ASCE_LONGEST]
     near = np.abs(grid[:, None] - corners).min(axis=1) < 1e-6

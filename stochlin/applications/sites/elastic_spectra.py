@@ -1,6 +1,7 @@
 """Whether a spectrum is elastic or by what it was divided, and what its shape says about that.
 
-It is said once, where the spectrum is read or first used, and stands in the attributes of the array.
+It is said once, where the spectrum is read or first used, and stands in the attributes of the
+array.
 """
 
 from __future__ import annotations
@@ -25,15 +26,18 @@ ELASTIC_AT = "elastic_at"  # attribute: period [s] and ordinate [m/s^2] for whic
 BY_CODE = "elastic by its code"
 STATED = "elastic as stated"
 NOT_STATED = "taken as elastic, which is not stated"
-# The least behaviour factor q of Eurocode 8 is 1.5 (EN 1998-1, 3.2.2.5): a spectrum with less than 0.7
-# of the ordinate for which it was said to be elastic has been divided since.
+# The least behaviour factor q of Eurocode 8 is 1.5 (EN 1998-1, 3.2.2.5): a spectrum with less than
+# 0.7 of the ordinate for which it was said to be elastic has been divided since.
 LEAST_SHARE = 0.7
 USUAL_DAMPING = 0.05
-STIFF = 0.02  # longest period of a rigid structure, whose ordinate is the peak ground acceleration [s]
+STIFF = (
+    0.02  # longest period of a rigid structure, whose ordinate is the peak ground acceleration [s]
+)
 SAME = 1e-3  # relative difference of ordinates that are equal, as rounded in files
-# Elastic spectra rise to 3.21 - 0.68 ln(damping in %) times the peak ground acceleration in the median
-# (Newmark and Hall 1982, Earthquake spectra and design), which is 2.12 for 5 %; those of Eurocode 8 and
-# ASCE 7 rise to 2.5 times. Below this share of the median a spectrum is in doubt: 1.48 for 5 %.
+# Elastic spectra rise to 3.21 - 0.68 ln(damping in %) times the peak ground acceleration in the
+# median (Newmark and Hall 1982, Earthquake spectra and design), which is 2.12 for 5 %; those of
+# Eurocode 8 and ASCE 7 rise to 2.5 times. Below this share of the median a spectrum is in doubt:
+# 1.48 for 5 %.
 LEAST_OF_MEDIAN = 0.7
 LARGEST_RISE = 3.5  # of ordinates over the ground acceleration
 LEVEL = 3  # last points that are equal at a lower bound
@@ -66,8 +70,9 @@ def as_elastic(
 ) -> xr.DataArray:
     """A valid spectrum as an elastic one, multiplied by what it was divided by, with how it was taken.
 
-    A ValueError is raised for contradictions. A warning is given, where a public function was called
-    that calls this one, if nothing says what the spectrum is, or if its shape speaks against it.
+    A ValueError is raised for contradictions. A warning is given, where a public function was
+    called that calls this one, if nothing says what the spectrum is, or if its shape speaks against
+    it.
     """
     how = spectrum.attrs.get(ELASTIC)
     share = _share_left(spectrum)
@@ -116,7 +121,9 @@ def _share_left(spectrum: xr.DataArray) -> float:
     return float(np.interp(period, known, spectrum.values) / ordinate)
 
 
-def _multiplied(spectrum: xr.DataArray, divided_by: float | xr.DataArray) -> tuple[xr.DataArray, str]:
+def _multiplied(
+    spectrum: xr.DataArray, divided_by: float | xr.DataArray
+) -> tuple[xr.DataArray, str]:
     """The spectrum times what it was divided by, and that in words."""
     period = spectrum.period.values
     if not isinstance(divided_by, xr.DataArray):

@@ -1,10 +1,10 @@
 """Fit of a ground to a strong-motion record, or to a mean response spectrum of its motions.
 
-A ground is fitted to a spectrum for motions with an envelope and a duration. For given peak factors, the
-spectrum defines the variance of each oscillator, which is linear in the PSD of the ground; the filters
-are fitted to these variances. The peak factors are first those of Vanmarcke's formula. Since this
-formula neglects the envelope and the start from rest, they are then taken from a simulation of the
-fitted ground.
+A ground is fitted to a spectrum for motions with an envelope and a duration. For given peak
+factors, the spectrum defines the variance of each oscillator, which is linear in the PSD of the
+ground; the filters are fitted to these variances. The peak factors are first those of Vanmarcke's
+formula. Since this formula neglects the envelope and the start from rest, they are then taken from
+a simulation of the fitted ground.
 """
 
 from __future__ import annotations
@@ -18,10 +18,20 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from stochlin.applications.records.ground_fit import STRONG_PART, Estimated, best_fit, ground_of_record
+from stochlin.applications.records.ground_fit import (
+    STRONG_PART,
+    Estimated,
+    best_fit,
+    ground_of_record,
+)
 from stochlin.applications.sites.elastic_spectra import DividedBy, as_elastic, taken_in_words
 from stochlin.applications.sites.simulated_spectra import SpectrumMotions, peak_accelerations
-from stochlin.applications.sites.spectra import SHORTEST, checked_spectrum, interpolated, is_spectrum
+from stochlin.applications.sites.spectra import (
+    SHORTEST,
+    checked_spectrum,
+    interpolated,
+    is_spectrum,
+)
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.linearization.spectral_moments import bandwidth_of
@@ -41,7 +51,8 @@ GOOD_RMS = 0.02
 GOOD_WORST = 0.06
 PATHS = 2048
 STEPS_PER_PERIOD = 16  # of the search; the shortest of 24 neighbouring periods is 1.3 % too long
-# Errors of the mean simulated spectrum at which corrections end, and the largest number of corrections.
+# Errors of the mean simulated spectrum at which corrections end, and the largest number of
+# corrections.
 DELIVERED_RMS = 0.02
 DELIVERED_WORST = 0.05
 CORRECTIONS = 3
@@ -78,36 +89,37 @@ def fit_ground(
 ) -> Any:
     """Fit a ground to a record, or to an elastic response spectrum.
 
-    **A record** is fitted by its power spectral density. The model is compared with the raw periodogram
-    of a part of the record without its mean. No smoothing bandwidth has to be chosen, and the peak of a
-    narrow-band ground keeps its height. The part is padded with zeros to four times its length, so that
-    the result does not depend on the position of the Fourier frequencies. With ``estimator="psd"`` the
-    fit is then equal to a least-squares fit of the sample autocovariance at all lags (Parseval). The
-    other two estimators also depend on frequencies at which the ground is weak, where leakage from the
-    peak matters; for them a tenth of the part is under a cosine taper. The search starts from a grid of
-    periods and damping ratios.
+    **A record** is fitted by its power spectral density. The model is compared with the raw
+    periodogram of a part of the record without its mean. No smoothing bandwidth has to be chosen,
+    and the peak of a narrow-band ground keeps its height. The part is padded with zeros to four
+    times its length, so that the result does not depend on the position of the Fourier frequencies.
+    With ``estimator="psd"`` the fit is then equal to a least-squares fit of the sample
+    autocovariance at all lags (Parseval). The other two estimators also depend on frequencies at
+    which the ground is weak, where leakage from the peak matters; for them a tenth of the part is
+    under a cosine taper. The search starts from a grid of periods and damping ratios.
 
-    **A spectrum** is fitted such that motions of the given duration and envelope have it in the mean.
-    The ground is one Clough-Penzien filter, or several in parallel. The fit uses the variances of
-    elastic oscillators, the peak factors of `stochlin.rules.peak_factor_model` ``"vanmarcke"`` and an
-    effective damping ratio for the start from rest. Motions are then simulated, and the fit is corrected
-    by their mean spectrum, usually once.
+    **A spectrum** is fitted such that motions of the given duration and envelope have it in the
+    mean. The ground is one Clough-Penzien filter, or several in parallel. The fit uses the
+    variances of elastic oscillators, the peak factors of `stochlin.rules.peak_factor_model`
+    ``"vanmarcke"`` and an effective damping ratio for the start from rest. Motions are then
+    simulated, and the fit is corrected by their mean spectrum, usually once.
 
     Parameters
     ----------
     target : xarray.DataArray
-        A record, ground acceleration [m/s^2] over ``time`` [s], as from `read_record`; or a spectrum,
-        pseudo-acceleration [m/s^2] over ``period`` [s], as from `eurocode_8`, `asce_7` and
-        `read_spectrum`.
+        A record, ground acceleration [m/s^2] over ``time`` [s], as from `read_record`; or a
+        spectrum, pseudo-acceleration [m/s^2] over ``period`` [s], as from `eurocode_8`, `asce_7`
+        and `read_spectrum`.
     model : str, optional
-        Kind of ground. For a record ``"kanai_tajimi"`` (default), ``"clough_penzien"``, or an extension
-        that can be fitted; for a spectrum ``"clough_penzien"``.
+        Kind of ground. For a record ``"kanai_tajimi"`` (default), ``"clough_penzien"``, or an
+        extension that can be fitted; for a spectrum ``"clough_penzien"``.
     estimator : {"psd", "log_psd", "whittle"}, optional
-        Quantity that the fit to a record minimizes: the squared difference of the spectra (default),
-        which is governed by the peak; the squared difference of their logarithms, in which all
-        frequencies of the range count equally; or the Whittle likelihood, which is the most accurate if
-        the model is true. The results differ widely for a record that the model does not describe; draw
-        the ``psd`` of the ground beside a periodogram of the record, as of ``scipy.signal.welch``.
+        Quantity that the fit to a record minimizes: the squared difference of the spectra
+        (default), which is governed by the peak; the squared difference of their logarithms, in
+        which all frequencies of the range count equally; or the Whittle likelihood, which is the
+        most accurate if the model is true. The results differ widely for a record that the model
+        does not describe; draw the ``psd`` of the ground beside a periodogram of the record, as of
+        ``scipy.signal.welch``.
     part : tuple of two floats
         Fractions of the cumulative energy between which a record is used; (0, 1) is
         the whole record.
@@ -121,8 +133,8 @@ def fit_ground(
     envelope : AminAng, ShinozukaSato or GammaEnvelope, optional
         Envelope of the motions for a spectrum; without it they are stationary.
     filters : int, optional
-        Number of filters for a spectrum, 1 to 3. By default it is the smallest number with which the
-        errors before the correction are at most 2 % (root mean square) and 6 % (largest).
+        Number of filters for a spectrum, 1 to 3. By default it is the smallest number with which
+        the errors before the correction are at most 2 % (root mean square) and 6 % (largest).
     seed : int
         Seed of the motions that are simulated for a spectrum.
     progress : callable, optional
@@ -133,18 +145,18 @@ def fit_ground(
     Returns
     -------
     KanaiTajimi, CloughPenzien, ParallelGround or an extension
-        The fitted ground. Its ``intensity`` [m^2/s^3] is the two-sided PSD per rad/s of the white noise.
-        Its ``scatter``, the default of functions that simulate its motions, is 0.3 for a spectrum and
-        0.4 for a record. Its ``source`` describes the fit: for a record the estimator, the part, the
-        frequency range and relative standard errors, for a spectrum how it was taken, and the error of
-        the mean spectrum of simulated motions.
+        The fitted ground. Its ``intensity`` [m^2/s^3] is the two-sided PSD per rad/s of the white
+        noise. Its ``scatter``, the default of functions that simulate its motions, is 0.3 for a
+        spectrum and 0.4 for a record. Its ``source`` describes the fit: for a record the estimator,
+        the part, the frequency range and relative standard errors, for a spectrum how it was taken,
+        and the error of the mean spectrum of simulated motions.
 
     Raises
     ------
     TypeError, ValueError
-        If the target is neither a record nor a spectrum; if an option is unknown or belongs to
-        the other kind of target; if the range has too few frequencies or periods; or if the fit fails or
-        ends on a bound, which happens if a record does not define a parameter.
+        If the target is neither a record nor a spectrum; if an option is unknown or belongs to the
+        other kind of target; if the range has too few frequencies or periods; or if the fit fails
+        or ends on a bound, which happens if a record does not define a parameter.
 
     Warns
     -----
@@ -153,17 +165,19 @@ def fit_ground(
 
     Notes
     -----
-    The standard errors of a fit to a record are those of a stationary Gaussian process with the fitted
-    spectrum [1]_, which a part of a record is only approximately. Short records of narrow-band ground
-    define the damping ratio poorly. In 200 simulated records of 71 s with ``wg=3.09`` and ``xig=0.054``,
-    90 % of the fitted damping ratios were within 0.21 to 2.0 times the true one with ``"psd"`` (median
-    0.5), and within 0.63 to 1.8 times with ``"whittle"`` (median 1.1). The periodogram of a part of the
-    duration d cannot distinguish a damping ratio below about ``2.8/(wg d)`` from a sinusoid; ``source``
-    states this if the result is less than twice this value.
+    The standard errors of a fit to a record are those of a stationary Gaussian process with the
+    fitted spectrum [1]_, which a part of a record is only approximately. Short records of
+    narrow-band ground define the damping ratio poorly. In 200 simulated records of 71 s with
+    ``wg=3.09`` and ``xig=0.054``, 90 % of the fitted damping ratios were within 0.21 to 2.0 times
+    the true one with ``"psd"`` (median 0.5), and within 0.63 to 1.8 times with ``"whittle"``
+    (median 1.1). The periodogram of a part of the duration d cannot distinguish a damping ratio
+    below about ``2.8/(wg d)`` from a sinusoid; ``source`` states this if the result is less than
+    twice this value.
 
-    Spectra are fitted from 0.05 to 4 s, by motions without scatter. A design spectrum is neither the
-    mean nor the median spectrum of an earthquake, and does not contain the scatter between earthquakes.
-    Records scatter less about a spectrum than by the default, but those of yielding structures more.
+    Spectra are fitted from 0.05 to 4 s, by motions without scatter. A design spectrum is neither
+    the mean nor the median spectrum of an earthquake, and does not contain the scatter between
+    earthquakes. Records scatter less about a spectrum than by the default, but those of yielding
+    structures more.
 
     References
     ----------
@@ -200,7 +214,11 @@ def fit_ground(
     if not is_spectrum(target):
         if "time" not in target.dims:
             raise ValueError(f"target has the dimensions {target.dims}; allowed: time or period")
-        of_spectra: dict[str, Any] = {"duration": duration, "envelope": envelope, "filters": filters}
+        of_spectra: dict[str, Any] = {
+            "duration": duration,
+            "envelope": envelope,
+            "filters": filters,
+        }
         of_spectra |= {"elastic": elastic, "divided_by": divided_by}
         refuse("target", "a record", of_spectra)
         return ground_of_record(target, model, estimator, part, frequency_range)
@@ -292,7 +310,11 @@ class FittedFilters(NamedTuple):
 
 
 def deliver(
-    wanted: TargetMotions, filters: int | None, seed: int, progress: Progress | None, paths: int = PATHS
+    wanted: TargetMotions,
+    filters: int | None,
+    seed: int,
+    progress: Progress | None,
+    paths: int = PATHS,
 ) -> FittedFilters:
     """Fit to a spectrum, with ``filters`` filters or as few as give a good fit.
 
@@ -323,7 +345,9 @@ def _starts(count: int) -> Iterable[Array]:
     if count == 1:
         return (start[None] for start in ones)
     draw = np.random.default_rng(0)
-    return (np.array([ones[i] for i in draw.choice(len(ones), count, False)]) for _ in range(_DRAWN))
+    return (
+        np.array([ones[i] for i in draw.choice(len(ones), count, False)]) for _ in range(_DRAWN)
+    )
 
 
 class _Search:
@@ -364,7 +388,9 @@ class _Search:
     def _peak_factors(self, fit: FittedFilters) -> Array:
         l0, l1, l2 = (moment @ _psd(fit.logs, self._frequency) for moment in self._moments)
         crossings = np.sqrt(l2 / l0) * self.wanted.strong / np.pi
-        return peak_factor_model("vanmarcke").mean(np.maximum(crossings, 1.0), bandwidth_of(l0, l1, l2))
+        return peak_factor_model("vanmarcke").mean(
+            np.maximum(crossings, 1.0), bandwidth_of(l0, l1, l2)
+        )
 
     def corrected(self, fit: FittedFilters, accelerations: Array) -> FittedFilters:
         """The fit with the peak factors of a simulation, whose mean spectrum is ``accelerations``."""

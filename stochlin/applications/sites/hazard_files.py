@@ -45,51 +45,53 @@ def read_hazard(
     r"""Read a hazard curve from a file.
 
     These are read: columns of text; tables of sites of OpenQuake, one for each intensity measure
-    (``hazard_curve-mean-SA(0.5)_17.csv``), and of nshmp-haz (``SA0P5/total.csv``); and responses of the
-    hazard service of the U.S. Geological Survey in JSON, with several intensity measures of one site.
+    (``hazard_curve-mean-SA(0.5)_17.csv``), and of nshmp-haz (``SA0P5/total.csv``); and responses of
+    the hazard service of the U.S. Geological Survey in JSON, with several intensity measures of one
+    site.
 
     Parameters
     ----------
     path : str, path, or list of them
-        Path of the file. Columns of intensities and annual frequencies of exceedance [1/yr], or return
-        periods [yr], are known by their names, as ``iml`` and ``annual rate``. Several files may be
-        given, for several periods.
+        Path of the file. Columns of intensities and annual frequencies of exceedance [1/yr], or
+        return periods [yr], are known by their names, as ``iml`` and ``annual rate``. Several files
+        may be given, for several periods.
     measure : {"pga", "sa", "intensity"}
         As in `HazardCurve`.
     units : str, optional
-        Units of the accelerations, as in `read_record`. Not needed if the row of names has them, as in
-        ``pga [g]``, or for the other formats, which are in g. Not allowed for ``"intensity"``, which is
-        in m^2/s^3.
+        Units of the accelerations, as in `read_record`. Not needed if the row of names has them, as
+        in ``pga [g]``, or for the other formats, which are in g. Not allowed for ``"intensity"``,
+        which is in m^2/s^3.
     period : float, optional
         Period [s] of ``"sa"``. Between two periods of the files, the logarithm of the spectral
-        acceleration that is exceeded with the same frequency is interpolated linearly in the logarithm
-        of the period.
+        acceleration that is exceeded with the same frequency is interpolated linearly in the
+        logarithm of the period.
     site : int or tuple of two floats, optional
-        Site in a table of sites: its number, from 1, or its longitude and latitude [degrees], within
-        0.01 degrees. Not needed if there is only one.
+        Site in a table of sites: its number, from 1, or its longitude and latitude [degrees],
+        within 0.01 degrees. Not needed if there is only one.
     investigation_time : float, optional
-        Time [yr] in which the probabilities of exceedance of a file hold, if it has these. The annual
-        frequencies are those of a Poisson process. OpenQuake states it.
+        Time [yr] in which the probabilities of exceedance of a file hold, if it has these. The
+        annual frequencies are those of a Poisson process. OpenQuake states it.
     column, frequency_column : int or str, optional
-        Columns of the intensities, and of the frequencies or probabilities, each by its number from 1 or
-        by its name, where the names of a file of columns do not say it.
+        Columns of the intensities, and of the frequencies or probabilities, each by its number from
+        1 or by its name, where the names of a file of columns do not say it.
 
     Returns
     -------
     HazardCurve
-        The hazard curve in SI units, whose ``source`` is the file, with the columns that were asked for
-        by number or converted; without zeros at its end, without probabilities of 1, and of equal
-        frequencies with the largest intensity only.
+        The hazard curve in SI units, whose ``source`` is the file, with the columns that were asked
+        for by number or converted; without zeros at its end, without probabilities of 1, and of
+        equal frequencies with the largest intensity only.
 
     Raises
     ------
     FileNotFoundError
         If there is no such file.
     ValueError, TypeError
-        If units or a column are missing or contradict the file; if there are fewer than two points, a
-        number is not positive, the intensities do not increase or the frequencies do not decrease (the
-        message names the row); if the measure is unknown, or not in the file; if a period is missing,
-        not allowed, or beyond those of the file; or if a site is missing or not in the file.
+        If units or a column are missing or contradict the file; if there are fewer than two points,
+        a number is not positive, the intensities do not increase or the frequencies do not decrease
+        (the message names the row); if the measure is unknown, or not in the file; if a period is
+        missing, not allowed, or beyond those of the file; or if a site is missing or not in the
+        file.
 
     Examples
     --------
@@ -102,7 +104,9 @@ def read_hazard(
     0.196
     """
     of = Hazard(measure=measure, period=period)  # checks measure and period
-    paths = [input_path("path", file) for file in (path if isinstance(path, (list, tuple)) else [path])]
+    paths = [
+        input_path("path", file) for file in (path if isinstance(path, (list, tuple)) else [path])
+    ]
     if not paths:
         raise ValueError(f"path = {brief(path)}; allowed: one file, or several")
     if of.measure == "intensity" and units is not None:
@@ -160,7 +164,9 @@ def _between(lower: Ordinate, upper: Ordinate, period: float) -> tuple[Array, Ar
     highest = min(of[0] for of in logarithms)
     lowest = max(of[-1] for of in logarithms)
     if lowest >= highest:
-        raise ValueError(f"SA({lower.period:g}) and SA({upper.period:g}) do not overlap in frequency")
+        raise ValueError(
+            f"SA({lower.period:g}) and SA({upper.period:g}) do not overlap in frequency"
+        )
     # Rounded, so that frequencies that differ by rounding errors are one.
     common = np.unique(np.clip(np.round(np.concatenate(logarithms), 9), lowest, highest))[::-1]
     short, long = (

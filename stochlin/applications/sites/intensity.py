@@ -11,11 +11,23 @@ import xarray as xr
 from scipy import constants
 
 from stochlin.applications.sites.elastic_spectra import USUAL_DAMPING
-from stochlin.applications.sites.simulated_spectra import PGA_STEP, SpectrumMotions, peak_accelerations
+from stochlin.applications.sites.simulated_spectra import (
+    PGA_STEP,
+    SpectrumMotions,
+    peak_accelerations,
+)
 from stochlin.applications.sites.spectra import check_goal
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.models.arguments import Acceleration, DampingRatio, Duration, Paths, Seconds, Seed, checked
+from stochlin.models.arguments import (
+    Acceleration,
+    DampingRatio,
+    Duration,
+    Paths,
+    Seconds,
+    Seed,
+    checked,
+)
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground, rms_acceleration
 from stochlin.solver.simulation.statistics import mean_with_error
@@ -44,8 +56,8 @@ def scale_ground(
 ) -> Any:
     """Scale a ground so that its motions have a given mean peak ground or spectral acceleration.
 
-    The motions are proportional to the square root of ``S0``, so that one simulation is enough. A peak
-    ground acceleration is that of motions in steps of 0.01 s, as those of `simulated_motions`.
+    The motions are proportional to the square root of ``S0``, so that one simulation is enough. A
+    peak ground acceleration is that of motions in steps of 0.01 s, as those of `simulated_motions`.
 
     Parameters
     ----------
@@ -56,8 +68,8 @@ def scale_ground(
     envelope : AminAng, ShinozukaSato or GammaEnvelope, optional
         Envelope of the motions; without it they are stationary.
     pga : float, optional
-        Wanted mean peak ground acceleration [m/s^2] in steps of 0.01 s; given, or ``sa`` and ``period``
-        are.
+        Wanted mean peak ground acceleration [m/s^2] in steps of 0.01 s; given, or ``sa`` and
+        ``period`` are.
     sa, period : float, optional
         Wanted mean pseudo-acceleration [m/s^2] at this period [s].
     damping : float
@@ -72,22 +84,22 @@ def scale_ground(
     Returns
     -------
     Ground
-        Ground of the same kind with the ``intensity`` [m^2/s^3] that gives the wanted acceleration. Its
-        ``source`` states this acceleration and the standard error of the simulated mean.
+        Ground of the same kind with the ``intensity`` [m^2/s^3] that gives the wanted acceleration.
+        Its ``source`` states this acceleration and the standard error of the simulated mean.
 
     Raises
     ------
     ValueError, TypeError
-        If neither or both of ``pga`` and ``sa`` are given, a number is out of range, or ``pga`` is given
-        for white noise.
+        If neither or both of ``pga`` and ``sa`` are given, a number is out of range, or ``pga`` is
+        given for white noise.
 
     Notes
     -----
-    A filtered white noise has more and higher peaks in smaller steps: on usual soils the mean peak is
-    3 % lower in steps of 0.02 s, 2 % higher in 0.005 s and 4 % higher in 0.0025 s. All peak ground
-    accelerations of simulated motions, also those of `stochlin.simulated_spectrum`, hazards and
-    reports, are counted in steps of 0.01 s, whatever the duration. Spectral accelerations are simulated
-    in 64 steps in a period, which make it 0.08 % longer.
+    A filtered white noise has more and higher peaks in smaller steps: on usual soils the mean peak
+    is 3 % lower in steps of 0.02 s, 2 % higher in 0.005 s and 4 % higher in 0.0025 s. All peak
+    ground accelerations of simulated motions, also those of `stochlin.simulated_spectrum`, hazards
+    and reports, are counted in steps of 0.01 s, whatever the duration. Spectral accelerations are
+    simulated in 64 steps in a period, which make it 0.08 % longer.
 
     References
     ----------
@@ -106,7 +118,9 @@ def scale_ground(
     check_scalars(ground, "ground", "numbers")
     check_goal({"pga": pga, "sa": sa}, period)
     if pga is not None and not np.isfinite(rms_acceleration(ground)):
-        raise ValueError("pga: white noise has no peak; allowed: sa with a period, or another ground")
+        raise ValueError(
+            "pga: white noise has no peak; allowed: sa with a period, or another ground"
+        )
     at = None if period is None else float(period)
     mean, error = _mean_acceleration(_of_unit_intensity(motions), at, damping)
     wanted = float(pga if sa is None else sa)  # type: ignore[arg-type]
@@ -135,14 +149,19 @@ def shaking(
 ) -> xr.Dataset:
     """Mean intensity of the motions of a ground, with standard errors.
 
-    The variables are ``rms_acceleration`` and ``peak_ground_acceleration`` [m/s^2], NaN for white noise;
-    ``ground_intensity`` [m^2/s^3]; and ``spectral_acceleration_1`` [m/s^2] and so on, for the periods
-    [s] in their order and the damping ratio 0.05.
+    The variables are ``rms_acceleration`` and ``peak_ground_acceleration`` [m/s^2], NaN for white
+    noise; ``ground_intensity`` [m^2/s^3]; and ``spectral_acceleration_1`` [m/s^2] and so on, for
+    the periods [s] in their order and the damping ratio 0.05.
     """
     intensity = float(ground.arrays()["intensity"])
     std = rms_acceleration(ground)
-    columns = {"rms_acceleration": std if np.isfinite(std) else np.nan, "ground_intensity": intensity}
-    motions = _of_unit_intensity(SpectrumMotions(ground, duration, envelope, paths_for(duration), seed))
+    columns = {
+        "rms_acceleration": std if np.isfinite(std) else np.nan,
+        "ground_intensity": intensity,
+    }
+    motions = _of_unit_intensity(
+        SpectrumMotions(ground, duration, envelope, paths_for(duration), seed)
+    )
     for n, at in enumerate([None, *map(float, periods)]):
         name, ending = ("spectral_acceleration", f"_{n}") if n else ("peak_ground_acceleration", "")
         mean, error = _mean_acceleration(motions, at, USUAL_DAMPING)
@@ -162,8 +181,9 @@ def _mean_acceleration(
 ) -> tuple[float, float]:
     """Mean acceleration of the motions, and its standard error [m/s^2].
 
-    It is the pseudo-acceleration at a period [s]; without a period, the peak of the ground, which is NaN
-    for white noise. Periods are simulated one by one, so that none changes the time steps of another.
+    It is the pseudo-acceleration at a period [s]; without a period, the peak of the ground, which
+    is NaN for white noise. Periods are simulated one by one, so that none changes the time steps of
+    another.
     """
     if period is None and not np.isfinite(rms_acceleration(motions.ground)):
         return np.nan, np.nan

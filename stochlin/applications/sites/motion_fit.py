@@ -94,7 +94,9 @@ def checked_components(record: Records) -> Components:
     names = motions.names or ["record"]
     records = motions.records
     if len(records) > 2:
-        raise ValueError(f"record has {len(records)} components; allowed: one, or both of a station")
+        raise ValueError(
+            f"record has {len(records)} components; allowed: one, or both of a station"
+        )
     about = [each.attrs for each in records]
     if len(records) == 2:
         _check_horizontal(names, about)
@@ -125,7 +127,9 @@ def _check_horizontal(names: Sequence[str], about: Sequence[Mapping[str, Any]]) 
         component = str(of.get("component", ""))
         if is_vertical(component, "", in_names.component(file)) or is_below(component):
             cure = "of another direction, stated by its attribute component"
-            raise ValueError(f"record: {plain(name)} is vertical or below; allowed: horizontal, {cure}")
+            raise ValueError(
+                f"record: {plain(name)} is vertical or below; allowed: horizontal, {cure}"
+            )
 
 
 @dataclass(frozen=True)
@@ -141,8 +145,8 @@ class FittedMotion(ByValue):
     duration : float
         Length of the motion [s].
     scatter : float
-        Scatter of the ground acceleration between earthquakes [-], as in `simulate`; by default that
-        between both components of a station. 0 is for motions like this record alone.
+        Scatter of the ground acceleration between earthquakes [-], as in `simulate`; by default
+        that between both components of a station. 0 is for motions like this record alone.
     scatter_source : str
         Where the scatter is from.
 
@@ -174,25 +178,25 @@ def fit_motion(
 ) -> FittedMotion:
     """Fit ground, envelope and duration to a record, so that motions have its energy and spectrum.
 
-    The envelope is fitted by `fit_envelope`. The ground is fitted such that motions with this envelope,
-    without scatter, have, in the mean, the response spectrum of the record from 0.05 to 4 s. Its
-    intensity is then set such that they have the energy of the record exactly,
-    ``sigma^2 Int m^2 dt = Int a^2 dt``, with the standard deviation ``sigma`` of the ground
-    acceleration, the envelope ``m`` and the record ``a``. A ground by `fit_ground` is instead fitted to
-    the strong part of the record; with an envelope by `fit_envelope`, its motions have about half of the
+    The envelope is fitted by `fit_envelope`. The ground is fitted such that motions with this
+    envelope, without scatter, have, in the mean, the response spectrum of the record from 0.05 to 4
+    s. Its intensity is then set such that they have the energy of the record exactly, ``sigma^2 Int
+    m^2 dt = Int a^2 dt``, with the standard deviation ``sigma`` of the ground acceleration, the
+    envelope ``m`` and the record ``a``. A ground by `fit_ground` is instead fitted to the strong
+    part of the record; with an envelope by `fit_envelope`, its motions have about half of the
     energy of the record.
 
-    Of **both components** of a station one ground is fitted. Spectrum and energy are the geometric means
-    of the components, and the envelope is fitted to the mean of their build-ups of energy. The scatter
-    is then the standard deviation of ln Sa between both components, root mean square from 0.2 to 2 s or
-    in the ``band``.
+    Of **both components** of a station one ground is fitted. Spectrum and energy are the geometric
+    means of the components, and the envelope is fitted to the mean of their build-ups of energy.
+    The scatter is then the standard deviation of ln Sa between both components, root mean square
+    from 0.2 to 2 s or in the ``band``.
 
     Parameters
     ----------
     record : xarray.DataArray, or list or mapping of two
-        Ground acceleration [m/s^2] over ``time`` [s], as from `read_record`, of 2 s or more; or both
-        horizontal components of a station, of the same length and time step. Where their attributes
-        ``event`` and ``station`` are known (see `read_record`), they have to agree.
+        Ground acceleration [m/s^2] over ``time`` [s], as from `read_record`, of 2 s or more; or
+        both horizontal components of a station, of the same length and time step. Where their
+        attributes ``event`` and ``station`` are known (see `read_record`), they have to agree.
     envelope : str
         Model of the envelope, as in `fit_envelope`.
     band : tuple of two floats
@@ -207,35 +211,36 @@ def fit_motion(
     Returns
     -------
     fitted motion
-        The ``ground``, the ``envelope``, the ``duration`` [s] of the record and the ``scatter`` [-] of
-        another component with its source, for `simulate`, `separation`, `simulated_motions` and other
-        functions with these arguments. The scatter is also that of the ground, so that it is their
-        default; ``scatter=0.0`` is for motions like the record alone.
+        The ``ground``, the ``envelope``, the ``duration`` [s] of the record and the ``scatter`` [-]
+        of another component with its source, for `simulate`, `separation`, `simulated_motions` and
+        other functions with these arguments. The scatter is also that of the ground, so that it is
+        their default; ``scatter=0.0`` is for motions like the record alone.
 
     Raises
     ------
     ValueError, TypeError
-        If the record is not valid or shorter than 2 s, an option is unknown, or two components differ in
-        length, time step, station or earthquake.
+        If the record is not valid or shorter than 2 s, an option is unknown, or two components
+        differ in length, time step, station or earthquake.
     ArithmeticError
         If no envelope can be fitted.
 
     Warns
     -----
     UserWarning
-        If motions have a significant duration off by a factor of more than 1.5, or a mean spectrum off
-        by more than 30 % (root mean square) in the band.
+        If motions have a significant duration off by a factor of more than 1.5, or a mean spectrum
+        off by more than 30 % (root mean square) in the band.
 
     Notes
     -----
     A record represents one earthquake, and the motions are like this one. The difference to other
-    earthquakes is the ``scatter``. To use the motions at another place, scale them by the mean ln Sa
-    over a band of periods around those of the buildings rather than by the peak ground acceleration.
+    earthquakes is the ``scatter``. To use the motions at another place, scale them by the mean ln
+    Sa over a band of periods around those of the buildings rather than by the peak ground
+    acceleration.
 
     References
     ----------
-    Husid, R. (1969), Rev. IDIEM 8, for the envelope; Vanmarcke, E. H. (1975), J. Appl. Mech. 42, for the
-    peak factors.
+    Husid, R. (1969), Rev. IDIEM 8, for the envelope; Vanmarcke, E. H. (1975), J. Appl. Mech. 42,
+    for the peak factors.
 
     Examples
     --------
@@ -256,7 +261,9 @@ def fit_motion(
     time = components.dt * np.arange(common.size)
     std = float(np.sqrt(components.energy() / energy_of(shape.at(time), components.dt)))
     periods = periods_of_fit(duration)
-    wanted = TargetMotions(periods, components.spectrum(periods), USUAL_DAMPING, duration, shape, std)
+    wanted = TargetMotions(
+        periods, components.spectrum(periods), USUAL_DAMPING, duration, shape, std
+    )
     fit = deliver(wanted, filters, seed, progress, PATHS)
     ground = fit.ground()
     factor = std / rms_acceleration(ground)

@@ -14,11 +14,24 @@ from stochlin.applications.sites.elastic_spectra import (
     as_elastic,
     taken_in_words,
 )
-from stochlin.applications.sites.spectra import SHORTEST, checked_spectrum, interpolated, is_spectrum
+from stochlin.applications.sites.spectra import (
+    SHORTEST,
+    checked_spectrum,
+    interpolated,
+    is_spectrum,
+)
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.messages import brief, refuse
-from stochlin.models.arguments import DampingRatio, Duration, Paths, Seed, Truth, as_numbers, checked
+from stochlin.models.arguments import (
+    DampingRatio,
+    Duration,
+    Paths,
+    Seed,
+    Truth,
+    as_numbers,
+    checked,
+)
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.laws.bilinear import Bilinear
@@ -81,8 +94,8 @@ def simulated_spectrum(
     ground : WhiteNoise, KanaiTajimi, CloughPenzien or ParallelGround
         Ground with scalar parameters.
     target : xarray.DataArray or sequence of float
-        A spectrum, as from `stochlin.eurocode_8` and `stochlin.read_spectrum`, which is compared at 48
-        periods from 0.05 s to its longest one; or the periods [s], positive and increasing.
+        A spectrum, as from `stochlin.eurocode_8` and `stochlin.read_spectrum`, which is compared at
+        48 periods from 0.05 s to its longest one; or the periods [s], positive and increasing.
     duration : float
         Length of each motion [s], positive.
     envelope : AminAng, ShinozukaSato or GammaEnvelope, optional
@@ -102,11 +115,11 @@ def simulated_spectrum(
     -------
     xarray.Dataset
         Over ``period`` [s]: ``pseudo_acceleration`` [m/s^2], the mean over the motions, with
-        ``pseudo_acceleration_standard_error``, and ``pseudo_acceleration_quantile`` [m/s^2] also over
-        ``quantile``. Without dimensions: ``peak_ground_acceleration`` [m/s^2], the mean over the
-        motions in steps of 0.01 s, as in `stochlin.scale_ground`, with its standard error. For a
-        target spectrum also ``target`` [m/s^2] and ``ratio`` [-], the mean over the target, with its
-        standard error.
+        ``pseudo_acceleration_standard_error``, and ``pseudo_acceleration_quantile`` [m/s^2] also
+        over ``quantile``. Without dimensions: ``peak_ground_acceleration`` [m/s^2], the mean over
+        the motions in steps of 0.01 s, as in `stochlin.scale_ground`, with its standard error. For
+        a target spectrum also ``target`` [m/s^2] and ``ratio`` [-], the mean over the target, with
+        its standard error.
 
     Raises
     ------
@@ -116,7 +129,8 @@ def simulated_spectrum(
 
     References
     ----------
-    Nigam and Jennings (1969), Bull. Seismol. Soc. Am. 59, for the exact transition of the oscillators.
+    Nigam and Jennings (1969), Bull. Seismol. Soc. Am. 59, for the exact transition of the
+    oscillators.
 
     Examples
     --------
@@ -180,12 +194,17 @@ def _asked(
         return sought, interpolated(period, values, sought), damping
     periods = as_numbers("target", target, "a spectrum, or periods in seconds").astype(float)
     if periods.ndim != 1 or not periods.size or not (np.diff(periods, prepend=0.0) > 0).all():
-        raise ValueError(f"target = {brief(target)}; allowed: a spectrum, or increasing periods above 0")
+        raise ValueError(
+            f"target = {brief(target)}; allowed: a spectrum, or increasing periods above 0"
+        )
     return periods, None, USUAL_DAMPING
 
 
 def peak_accelerations(
-    periods: Array, damping: float, motions: SpectrumMotions, steps_per_period: int = STEPS_PER_PERIOD
+    periods: Array,
+    damping: float,
+    motions: SpectrumMotions,
+    steps_per_period: int = STEPS_PER_PERIOD,
 ) -> Array:
     """Pseudo-accelerations of elastic oscillators in each motion [m/s^2], (paths, periods).
 

@@ -66,9 +66,9 @@ def is_spectrum(target: object) -> TypeGuard[xr.DataArray]:
 def checked_spectrum(spectrum: xr.DataArray) -> tuple[Array, Array, float]:
     """Periods [s], pseudo-accelerations [m/s^2] and damping ratio of a spectrum, checked.
 
-    A ValueError or TypeError is raised for other dimensions or units, for periods that do not increase
-    or have a gap, and for ordinates that are not positive. The ordinate at a period of 0 is the peak
-    ground acceleration.
+    A ValueError or TypeError is raised for other dimensions or units, for periods that do not
+    increase or have a gap, and for ordinates that are not positive. The ordinate at a period of 0
+    is the peak ground acceleration.
     """
     period, values = checked_array(spectrum, "spectrum", "period")
     damping = spectrum.attrs.get("damping", USUAL_DAMPING)
@@ -134,19 +134,20 @@ def read_spectrum(
     Parameters
     ----------
     path : str or path
-        Path of the file, text in UTF-8 or a workbook, with or without a row of names, below which units
-        may follow. Lines that begin with ``#`` or ``%`` are comments. Or the JSON with which the design
-        services of the U.S. Geological Survey answer for ASCE 7-22, in g and for the damping ratio 0.05.
+        Path of the file, text in UTF-8 or a workbook, with or without a row of names, below which
+        units may follow. Lines that begin with ``#`` or ``%`` are comments. Or the JSON with which
+        the design services of the U.S. Geological Survey answer for ASCE 7-22, in g and for the
+        damping ratio 0.05.
     units : str, optional
-        Units of the accelerations, as in `read_record`. Not needed if the row of names has them, as in
-        ``Sa [g]``.
+        Units of the accelerations, as in `read_record`. Not needed if the row of names has them, as
+        in ``Sa [g]``.
     damping : float
         Damping ratio [-] of the spectrum, between 0 and 1.
     period_column, column : int or str, optional
-        Columns of the period and of the acceleration, each by its number from 1 or by its name. They are
-        not needed where the names say it, in several languages: ``T (s)``, ``Period``, ``Sa [g]``. A
-        frequency [Hz], an angular frequency [rad/s], a pseudo-velocity, a spectral displacement, and
-        ``log10`` or ``ln`` of these, are converted.
+        Columns of the period and of the acceleration, each by its number from 1 or by its name.
+        They are not needed where the names say it, in several languages: ``T (s)``, ``Period``,
+        ``Sa [g]``. A frequency [Hz], an angular frequency [rad/s], a pseudo-velocity, a spectral
+        displacement, and ``log10`` or ``ln`` of these, are converted.
     site : int or tuple of two floats, optional
         Site in a table of uniform hazard spectra of OpenQuake, as in `read_hazard`. Of several
         probabilities ``column`` names one, as ``"0.1"``.
@@ -159,16 +160,16 @@ def read_spectrum(
     elastic : bool, optional
         True for an elastic spectrum. Say this, or ``divided_by``; nothing in the file does.
     divided_by : float or DataArray, optional
-        Factor [-] of at least 1 by which the ordinates are divided, such as ``R`` or ``q``, or an array
-        of factors over ``period`` [s] for all periods of the file, linear between. The ordinates are
-        multiplied by it.
+        Factor [-] of at least 1 by which the ordinates are divided, such as ``R`` or ``q``, or an
+        array of factors over ``period`` [s] for all periods of the file, linear between. The
+        ordinates are multiplied by it.
 
     Returns
     -------
     xarray.DataArray
         Elastic pseudo-acceleration [m/s^2] over ``period`` [s], with the attributes ``damping``,
-        ``source`` and ``elastic``, which says how the file was taken; of a linear one also at periods
-        between the points. The attribute ``columns`` says what is converted, and which
+        ``source`` and ``elastic``, which says how the file was taken; of a linear one also at
+        periods between the points. The attribute ``columns`` says what is converted, and which
         columns were asked for by number; of the USGS ``spectrum`` says which is read.
 
     Raises
@@ -176,21 +177,21 @@ def read_spectrum(
     FileNotFoundError
         If there is no such file.
     ValueError
-        If units or a column are missing or contradict the file, or the title of a column states another
-        damping ratio or the period of one ordinate; if the periods do not increase, an ordinate is not
-        positive, or there are fewer than 4 points; or if ``divided_by`` does not cover the periods, or
-        is given beside ``elastic=True``.
+        If units or a column are missing or contradict the file, or the title of a column states
+        another damping ratio or the period of one ordinate; if the periods do not increase, an
+        ordinate is not positive, or there are fewer than 4 points; or if ``divided_by`` does not
+        cover the periods, or is given beside ``elastic=True``.
 
     Warns
     -----
     UserWarning
-        If the largest ordinate is below 0.167 g or above 3.75 g, an ordinate jumps from a period to the
-        next, or a spectral displacement is above 5 m, so that units are probably wrong, or periods are
-        frequencies; or a period is more than twice
-        the last, and ``between`` is not given. If neither ``elastic`` nor ``divided_by`` is given, and
-        the spectrum is taken as elastic; or if its shape speaks against that: it rises to less than 0.7
-        of the median of elastic spectra (Newmark and Hall 1982; to less than 1.48 times the ordinate at
-        0 s for 5 % damping), unless it begins on its plateau, or it is level from less than 4 s on.
+        If the largest ordinate is below 0.167 g or above 3.75 g, an ordinate jumps from a period to
+        the next, or a spectral displacement is above 5 m, so that units are probably wrong, or
+        periods are frequencies; or a period is more than twice the last, and ``between`` is not
+        given. If neither ``elastic`` nor ``divided_by`` is given, and the spectrum is taken as
+        elastic; or if its shape speaks against that: it rises to less than 0.7 of the median of
+        elastic spectra (Newmark and Hall 1982; to less than 1.48 times the ordinate at 0 s for 5 %
+        damping), unless it begins on its plateau, or it is level from less than 4 s on.
 
     Examples
     --------

@@ -1,8 +1,8 @@
 """Points of response spectra in files: in columns, or in a row for each site as OpenQuake writes them.
 
 GEM, OpenQuake Engine manual, Uniform hazard spectra, ``hazard_uhs-mean_20.csv``: the columns
-``lon,lat,0.1~PGA,0.1~SA(0.2),...``, whose names have a probability of exceedance and the period [s], and
-a row for each site with accelerations in g.
+``lon,lat,0.1~PGA,0.1~SA(0.2),...``, whose names have a probability of exceedance and the period
+[s], and a row for each site with accelerations in g.
 """
 
 from __future__ import annotations
@@ -221,5 +221,7 @@ def _at_site(table: Table, request: AskedSpectrum) -> Points:
     values = table.sheet.numbers(table.rows.loc[[line], columns], "acceleration")[0]
     size = stated_size("acceleration", "g", request.units, place)
     places = [table.sheet.where(line, column) for column in columns]
-    about = {"comment": f"uniform hazard spectrum of {place}, probability {wanted}"} if wanted else {}
+    about = (
+        {"comment": f"uniform hazard spectrum of {place}, probability {wanted}"} if wanted else {}
+    )
     return Points(np.array([periods[n] for n in columns]), size * values, places, about)

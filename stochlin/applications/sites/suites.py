@@ -77,52 +77,53 @@ def read_records(
 ) -> Suite:
     r"""Read a suite of records: all files of a folder, or those listed in a table.
 
-    Vertical components (``U-D``, ``UP``, ``V1``, ``BHZ00``, ..., by the header, or else the title or the
-    name of the file) and those in a borehole are left out with a warning. Two records with the same
-    ``event`` and ``station`` count as one earthquake in the intervals of `recorded_gap`; where one of
-    these is not known, two of files whose names differ in the component alone.
+    Vertical components (``U-D``, ``UP``, ``V1``, ``BHZ00``, ..., by the header, or else the title
+    or the name of the file) and those in a borehole are left out with a warning. Two records with
+    the same ``event`` and ``station`` count as one earthquake in the intervals of `recorded_gap`;
+    where one of these is not known, two of files whose names differ in the component alone.
 
     Parameters
     ----------
     path : str or path
-        Path of a folder or a table. Of a folder and the folders in it, all files that end in .txt, .csv,
-        .dat or .acc, or as files of the formats of `read_record` do, such as .at2, .v2, .ns, .asc and
-        .191, are read in the order of their names, also compressed (.gz); those in which no record can
-        be seen are left out with a warning. Of a download of PEER the table ``_SearchResults.csv`` names
-        the files, earthquakes and stations, and its scale factors become the attribute
-        ``scale_factor``, without being applied. Another table is comma-separated with a row of names.
-        Its column ``file`` has paths relative to the folder of the table. The columns ``dt`` [s] and
-        ``units``, which are optional, apply to each file. Units such as ``"t s, g"`` mean that the first
-        column of the file is time and the second acceleration; text after a semicolon is a remark. The
-        columns ``event``, ``station`` and ``component`` become attributes of the records; ``component``
-        also chooses one of several components of a file.
+        Path of a folder or a table. Of a folder and the folders in it, all files that end in .txt,
+        .csv, .dat or .acc, or as files of the formats of `read_record` do, such as .at2, .v2, .ns,
+        .asc and .191, are read in the order of their names, also compressed (.gz); those in which
+        no record can be seen are left out with a warning. Of a download of PEER the table
+        ``_SearchResults.csv`` names the files, earthquakes and stations, and its scale factors
+        become the attribute ``scale_factor``, without being applied. Another table is
+        comma-separated with a row of names. Its column ``file`` has paths relative to the folder of
+        the table. The columns ``dt`` [s] and ``units``, which are optional, apply to each file.
+        Units such as ``"t s, g"`` mean that the first column of the file is time and the second
+        acceleration; text after a semicolon is a remark. The columns ``event``, ``station`` and
+        ``component`` become attributes of the records; ``component`` also chooses one of several
+        components of a file.
     dt, units, column, time_column, component, wrapped, skip
-        As in `read_record`, for all files without such an entry in the table. Without a ``component``,
-        both horizontal ones of a file are read; with it, also vertical ones.
+        As in `read_record`, for all files without such an entry in the table. Without a
+        ``component``, both horizontal ones of a file are read; with it, also vertical ones.
 
     Returns
     -------
     dict of str to xarray.DataArray
-        The records [m/s^2] over ``time`` [s], by their paths in the table or relative to the folder, for
-        `recorded_gap`, `response_spectrum` and `separation`; of a file with two, also by the component.
-        The attribute ``file`` is this path.
+        The records [m/s^2] over ``time`` [s], by their paths in the table or relative to the
+        folder, for `recorded_gap`, `response_spectrum` and `separation`; of a file with two, also
+        by the component. The attribute ``file`` is this path.
 
     Raises
     ------
     FileNotFoundError
         If there is no such folder or table.
     ValueError
-        If a file cannot be read, or its time step or units contradict the table (the message names the
-        file and the line of the table), or there is none.
+        If a file cannot be read, or its time step or units contradict the table (the message names
+        the file and the line of the table), or there is none.
 
     Warns
     -----
     UserWarning
-        As in `read_record`; for each file and for all components that are left out; if a file and its
-        name state different directions; and if records state a station and no earthquake, or the other
-        way round, and their names do not say which belong together; if three are of one earthquake and
-        station, of which one may be vertical; if two are the same motion; and if two or three each are
-        equally long, and so may be components of one earthquake.
+        As in `read_record`; for each file and for all components that are left out; if a file and
+        its name state different directions; and if records state a station and no earthquake, or
+        the other way round, and their names do not say which belong together; if three are of one
+        earthquake and station, of which one may be vertical; if two are the same motion; and if two
+        or three each are equally long, and so may be components of one earthquake.
 
     Examples
     --------
@@ -161,8 +162,12 @@ def read_records(
     for question in (*_without_earthquake(suite), *_alike(suite)):
         warnings.warn(f"{plain(path.name)}: {question}", DoubtfulInput, stacklevel=3)
     if not suite:
-        what = "vertical ones alone, which component= reads" if read else "no record that can be read"
-        raise ValueError(f"{plain(path.name)} holds {what}; allowed: one horizontal record at least")
+        what = (
+            "vertical ones alone, which component= reads" if read else "no record that can be read"
+        )
+        raise ValueError(
+            f"{plain(path.name)} holds {what}; allowed: one horizontal record at least"
+        )
     return suite
 
 
@@ -187,7 +192,10 @@ def _components(
     if component is None and 1 < len(channels) <= 3:
         for channel in channels:
             label = f"{name}, {channel.about.get('component', '')}"
-            yield label, _Read(recorded(channel, source, dt, units, alone=False), channel.title, False)
+            yield (
+                label,
+                _Read(recorded(channel, source, dt, units, alone=False), channel.title, False),
+            )
     else:
         channel = chosen(channels, component, source)
         record = recorded(channel, source, dt, units, alone=component is not None)
@@ -252,7 +260,9 @@ def _alike(suite: Suite) -> Iterator[str]:
             yield f"{both} are the same motion; is it to count as several earthquakes?"
             break
     if len(lengths) > 1 and all(1 < len(labels) <= 3 for labels in lengths.values()):
-        what = f"{listed(next(iter(lengths.values())))} are equally long; are they of one earthquake?"
+        what = (
+            f"{listed(next(iter(lengths.values())))} are equally long; are they of one earthquake?"
+        )
         yield f"{what} {WHO_BELONGS}"
 
 
@@ -271,7 +281,9 @@ def _of_folder(path: Path) -> Iterator[_Listed]:
 def _of_table(path: Path) -> Iterator[_Listed]:
     """Each file in a table, with a warning on factors that are not applied."""
     rows = [*table_rows(read_text(path), path.name)]
-    factors = [key for key in rows[0][2] if _OF_SCALE.search(key) and key != PEER_FACTOR] if rows else []
+    factors = (
+        [key for key in rows[0][2] if _OF_SCALE.search(key) and key != PEER_FACTOR] if rows else []
+    )
     if factors:
         what = f"{plain(path.name)}: its column {brief(factors[0])} is not applied"
         warnings.warn(f"{what}; scale_records scales records", DoubtfulInput, stacklevel=4)
@@ -317,7 +329,9 @@ def _options(row: Row, where: str) -> dict[str, Any]:
     if len(of_columns) == 2 and of_columns[0].split() == ["t", "s"]:
         options |= {"time_column": 1, "column": 2, "dt": None}
     elif len(of_columns) > 1:
-        raise ValueError(f"{where}: units = {brief(units)}; allowed: one unit, or 't s, ' before it")
+        raise ValueError(
+            f"{where}: units = {brief(units)}; allowed: one unit, or 't s, ' before it"
+        )
     if step:
         options["dt"] = number_in(step)
         if options["dt"] is None:
@@ -345,13 +359,13 @@ def scale_records(
     records : mapping of str to xarray.DataArray
         A suite, as from `read_records`.
     pga : float, optional
-        Wanted peak ground acceleration of each record [m/s^2]. One of ``pga``, ``sa`` and ``spectrum``
-        is given.
+        Wanted peak ground acceleration of each record [m/s^2]. One of ``pga``, ``sa`` and
+        ``spectrum`` is given.
     sa, period : float, optional
         Wanted pseudo-acceleration of each record [m/s^2] at this period [s].
     spectrum : xarray.DataArray, optional
-        Wanted spectrum, as from `eurocode_8`. The spectrum of each record has the same mean logarithm
-        over the ``band``.
+        Wanted spectrum, as from `eurocode_8`. The spectrum of each record has the same mean
+        logarithm over the ``band``.
     band : tuple of two floats
         Periods [s] between which spectra are compared, evenly spaced in the logarithm.
     damping : float
@@ -367,13 +381,14 @@ def scale_records(
     Raises
     ------
     ValueError, TypeError
-        If not exactly one of ``pga``, ``sa`` and ``spectrum`` is given, a number is out of range, or a
-        record is not valid.
+        If not exactly one of ``pga``, ``sa`` and ``spectrum`` is given, a number is out of range,
+        or a record is not valid.
 
     Warns
     -----
     UserWarning
-        If a factor is above 10 or below 0.1, so that the record hardly represents the wanted earthquake.
+        If a factor is above 10 or below 0.1, so that the record hardly represents the wanted
+        earthquake.
 
     Examples
     --------
@@ -396,7 +411,9 @@ def scale_records(
         spectrum = as_elastic(spectrum, elastic, divided_by)
         own_periods, values, damping = checked_spectrum(spectrum)
         if not own_periods[own_periods > 0][0] <= band[0] < band[1] <= own_periods[-1]:
-            raise ValueError(f"band = {brief(band)} is not within the spectrum; allowed: its periods")
+            raise ValueError(
+                f"band = {brief(band)} is not within the spectrum; allowed: its periods"
+            )
         target = interpolated(own_periods, values, periods)
     suite = {}
     for name, record in records.items():

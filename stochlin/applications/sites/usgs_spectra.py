@@ -1,7 +1,8 @@
 """Design spectra of the U.S. Geological Survey: the response of its design web services, as JSON.
 
-Seismic Design Web Services, https://earthquake.usgs.gov/ws/designmaps: ``response.data`` has the elastic
-spectra of ASCE 7-22 for the damping ratio 0.05, each with its ``periods`` [s] and ``ordinates`` [g].
+Seismic Design Web Services, https://earthquake.usgs.gov/ws/designmaps: ``response.data`` has the
+elastic spectra of ASCE 7-22 for the damping ratio 0.05, each with its ``periods`` [s] and
+``ordinates`` [g].
 """
 
 from __future__ import annotations
@@ -33,14 +34,22 @@ def read(name: str, text: str, column: int | str | None) -> UsgsSpectrum:
         data = content_of(text)["response"]["data"]
         there = [each for each in (*DESIGN, *MAXIMUM) if each in data]
     except (ValueError, LookupError, TypeError, RecursionError) as error:
-        what = f"{name} is JSON and no response of the design services of the USGS ({sentence(error)})"
+        what = (
+            f"{name} is JSON and no response of the design services of the USGS ({sentence(error)})"
+        )
         raise ValueError(f"{what}; allowed: the whole response, or columns of text") from error
     chosen = next((each for each in there if each in DESIGN), None) if column is None else column
     if chosen not in there:
         what = (
-            f"column = {brief(column)} is not in {name}" if column else f"{name} has no design spectrum"
+            f"column = {brief(column)} is not in {name}"
+            if column
+            else f"{name} has no design spectrum"
         )
-        known = f"allowed as column: {listed(there)}" if there else "allowed: the response for ASCE 7-22"
+        known = (
+            f"allowed as column: {listed(there)}"
+            if there
+            else "allowed: the response for ASCE 7-22"
+        )
         raise ValueError(f"{what}; {known}")
     where = f"{name}, {chosen}"
     values = data[chosen]

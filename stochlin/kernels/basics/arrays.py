@@ -24,8 +24,8 @@ def on_arrays(function: Callable[[Array], Array], parts: Any) -> Any:
 def zeros_on_a_line(*shape: int) -> Array:
     """Zeros of this shape that begin at a cache line, as numpy's own need not.
 
-    Numbers for one vector register are then never on two lines, which saves a tenth to a third of the
-    time of a kernel that does little with each number.
+    Numbers for one vector register are then never on two lines, which saves a tenth to a third of
+    the time of a kernel that does little with each number.
     """
     size = 8 * math.prod(shape)
     memory = np.zeros(size + CACHE_LINE, np.uint8)
@@ -50,8 +50,8 @@ def where_finite(values: Any, *others: Any) -> Any:
 def solve_3x3(matrix: Sequence[Sequence[Array]], right: Sequence[Array]) -> tuple[Array, ...]:
     """The three components of ``x`` in ``matrix @ x = right``, cell by cell; all entries broadcast.
 
-    A singular cell becomes NaN or infinite. Cramer's rule does not depend on the scaling of rows, which
-    differ here by orders of magnitude.
+    A singular cell becomes NaN or infinite. Cramer's rule does not depend on the scaling of rows,
+    which differ here by orders of magnitude.
     """
     (a, b, c), (d, e, f), (g, h, i) = matrix
     x, y, z = right

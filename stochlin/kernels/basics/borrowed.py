@@ -1,9 +1,9 @@
 """Arrays that compiled functions borrow: fields of named tuples, and columns of blocks of memory.
 
-Of an array in a tuple numba counts the references in each function and loop that the tuple comes to,
-which takes most of the time of a short step, and of the compiler. In compiled code a field or column of
-this module is its address and shape, and no references are counted: who calls a compiled function holds
-the memory until it returns.
+Of an array in a tuple numba counts the references in each function and loop that the tuple comes
+to, which takes most of the time of a short step, and of the compiler. In compiled code a field or
+column of this module is its address and shape, and no references are counted: who calls a compiled
+function holds the memory until it returns.
 """
 
 from __future__ import annotations

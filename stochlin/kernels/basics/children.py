@@ -1,7 +1,7 @@
 """Processes of Python that this one starts: none of them imports from the folder in which it runs.
 
-A program that is started as ``python -c`` looks for modules in the current folder first, also for those
-of Python itself: a file ``pickle.py`` of somebody else would be run.
+A program that is started as ``python -c`` looks for modules in the current folder first, also for
+those of Python itself: a file ``pickle.py`` of somebody else would be run.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ from collections.abc import Mapping
 from pathlib import Path
 
 PACKAGE = Path(__file__).parents[2]
-# What a child runs before all else. The package is the one that this process runs, which need not be the
-# first that `sys.path` has; the other modules of its folder come after all others.
+# What a child runs before all else. The package is the one that this process runs, which need not
+# be the first that `sys.path` has; the other modules of its folder come after all others.
 _BEGIN = """
 import sys
 from importlib.util import module_from_spec, spec_from_file_location

@@ -8,10 +8,10 @@
                   apart, which halves the time of the compiler
 ================  ==================================================================================
 
-numba compiles a function again only if its own source file has changed. The folder is therefore named
-after a digest of all kernel sources and versions. Processes that compile a function at the same time for
-arguments of different types may overwrite one another's files: each function on the disk is called with
-arguments of one type only (`variant`).
+numba compiles a function again only if its own source file has changed. The folder is therefore
+named after a digest of all kernel sources and versions. Processes that compile a function at the
+same time for arguments of different types may overwrite one another's files: each function on the
+disk is called with arguments of one type only (`variant`).
 """
 
 from __future__ import annotations
@@ -59,7 +59,8 @@ NOT_PRIVATE = (
 )
 PREFIX = "kernels-"  # of folders of compiled code
 OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
-# Functions that only compiled code calls need no code to be called from elsewhere, a third of the time.
+# Functions that only compiled code calls need no code to be called from elsewhere, a third of the
+# time.
 INNER: Any = {"error_model": "numpy", "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 OFTEN: Any = INNER | {"forceinline": True}
 
@@ -187,7 +188,8 @@ def variant(function: Any, name: str) -> Any:
 def by_pointer(function: Any, *arguments: Any) -> Any:
     """The function as a C function for arguments of the types of these, which returns nothing.
 
-    What calls it by its pointer does not contain it: each of both is compiled once, and only if used.
+    What calls it by its pointer does not contain it: each of both is compiled once, and only if
+    used.
     """
     with _naming_folder:
         return function if UNCOMPILED else c_function(function, nb.void(*map(nb.typeof, arguments)))

@@ -1,8 +1,8 @@
 """Exponentials, logarithms and powers of which the compiler makes vector instructions.
 
-Those of the mathematics library are called number by number, which takes four times as long. Polynomials
-are sums of parts that do not wait for one another. The errors are those of rounding: relatively 3e-16 in
-the logarithm, and ``1e-16 (1 + |exponent log x|)`` in a power.
+Those of the mathematics library are called number by number, which takes four times as long.
+Polynomials are sums of parts that do not wait for one another. The errors are those of rounding:
+relatively 3e-16 in the logarithm, and ``1e-16 (1 + |exponent log x|)`` in a power.
 """
 
 from __future__ import annotations
@@ -11,10 +11,13 @@ import numpy as np
 
 from stochlin.kernels.basics.compiled import called_often
 
-# log 2 in two parts, of which the first has so few digits that its products with whole numbers are exact
+# log 2 in two parts, of which the first has so few digits that its products with whole numbers are
+# exact
 LOG_2 = 6.93147180369123816490e-01
 LOG_2_REST = 1.90821492927058770002e-10
-SHIFT = 6755399441055744.0  # 1.5 * 2^52: adding it rounds to whole numbers, kept in the lowest digits
+SHIFT = (
+    6755399441055744.0  # 1.5 * 2^52: adding it rounds to whole numbers, kept in the lowest digits
+)
 SHIFT_BITS = int(np.float64(SHIFT).view(np.int64))
 ROOT_HALF_BITS = int(np.float64(np.sqrt(0.5)).view(np.int64))
 # beyond, the exponential is zero or infinite, or nearly so
@@ -43,8 +46,8 @@ def exponential(x):
 def logarithm(x):
     """``log x`` of a positive number.
 
-    With ``x = 2^k (1 + f)`` and ``s = f/(2 + f)`` it is ``k log 2 + 2 artanh s``. The polynomial is the
-    one of the FreeBSD mathematics library (e_log.c, Sun Microsystems 1993).
+    With ``x = 2^k (1 + f)`` and ``s = f/(2 + f)`` it is ``k log 2 + 2 artanh s``. The polynomial is
+    the one of the FreeBSD mathematics library (e_log.c, Sun Microsystems 1993).
     """
     bits = np.float64(max(x, TINY)).view(np.int64)
     k = (bits - ROOT_HALF_BITS) >> 52

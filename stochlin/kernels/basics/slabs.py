@@ -25,11 +25,13 @@ def in_slabs(
 ) -> tuple[Array, ...]:
     """Results of ``function`` for inputs that broadcast, without temporary arrays of the table's size.
 
-    The function is called for slabs of about `CHUNK` cells. It returns an array, or a tuple with one for
-    each data type of ``kinds``.
+    The function is called for slabs of about `CHUNK` cells. It returns an array, or a tuple with
+    one for each data type of ``kinds``.
     """
     shape = np.broadcast_shapes(*{array.shape for array in inputs})
-    inputs = tuple(array.reshape((1,) * (len(shape) - array.ndim) + array.shape) for array in inputs)
+    inputs = tuple(
+        array.reshape((1,) * (len(shape) - array.ndim) + array.shape) for array in inputs
+    )
     results = tuple(np.empty(shape, kind) for kind in kinds)
     for slab in _slabs(shape):
         outputs = function(*(_cut(slab, array) for array in inputs))
@@ -58,4 +60,6 @@ def _slabs(shape: tuple[int, ...]) -> Iterator[tuple[slice, ...]]:
 
 def _cut(slab: tuple[slice, ...], array: Array) -> Array:
     """The slab of an array that broadcasts to the table: dimensions of length 1 are taken whole."""
-    return array[tuple(slice(None) if n == 1 else s for s, n in zip(slab, array.shape, strict=False))]
+    return array[
+        tuple(slice(None) if n == 1 else s for s, n in zip(slab, array.shape, strict=False))
+    ]

@@ -2,14 +2,15 @@
 
     M q'' + C q' + E' (post e + couple z) = M 1 f,    e = E q,    u = S q
 
-The generalized coordinates ``q`` [m] have masses ``M`` and a damping matrix ``C``. Elements are springs
-with the extensions ``e``; ``z`` is the elastic part of an extension, by the element's hysteresis law.
-``u`` are the displacements of the floors, relative to the ground, and ``f`` [m/s^2] is the forcing by
-the ground.
+The generalized coordinates ``q`` [m] have masses ``M`` and a damping matrix ``C``. Elements are
+springs with the extensions ``e``; ``z`` is the elastic part of an extension, by the element's
+hysteresis law. ``u`` are the displacements of the floors, relative to the ground, and ``f`` [m/s^2]
+is the forcing by the ground.
 
-The coordinate of an oscillator is its displacement, which is also the extension of its one element. The
-coordinates of a chain of storeys are the displacements of its floors, and the extensions are their
-differences. Coordinates of modes have unit masses and the shapes times the participation factors in S.
+The coordinate of an oscillator is its displacement, which is also the extension of its one element.
+The coordinates of a chain of storeys are the displacements of its floors, and the extensions are
+their differences. Coordinates of modes have unit masses and the shapes times the participation
+factors in S.
 """
 
 from __future__ import annotations

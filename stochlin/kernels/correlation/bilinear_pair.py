@@ -39,14 +39,14 @@ def linearized_pair(
 ) -> PairResponse:
     """Correlation and standard deviations of two bilinear structures by statistical linearization.
 
-    The numbers are those of `stochlin.correlate` with the Gaussian closure, without labels, checks and
-    the known bias. A call takes some microseconds; the first one of all compiles for seconds.
+    The numbers are those of `stochlin.correlate` with the Gaussian closure, without labels, checks
+    and the known bias. A call takes some microseconds; the first one of all compiles for seconds.
 
     Parameters
     ----------
     first, second : tuple of float
-        Period [s], damping ratio [-], hardening ratio [-] and yield displacement [m] of a structure,
-        all positive and finite. They are not checked.
+        Period [s], damping ratio [-], hardening ratio [-] and yield displacement [m] of a
+        structure, all positive and finite. They are not checked.
     ground : tuple of float
         Intensity ``S0`` [m^2/s^3] of white noise; for Kanai-Tajimi ground then its period [s] and
         damping ratio [-]; for Clough-Penzien ground then those of the high-pass filter.
@@ -54,8 +54,8 @@ def linearized_pair(
     Returns
     -------
     PairResponse
-        ``rho`` [-], ``displacement_std_1`` [m] and ``displacement_std_2`` [m]; NaN where no solution was
-        converged in 200 steps.
+        ``rho`` [-], ``displacement_std_1`` [m] and ``displacement_std_2`` [m]; NaN where no
+        solution was converged in 200 steps.
 
     Examples
     --------

@@ -1,16 +1,17 @@
 """Corrections of the correlation by drift, from simulations: signatures and nearness.
 
-Signatures: the displacements of a few reference structures on the same ground span a space of random
-variables. The *signature* of a structure is the vector of coordinates of its displacement, over the
-standard deviation, in an orthonormal basis of this space; the basis follows from the Cholesky factor of
-the correlations of the references. The correlation of two structures is the scalar product of their
-signatures, plus a part that is independent of the references. These are eqs. (9) to (11) of
-``docs/drift.md``.
+Signatures: the displacements of a few reference structures on the same ground span a space of
+random variables. The *signature* of a structure is the vector of coordinates of its displacement,
+over the standard deviation, in an orthonormal basis of this space; the basis follows from the
+Cholesky factor of the correlations of the references. The correlation of two structures is the
+scalar product of their signatures, plus a part that is independent of the references. These are
+eqs. (9) to (11) of ``docs/drift.md``.
 
-Nearness: for two structures that differ little, ``1 - rho`` is a small difference of large numbers in
-any theory of their covariance, but it can be simulated directly. By eq. (12), ``1 - rho = q/(1 + q)``,
-where ``q`` is a quadratic form in the differences of the logarithms of period, strength, hardening and
-damping. Its matrix belongs to one structure. Eq. (13) combines this with the correlation by signatures.
+Nearness: for two structures that differ little, ``1 - rho`` is a small difference of large numbers
+in any theory of their covariance, but it can be simulated directly. By eq. (12), ``1 - rho = q/(1 +
+q)``, where ``q`` is a quadratic form in the differences of the logarithms of period, strength,
+hardening and damping. Its matrix belongs to one structure. Eq. (13) combines this with the
+correlation by signatures.
 """
 
 from __future__ import annotations
@@ -66,11 +67,13 @@ class Nearness(NamedTuple):
     trust: Array  # factor from 0 to 1 on the weight of eq. (13)
 
 
-def by_nearness(rho: Array, first: Nearness, second: Nearness, unseen: Array) -> tuple[Array, Array]:
+def by_nearness(
+    rho: Array, first: Nearness, second: Nearness, unseen: Array
+) -> tuple[Array, Array]:
     """Correlation of pairs by eq. (13), which changes ``rho`` of nearly equal structures only.
 
-    Also returned is the weight ``w`` of eq. (12) in it. ``unseen`` is the share of the variances of both
-    structures that is independent of the references, ``f`` in eq. (13).
+    Also returned is the weight ``w`` of eq. (12) in it. ``unseen`` is the share of the variances of
+    both structures that is independent of the references, ``f`` in eq. (13).
     """
     apart = [place - other for place, other in zip(first.place, second.place, strict=True)]
     q: Array | float = 0.0
@@ -79,7 +82,9 @@ def by_nearness(rho: Array, first: Nearness, second: Nearness, unseen: Array) ->
         along: Array | float = 0.0
         for j in range(i + 1):
             entry, other = next(rows)
-            share = 0.5 if i == j else 1.0  # entries off the diagonal count twice in the mean of both
+            share = (
+                0.5 if i == j else 1.0
+            )  # entries off the diagonal count twice in the mean of both
             along += (share * entry + share * other) * apart[j]
         q += along * apart[i]
     weight = first.trust * second.trust / (1 + (q / MIDDLE) ** 2)

@@ -1,9 +1,9 @@
 """Expected errors of a pair: of ``rho`` by the drift closure, and of the deviation of ``u_1 - u_2``.
 
-Those of ``rho`` were measured on simulated pairs of unequal bilinear structures, by kind of ground and
-by strength. The expected error of the standard deviation of ``u_1 - u_2`` follows from the errors of
-both structures and of ``1 - rho``; the latter are so large that cautions protect the simulated pairs
-of ``docs/drift.md``.
+Those of ``rho`` were measured on simulated pairs of unequal bilinear structures, by kind of ground
+and by strength. The expected error of the standard deviation of ``u_1 - u_2`` follows from the
+errors of both structures and of ``1 - rho``; the latter are so large that cautions protect the
+simulated pairs of ``docs/drift.md``.
 """
 
 from __future__ import annotations
@@ -14,12 +14,16 @@ from stochlin.kernels.basics.arrays import Array
 
 # Value of 1 - rho, and relative difference of two deviations, below which it is a rounding error
 NONE_LEFT = 1e-13
-# Errors by the smaller R/p of both structures: below the first bound, between them, above the last one.
+# Errors by the smaller R/p of both structures: below the first bound, between them, above the last
+# one.
 BOUNDS = np.array([0.5, 1.0, 2.0])
-# Expected relative errors of 1 - rho: of nearly equal structures, and of all others, as a share of rho.
+# Expected relative errors of 1 - rho: of nearly equal structures, and of all others, as a share of
+# rho.
 OF_NEARLY_EQUAL = np.array([0.14, 0.10, 0.06, 0.05])
 OF_OTHERS = 0.18
-SAFE_SIDE = 0.06  # relative bias, on the safe side, of u_1 - u_2 of nearly equal structures by eq. (13)
+SAFE_SIDE = (
+    0.06  # relative bias, on the safe side, of u_1 - u_2 of nearly equal structures by eq. (13)
+)
 
 
 def std_of_difference(std_1: Array, std_2: Array, rho: Array) -> Array:
@@ -28,13 +32,19 @@ def std_of_difference(std_1: Array, std_2: Array, rho: Array) -> Array:
 
 
 def error_of_difference(
-    std_1: Array, error_1: Array, std_2: Array, error_2: Array, rho: Array, error: Array, share: Array
+    std_1: Array,
+    error_1: Array,
+    std_2: Array,
+    error_2: Array,
+    rho: Array,
+    error: Array,
+    share: Array,
 ) -> tuple[Array, Array]:
     """Expected relative error of the standard deviation of ``u_1 - u_2``, and its relative bias.
 
-    It combines the relative errors of both standard deviations and of ``1 - rho`` (``error``) as if they
-    were independent. ``share`` is the weight of eq. (13) for nearly equal structures, which is biased to
-    the safe side.
+    It combines the relative errors of both standard deviations and of ``1 - rho`` (``error``) as if
+    they were independent. ``share`` is the weight of eq. (13) for nearly equal structures, which is
+    biased to the safe side.
     """
     joint = std_1 * std_2 * _left(rho)
     apart = _apart(std_1, std_2)

@@ -23,8 +23,8 @@ from stochlin.kernels.linearization.drift import DriftingSide, coherence_of, dri
 from stochlin.kernels.linearization.levels import StructureInTime, StructureRows, grown
 from stochlin.kernels.linearization.spectral_moments import bandwidth_of
 
-# Nodes of the integral for l1 over ln s [1/s], with errors e^(-pi^2/h) by their step, and of 2 e^-10 by
-# their range for frequencies of 0.06 to 600 rad/s.
+# Nodes of the integral for l1 over ln s [1/s], with errors e^(-pi^2/h) by their step, and of 2
+# e^-10 by their range for frequencies of 0.06 to 600 rad/s.
 STEP = 0.7
 NODES = np.exp(STEP * np.arange(-18, 24))[:, None]
 LEAST_EASE = 0.3  # factor of eq. (6) by which a correction of rho is divided at least
@@ -54,7 +54,9 @@ class AtLevels(NamedTuple):
     side: DriftingSide
     rows: StructureRows
     level: Array
-    later: Array  # (nodes, n) transform of the covariance of the later forcing with the displacement
+    later: (
+        Array  # (nodes, n) transform of the covariance of the later forcing with the displacement
+    )
 
 
 def pair_rows(first: AtLevels, second: AtLevels, added: Array) -> PairRows:
@@ -122,8 +124,8 @@ def _integral(of_pair: Residues, p: Polynomial, q: Polynomial) -> Array:
 def decay(first: AtLevels, second: AtLevels, joint: Array, ahead: Array, velocity: Array) -> Array:
     """``-Int_0^inf R'(tau) e^(-s tau) dtau`` at the `NODES`; ``R`` is the correlation of ``u_1 - u_2``.
 
-    The covariances of both structures are ``joint``, ``E[u_1 v_2] = ahead`` and ``velocity``. It is as
-    in `spectral_moments`, for two structures whose states have covariances with ``u_1 - u_2``.
+    The covariances of both structures are ``joint``, ``E[u_1 v_2] = ahead`` and ``velocity``. It is
+    as in `spectral_moments`, for two structures whose states have covariances with ``u_1 - u_2``.
     """
     drive = first.later - second.later
     forcing = first.forcing.mu - second.forcing.mu
@@ -145,8 +147,9 @@ def _decay(
 ) -> Array:
     """The part of `decay` by one structure, from its equations of motion solved for the velocity.
 
-    ``place`` and ``rate`` are the covariances of its displacement and its velocity with ``u_1 - u_2``,
-    ``rates`` that of both velocities, and ``forcing`` and ``drive`` those of the forcing, now and later.
+    ``place`` and ``rate`` are the covariances of its displacement and its velocity with ``u_1 -
+    u_2``, ``rates`` that of both velocities, and ``forcing`` and ``drive`` those of the forcing,
+    now and later.
     """
     w2, d, h, p, k = system
     s = NODES
@@ -182,7 +185,9 @@ def difference(
     rows_1 = first.rows
     rows_2 = second.rows
     drift = grown(
-        pair.increment * rows_1.increment * rows_2.increment, rows_1.relaxation + rows_2.relaxation, step
+        pair.increment * rows_1.increment * rows_2.increment,
+        rows_1.relaxation + rows_2.relaxation,
+        step,
     )
     slow = grown(rows_1.slow_push * rows_2.slow_push, rows_1.slow_rate + rows_2.slow_rate, step)
     level = np.sqrt(first.square * second.square)
@@ -197,7 +202,9 @@ def difference(
     joint = rho * rows_1.displacement * rows_2.displacement
     fast = _but_rounding(rows_1.displacement**2, rows_2.displacement**2, joint)
     velocity = (
-        rows_1.velocity**2 + rows_2.velocity**2 - 2 * rho_velocity * rows_1.velocity * rows_2.velocity
+        rows_1.velocity**2
+        + rows_2.velocity**2
+        - 2 * rho_velocity * rows_1.velocity * rows_2.velocity
     )
     offset = _but_rounding(first.offset, second.offset, drift + slow)
     stays_1 = _stays(rows_1, step)

@@ -23,9 +23,9 @@ from stochlin.kernels.linearization.drift import DriftingSide, drifting_correlat
 
 EQUAL = 1e-12  # difference of two correlations that is a rounding error
 ROUNDING = 1e-9  # by which |rho| may exceed 1 by rounding; beyond it the covariance is invalid
-# Logarithm of the ratio of the periods from which the margin of eq. (13) counts in the caution. Of pairs
-# with more similar periods, the difference comes from strength, hardening and damping alone, and its
-# estimate is less certain.
+# Logarithm of the ratio of the periods from which the margin of eq. (13) counts in the caution. Of
+# pairs with more similar periods, the difference comes from strength, hardening and damping alone,
+# and its estimate is less certain.
 ALIKE = 0.015
 
 
@@ -75,12 +75,14 @@ def drifting_pair(errors: Array, first: Drifting, second: Drifting) -> tuple[Arr
     """The correlation by the drift closure; ``errors`` are those of ``rho`` on this ground.
 
     The results are ``rho`` and its expected error, the standard deviation of ``u_1 - u_2`` with its
-    expected relative error and its bias, and the error of the deviation that counts in its caution. This
-    is less half of the bias to the safe side, if the periods differ. The error is 0 if both structures
-    are elastic.
+    expected relative error and its bias, and the error of the deviation that counts in its caution.
+    This is less half of the bias to the safe side, if the periods differ. The error is 0 if both
+    structures are elastic.
     """
     rho, error, rest, share = _drifting(errors, first, second)
-    apart, lean = error_of_difference(first.std, first.error, second.std, second.error, rho, rest, share)
+    apart, lean = error_of_difference(
+        first.std, first.error, second.std, second.error, rho, rest, share
+    )
     apart = np.where(error == 0, 0.0, where_finite(apart, error))
     lean = where_finite(lean, apart)
     unlike = np.abs(first.period - second.period) >= ALIKE
@@ -107,7 +109,9 @@ def compared_pair(errors: Array, first: Compared, second: Compared) -> tuple[Arr
 
 def _drifting(errors: Array, first: Drifting, second: Drifting) -> tuple[Array, ...]:
     """``rho``, the expected error of it and of ``1 - rho``, and the weight of eq. (13)."""
-    rho = by_signatures(drifting_correlation(first.side, second.side), first.signature, second.signature)
+    rho = by_signatures(
+        drifting_correlation(first.side, second.side), first.signature, second.signature
+    )
     unseen = first.signature.left * second.signature.left
     rho, share = by_nearness(rho, first.nearness, second.nearness, unseen)
     weaker = np.minimum(first.strength_class, second.strength_class)

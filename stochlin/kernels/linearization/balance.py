@@ -1,10 +1,10 @@
 """Closures of the bilinear law as functions of one number, and Newton's method with these.
 
 In stationary motion ``E[z z'] = 0``, that is ``(1 + c_e) E[v z] + k_e E[z^2] = E[v z]``. For a
-rate-independent law without parameters this contains only the correlation ``r`` of the latent moments
-and their ``sz``. So ``r``, ``1 + c_e``, ``k_e/sv`` and ``Var z`` are functions of ``sz`` alone, the same
-for all structures on all grounds; they are computed once. What remains unknown are ``log sv`` and
-``log sz``.
+rate-independent law without parameters this contains only the correlation ``r`` of the latent
+moments and their ``sz``. So ``r``, ``1 + c_e``, ``k_e/sv`` and ``Var z`` are functions of ``sz``
+alone, the same for all structures on all grounds; they are computed once. What remains unknown are
+``log sv`` and ``log sz``.
 """
 
 from __future__ import annotations
@@ -18,7 +18,11 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.linearization.covariance import EquivalentSystem, OwnCovariance, own_covariance
+from stochlin.kernels.linearization.covariance import (
+    EquivalentSystem,
+    OwnCovariance,
+    own_covariance,
+)
 from stochlin.kernels.linearization.gaussian import Closure, clipped, gaussian
 from stochlin.kernels.linearization.grounds import Soil, forcing_of
 from stochlin.kernels.linearization.iteration import (
@@ -29,15 +33,16 @@ from stochlin.kernels.linearization.iteration import (
 )
 
 UNIVERSAL = (gaussian, clipped)  # closures of one law without parameters
-# Range of log sz: below it slip has no effect on the response in double precision, above it the shaking
-# is a thousand times too strong for the structure; and points between which the functions are cubic.
+# Range of log sz: below it slip has no effect on the response in double precision, above it the
+# shaking is a thousand times too strong for the structure; and points between which the functions
+# are cubic.
 FIRST = float(np.log(0.04))
 LAST = float(np.log(400.0))
 POINTS = 4096
 WIDTH = (LAST - FIRST) / (POINTS - 1)
 SOLVING = 12  # Newton's steps for the correlations
-# The damping c, with which cells need 4 to 6 steps on average; and that after so many steps, for cells
-# whose steps overshoot again and again.
+# The damping c, with which cells need 4 to 6 steps on average; and that after so many steps, for
+# cells whose steps overshoot again and again.
 DAMPING = 0.3
 LATER = 2.0
 ENOUGH = 6
@@ -97,8 +102,8 @@ def newton_step(
 ) -> tuple[Any, Any, Any, Any]:
     """Steps in ``v = log sv`` and ``z = log sz``, the larger one, and the norm of the mismatch.
 
-    It is the step of this ``number``, from ``(c |F| - dF/dy) step = F``. ``closed`` are ``1 + c_e``,
-    ``k_e`` and ``log Var z`` by the closure, and the slopes of the functions.
+    It is the step of this ``number``, from ``(c |F| - dF/dy) step = F``. ``closed`` are ``1 +
+    c_e``, ``k_e`` and ``log Var z`` by the closure, and the slopes of the functions.
     """
     slip, relaxation, log_z_z, slip_by_z, relaxation_by_z, z_z_by_z = closed
     response = response_of(structure, soil, slip, relaxation)
@@ -134,7 +139,8 @@ def settled(
 ) -> tuple[float, float, int, float, bool]:
     """Fixed point of one structure by numbers.
 
-    Returned are the unknowns, the number of steps, the norm of the mismatch, and whether it converged.
+    Returned are the unknowns, the number of steps, the norm of the mismatch, and whether it
+    converged.
     """
     norm = np.inf
     for number in range(1, most + 1):
@@ -144,7 +150,8 @@ def settled(
         relaxation, relaxation_by_z = interpolated_number(functions, 1, z)
         z_z, z_z_by_z = interpolated_number(functions, 2, z)
         slopes = slip_by_z, relaxation_by_z, z_z_by_z
-        # Numbers of Python, as those of numpy take twice the time, by numpy's exponential, as in arrays.
+        # Numbers of Python, as those of numpy take twice the time, by numpy's exponential, as in
+        # arrays.
         closed = float(np.exp(slip)), float(np.exp(relaxation + v)), z_z, *slopes
         step_v, step_z, change, norm = newton_step(v, z, number, closed, structure, soil)
         v = float(v + step_v)

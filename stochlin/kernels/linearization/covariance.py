@@ -1,9 +1,9 @@
 """Stationary covariances of linear and linearized oscillators, block by block and in closed form.
 
 All functions broadcast. The state of one structure is ``(mu, mu', y)``: displacement over ``uy``,
-velocity over ``uy``, and the slip ``y = mu - z`` in place of the hysteretic displacement ``z``. If a
-structure hardly yields, ``y`` and all coefficients of its equation tend to zero together, and there is
-no division by a small difference of large numbers. In these variables the linearized law
+velocity over ``uy``, and the slip ``y = mu - z`` in place of the hysteretic displacement ``z``. If
+a structure hardly yields, ``y`` and all coefficients of its equation tend to zero together, and
+there is no division by a small difference of large numbers. In these variables the linearized law
 ``z' = -c_e mu' - k_e z`` and the equation of motion are
 
     mu'' = -stiffness mu - damping mu' + coupling y + f
@@ -50,8 +50,9 @@ def hurwitz(w2: Array, d: Array, h: Array, p: Array, k: Array) -> Array:
 def stable(w2: Array, d: Array, h: Array, p: Array, k: Array) -> Array:
     """Whether an `EquivalentSystem` with these coefficients is stable, by Routh and Hurwitz.
 
-    A pole at 0, within rounding, counts as stable. It belongs to a law without hysteresis, where ``z``
-    is a function of ``mu``, no energy is dissipated, and the forcing does not excite this pole.
+    A pole at 0, within rounding, counts as stable. It belongs to a law without hysteresis, where
+    ``z`` is a function of ``mu``, no energy is dissipated, and the forcing does not excite this
+    pole.
     """
     a2, a1, a0 = characteristic(w2, d, h, p, k)
     memory = a0 + MEMORYLESS * np.sqrt(w2) * a1
@@ -61,8 +62,8 @@ def stable(w2: Array, d: Array, h: Array, p: Array, k: Array) -> Array:
 class Forcing(NamedTuple):
     """Stationary covariances of the forcing ``f`` with the states ``mu``, ``mu'`` and ``y``.
 
-    The stationary covariances of a structure depend on the ground through these three numbers alone. For
-    white noise they are ``0, pi S0, 0``: half its intensity in time, with the velocity.
+    The stationary covariances of a structure depend on the ground through these three numbers
+    alone. For white noise they are ``0, pi S0, 0``: half its intensity in time, with the velocity.
     """
 
     mu: Array
@@ -91,9 +92,9 @@ def linear_system(frequency: Array, damping_ratio: Array) -> EquivalentSystem:
 def own_covariance(system: EquivalentSystem, forcing: Forcing) -> OwnCovariance:
     """Second moments of one structure, from ``A X + X A' + B C' + C B' = 0`` by elimination.
 
-    The result is also exact in the elastic limit ``slip = relaxation = 0``, where the Lyapunov equation
-    is singular. Without hardening (``coupling = stiffness``) the displacement has no stationary
-    variance, and the result is infinite or NaN.
+    The result is also exact in the elastic limit ``slip = relaxation = 0``, where the Lyapunov
+    equation is singular. Without hardening (``coupling = stiffness``) the displacement has no
+    stationary variance, and the result is infinite or NaN.
     """
     w2, d, h, p, k = system
     c = 1 - p
@@ -107,9 +108,10 @@ def own_covariance(system: EquivalentSystem, forcing: Forcing) -> OwnCovariance:
 class Motion(NamedTuple):
     """Laplace transforms of what the covariance of two structures takes of each.
 
-    The displacement after an impulse is ``(s + relaxation)/D(s)``, with the characteristic polynomial
-    ``D(s) = s^3 + pole_2 s^2 + pole_1 s + pole_0``. The free motion from the present covariances of the
-    states with the forcing has the displacement ``(free_2 s^2 + free_1 s + free_0)/D(s)``.
+    The displacement after an impulse is ``(s + relaxation)/D(s)``, with the characteristic
+    polynomial ``D(s) = s^3 + pole_2 s^2 + pole_1 s + pole_0``. The free motion from the present
+    covariances of the states with the forcing has the displacement ``(free_2 s^2 + free_1 s +
+    free_0)/D(s)``.
     """
 
     relaxation: Array
@@ -133,8 +135,9 @@ class Residues(NamedTuple):
     """Integrals of ``s^m/(D1(s) D2(-s))`` along the imaginary axis, over ``2 pi i``.
 
     With the ``determinant``, which is positive, they are ``even_0/determinant``,
-    ``-odd_1/determinant``, ``-even_2/determinant``, ``-odd_3/determinant`` and ``even_4/determinant``
-    for ``m`` from 0 to 4. The odd ones change their sign with the order of the structures.
+    ``-odd_1/determinant``, ``-even_2/determinant``, ``-odd_3/determinant`` and
+    ``even_4/determinant`` for ``m`` from 0 to 4. The odd ones change their sign with the order of
+    the structures.
     """
 
     even_0: Array
@@ -148,9 +151,9 @@ class Residues(NamedTuple):
 def residues(first: Motion, second: Motion) -> Residues:
     """The integrals of a pair.
 
-    For ``U`` and ``W`` with ``s^m = U(s) (D1(s) + D2(-s)) + W(s) D1(s)``, the integral follows from the
-    highest coefficient of ``U``. As ``D1(s) + D2(-s)`` is of second order, two equations remain for it.
-    No eigenvalues are computed, so that equal ones cause no errors.
+    For ``U`` and ``W`` with ``s^m = U(s) (D1(s) + D2(-s)) + W(s) D1(s)``, the integral follows from
+    the highest coefficient of ``U``. As ``D1(s) + D2(-s)`` is of second order, two equations remain
+    for it. No eigenvalues are computed, so that equal ones cause no errors.
     """
     _, a2, a1, a0, _, _, _ = first
     _, b2, b1, b0, _, _, _ = second
@@ -172,9 +175,9 @@ def residues(first: Motion, second: Motion) -> Residues:
 def displacement_covariance(first: Motion, second: Motion, of_pair: Residues) -> Array:
     """``E[mu_1 mu_2]`` of a pair with these `residues`.
 
-    The solution of ``A1 X + X A2' + b C2' + C1 b' = 0`` is the integral over time of impulse responses
-    times free motions. By Parseval's theorem, its first entry is that of ``h_1(s) m_2(-s) + m_1(s)
-    h_2(-s)`` with their transforms.
+    The solution of ``A1 X + X A2' + b C2' + C1 b' = 0`` is the integral over time of impulse
+    responses times free motions. By Parseval's theorem, its first entry is that of ``h_1(s) m_2(-s)
+    + m_1(s) h_2(-s)`` with their transforms.
     """
     k1, _, _, _, m2, m1, m0 = first
     k2, _, _, _, n2, n1, n0 = second
@@ -196,10 +199,10 @@ def velocity_covariance(first: Motion, second: Motion, of_pair: Residues) -> Arr
 def pair_covariance(first: Motion, second: Motion) -> Array:
     """``E[mu_1 mu_2]`` of two structures on one ground.
 
-    Divided by the root of the product of the same of each structure with itself, it is a correlation
-    with an error of at most 1e-14, also where structures are nearly equal, hardly yield, or have
-    periods that differ by a factor of a thousand. It is exactly 1 for equal structures, and does not
-    change with their order.
+    Divided by the root of the product of the same of each structure with itself, it is a
+    correlation with an error of at most 1e-14, also where structures are nearly equal, hardly
+    yield, or have periods that differ by a factor of a thousand. It is exactly 1 for equal
+    structures, and does not change with their order.
     """
     return displacement_covariance(first, second, residues(first, second))
 

@@ -2,9 +2,9 @@
 
 In ``mu = z + y`` the plastic displacement ``y`` changes by one increment in every half-cycle whose
 amplitude exceeds the yield displacement. Linearization keeps the mean of the increments for a given
-amplitude, which alternates in sign and cancels. It loses their scatter, which makes ``y`` a random walk
-that only the hardening draws back. The derivation is in ``docs/drift.md``, to whose equations the
-numbers (1) to (8) refer.
+amplitude, which alternates in sign and cancels. It loses their scatter, which makes ``y`` a random
+walk that only the hardening draws back. The derivation is in ``docs/drift.md``, to whose equations
+the numbers (1) to (8) refer.
 """
 
 from __future__ import annotations
@@ -49,7 +49,9 @@ class Drift(NamedTuple):
 
     variance: Array  # (n,) variance of its part (1 - alpha) y of the displacement
     rate: Array  # (n,) relaxation rate [1/s], lambda of eq. (4)
-    shares: Array  # (ORDERS + 1, n) shares of the orders in D; their sum is 1, or 0 without yielding
+    shares: (
+        Array  # (ORDERS + 1, n) shares of the orders in D; their sum is 1, or 0 without yielding
+    )
 
 
 def no_drift(cells: int) -> Drift:
@@ -68,8 +70,8 @@ class HalfCycles(NamedTuple):
 def drift_of(system: EquivalentSystem, latent: Array, ground: Filter) -> Drift:
     """Drift of structures linearized by the clipped closure, eqs. (1) to (5).
 
-    ``latent`` (3, n) are the standard deviations and the correlation of the Gaussian ``(v, z~)`` that
-    the closure clips, in units of the yield displacement.
+    ``latent`` (3, n) are the standard deviations and the correlation of the Gaussian ``(v, z~)``
+    that the closure clips, in units of the yield displacement.
     """
     cycles = half_cycles(system, ground)
     sv, sz, r = latent
@@ -103,8 +105,9 @@ def _orders(sz: Array) -> Array:
     """Variance of the sizes of increments by Laguerre order, over their squared mean: eq. (2).
 
     The amplitudes ``a`` are Rayleigh distributed, so that ``E = a^2/(2 sz^2)`` is exponentially
-    distributed. Its part above the threshold of yielding has the same exponential distribution, and the
-    polynomials of ``E`` follow from those of both parts: ``L_j(x + y) = sum_k L_k(x) L_(j-k)^(-1)(y)``.
+    distributed. Its part above the threshold of yielding has the same exponential distribution, and
+    the polynomials of ``E`` follow from those of both parts: ``L_j(x + y) = sum_k L_k(x)
+    L_(j-k)^(-1)(y)``.
     """
     threshold = 0.5 / sz**2
     # The sizes sqrt(2 E) sz - 1 at the nodes, without cancellation.
@@ -129,8 +132,8 @@ def _orders(sz: Array) -> Array:
 def _sums_of_powers(memory: Array) -> Array:
     """``S_j`` (ORDERS, n) of eq. (3).
 
-    A power of a correlation function is a correlation function, so that with Bartlett's window no sum is
-    negative.
+    A power of a correlation function is a correlation function, so that with Bartlett's window no
+    sum is negative.
     """
     window = 2 * (1 - np.arange(1, len(memory) + 1) / len(memory))
     power = memory * window[:, None]
@@ -146,9 +149,10 @@ def _sums_of_powers(memory: Array) -> Array:
 def half_cycles(system: EquivalentSystem, ground: Filter) -> HalfCycles:
     """Mean time between zero crossings of ``z`` (Rice 1945), and the autocorrelation of ``z`` there.
 
-    The autocorrelation follows from the free motion of structure and filter together, which starts from
-    the covariances of their states with ``z``. It is a sum of modes, or follows from the exponential of
-    the matrix where modes nearly cancel, as the poles of structure and ground nearly agree.
+    The autocorrelation follows from the free motion of structure and filter together, which starts
+    from the covariances of their states with ``z``. It is a sum of modes, or follows from the
+    exponential of the matrix where modes nearly cancel, as the poles of structure and ground nearly
+    agree.
     """
     _, _, _, p, k = system
     own = own_covariance(system, ground.forcing(system))
@@ -175,8 +179,8 @@ def _by_modes(
 ) -> tuple[Array, Array]:
     """Autocorrelation of ``z`` after each half-cycle, and the largest of the modes that it consists of.
 
-    One mode follows each oscillator of the ground, and those of the structure take what is left of the
-    value 1, the rate 0 and the curvature at first.
+    One mode follows each oscillator of the ground, and those of the structure take what is left of
+    the value 1, the rate 0 and the curvature at first.
     """
     parts = followed(system, oscillators, with_soil)
     value = np.ones_like(time)
@@ -203,7 +207,9 @@ def _by_modes(
     slower = np.exp(growth - half)
     cosine = slower * np.where(decays, 1 + 0.5 * least, np.cos(angle))
     sine = slower * np.where(decays, -0.5 * least, np.sin(angle))
-    after = value * cosine + (rate * time + half * value) * np.where(angle > 0, sine / angle, slower)
+    after = value * cosine + (rate * time + half * value) * np.where(
+        angle > 0, sine / angle, slower
+    )
     # x(n + 1) = twice x(n) - square x(n - 1); the last mode is that of the single root.
     factor = np.exp(root * time)
     twice = np.vstack([2 * cosine, factor])
@@ -316,16 +322,20 @@ def at_unit_intensity(side: DriftingSide, intensity: Array) -> DriftingSide:
     size = np.sqrt(intensity)
     free = {name: getattr(motion, name) / intensity for name in ("free_2", "free_1", "free_0")}
     return DriftingSide(
-        motion._replace(**free), side.rate, side.increments / size, side.noisy, side.variance / intensity
+        motion._replace(**free),
+        side.rate,
+        side.increments / size,
+        side.noisy,
+        side.variance / intensity,
     )
 
 
 def drift_covariance(coherence: Array, first: DriftingSide, second: DriftingSide) -> Array:
     """Covariance of two drifts, eqs. (6) and (8).
 
-    ``coherence`` is ``r_v`` of eq. (7). Kicks of order ``j`` have the correlation ``r_v |r_v|^(2 j -
-    2)``, of which the factor ``2 sqrt(l1 l2)/(l1 + l2)`` remains for drifts that relax at the rates
-    ``l1`` and ``l2``.
+    ``coherence`` is ``r_v`` of eq. (7). Kicks of order ``j`` have the correlation ``r_v |r_v|^(2 j
+    - 2)``, of which the factor ``2 sqrt(l1 l2)/(l1 + l2)`` remains for drifts that relax at the
+    rates ``l1`` and ``l2``.
     """
     square = coherence * coherence
     total = np.zeros_like(coherence)
@@ -338,8 +348,8 @@ def drift_covariance(coherence: Array, first: DriftingSide, second: DriftingSide
 def coherence_of(first: DriftingSide, second: DriftingSide, of_pair: Residues) -> Array:
     """``r_v`` of eq. (7): correlation of the velocities of equivalent systems under one white noise.
 
-    It measures what is new and common to both responses in every half-cycle, without a spectral line of
-    the ground that both follow.
+    It measures what is new and common to both responses in every half-cycle, without a spectral
+    line of the ground that both follow.
     """
     joint = velocity_covariance(first.motion, second.motion, of_pair)
     return np.clip(joint / np.sqrt(first.noisy * second.noisy), -1.0, 1.0)

@@ -44,8 +44,8 @@ class Filter:
     noise, output : (m,) numbers or arrays of cells
         Factors of the noise on the rates of the states, and of the states in the acceleration.
     oscillators : sequence of numbers or arrays of cells
-        Stiffness and damping of the soil's oscillator, then those of a high-pass oscillator, of filters
-        that consist of these.
+        Stiffness and damping of the soil's oscillator, then those of a high-pass oscillator, of
+        filters that consist of these.
 
     Raises
     ------
@@ -138,7 +138,9 @@ class Filter:
             return np.ones_like(frequency, float)
         if self.oscillators:
             share: Any = 1.0
-            for stiffness, damping in zip(self.oscillators[::2], self.oscillators[1::2], strict=True):
+            for stiffness, damping in zip(
+                self.oscillators[::2], self.oscillators[1::2], strict=True
+            ):
                 ratio = frequency**2 / stiffness
                 spread = damping**2 / stiffness * ratio
                 passed = 1 + spread if stiffness is self.oscillators[0] else ratio**2
@@ -159,8 +161,9 @@ class Filter:
     def later(self, system: EquivalentSystem, s: Array) -> Array:
         """Laplace transform of the covariance of the later forcing with the present displacement.
 
-        It is ``Int_0^inf E[f(t + tau) mu(t)] e^(-s tau) dtau``. After ``t`` the filter moves freely,
-        apart from noise that is independent of ``mu(t)``. The cells are (n, 1), and ``s`` is (n, nodes).
+        It is ``Int_0^inf E[f(t + tau) mu(t)] e^(-s tau) dtau``. After ``t`` the filter moves
+        freely, apart from noise that is independent of ``mu(t)``. The cells are (n, 1), and ``s``
+        is (n, nodes).
         """
         if not self.states:
             return np.zeros_like(s)
@@ -170,7 +173,8 @@ class Filter:
     def correlations(self, system: EquivalentSystem) -> Array:
         """Covariances ``C`` (3, ..., m) of ``mu``, ``mu'``, ``y`` with the states ``q`` of the filter.
 
-        They solve ``A C + C F' + b E[f q'] = 0``, in units in which all quantities are of order one.
+        They solve ``A C + C F' + b E[f q'] = 0``, in units in which all quantities are of order
+        one.
         """
         if not self.states:
             return np.empty((3, *np.shape(system.stiffness), 0))
@@ -182,7 +186,9 @@ class Filter:
             return np.moveaxis(np.array([np.broadcast_arrays(*row) for row in rows]), 1, -1)
         soil = self.arrays
         m = len(self.states)
-        cells = np.broadcast_shapes(soil.noise.shape[:-1], *map(np.shape, (*system, self.intensity)))
+        cells = np.broadcast_shapes(
+            soil.noise.shape[:-1], *map(np.shape, (*system, self.intensity))
+        )
         matrix = np.broadcast_to(soil.matrix, (*cells, m, m)).reshape(-1, m, m)
         noise, output = (np.broadcast_to(row, (*cells, m)).reshape(-1, m) for row in soil[1:])
         wide = [np.broadcast_to(row, cells).ravel() for row in (*system, self.intensity)]

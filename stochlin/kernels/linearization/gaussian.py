@@ -1,8 +1,8 @@
 """What a closure computes; the closures of the bilinear law, and Gaussian expectations for dashpots.
 
 The closures of the bilinear law consist of the moments of a bivariate Gaussian over the quadrant
-``v > 0, z > 1``, where the law slips (Rosenbaum 1961, J. R. Stat. Soc. B 23). For a correlation ``r >=
-0`` all their terms are positive, so that the relative error remains small if slip is rare.
+``v > 0, z > 1``, where the law slips (Rosenbaum 1961, J. R. Stat. Soc. B 23). For a correlation ``r
+>= 0`` all their terms are positive, so that the relative error remains small if slip is rare.
 """
 
 from __future__ import annotations
@@ -68,8 +68,8 @@ def equivalent_dashpot(constant: Array, exponent: Array, std: Array) -> Array:
 def regress_slip(by_v: Array, by_z: Array, covariance: Array) -> Array:
     """Regression coefficients ``(1 + c_e, k_e)`` of the slip rate ``v - G(v, z)`` on ``(v, z)``.
 
-    ``by_v`` and ``by_z`` are ``E[(v - G) v]`` and ``E[(v - G) z]``; ``covariance`` (3, n) are ``Var v``,
-    ``Var z`` and ``Cov(v, z)``.
+    ``by_v`` and ``by_z`` are ``E[(v - G) v]`` and ``E[(v - G) z]``; ``covariance`` (3, n) are ``Var
+    v``, ``Var z`` and ``Cov(v, z)``.
     """
     vv, zz, vz = covariance
     return np.array([by_v * zz - by_z * vz, by_z * vv - by_v * vz]) / (vv * zz - vz * vz)
@@ -103,9 +103,9 @@ def within_yield(h: Array) -> tuple[Array, Array, Array]:
 def gaussian(latent: Array, parameters: Array) -> ClosureValue:
     """Gaussian closure: the equivalent coefficients of eqs. (9) and (10) in closed form.
 
-    ``1 + c_e = 2 P(v > 0, z > 1)`` and ``k_e = 2 sv h (r h B + q E)``, where ``sv`` and ``sz`` are the
-    standard deviations, ``r`` their correlation, ``h = 1/sz``, ``q = sqrt(1 - r^2)``, and
-    ``r h B + q E`` is the ``flow`` of `SlipQuadrant`.
+    ``1 + c_e = 2 P(v > 0, z > 1)`` and ``k_e = 2 sv h (r h B + q E)``, where ``sv`` and ``sz`` are
+    the standard deviations, ``r`` their correlation, ``h = 1/sz``, ``q = sqrt(1 - r^2)``, and ``r h
+    B + q E`` is the ``flow`` of `SlipQuadrant`.
     """
     sv, sz, r = latent
     probability, _, _, h, flow = slip_quadrant(sz, r)
@@ -115,8 +115,9 @@ def gaussian(latent: Array, parameters: Array) -> ClosureValue:
 def clipped(latent: Array, parameters: Array) -> ClosureValue:
     """Clipped closure (Asano & Iwan 1984; Hurtado & Barbat 1996): ``z = clip(z~, -1, 1)``.
 
-    ``(v, z~)`` is Gaussian with the latent moments, so that ``|z| <= 1`` always holds. The equivalent
-    coefficients are those of the linear regression of the slip rate ``v - G`` on ``(v, z)``.
+    ``(v, z~)`` is Gaussian with the latent moments, so that ``|z| <= 1`` always holds. The
+    equivalent coefficients are those of the linear regression of the slip rate ``v - G`` on ``(v,
+    z)``.
     """
     sv, sz, r = latent
     _, first, second, h, _ = slip_quadrant(sz, r)

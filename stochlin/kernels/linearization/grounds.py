@@ -1,12 +1,13 @@
 """Covariances of a structure with ground filters of one or two oscillators, in closed form.
 
-The Sylvester equation ``A C + C F' + R = 0`` of a structure with a filter oscillator ``F`` is solved in
-the algebra of polynomials in ``F``: by its characteristic polynomial ``F^2 = -stiffness - e F``, so
-that every element ``a + b F`` is a pair of numbers.
+The Sylvester equation ``A C + C F' + R = 0`` of a structure with a filter oscillator ``F`` is
+solved in the algebra of polynomials in ``F``: by its characteristic polynomial ``F^2 = -stiffness -
+e F``, so that every element ``a + b F`` is a pair of numbers.
 
-All functions take numbers or arrays of cells. A *pair* has the covariances of a state of the structure
-with both states of an oscillator, *rows* are those of ``mu``, ``mu'`` and ``y``, and a *signal* has the
-covariances of these three with an acceleration. An oscillator is its stiffness and damping.
+All functions take numbers or arrays of cells. A *pair* has the covariances of a state of the
+structure with both states of an oscillator, *rows* are those of ``mu``, ``mu'`` and ``y``, and a
+*signal* has the covariances of these three with an acceleration. An oscillator is its stiffness and
+damping.
 """
 
 from __future__ import annotations
@@ -49,8 +50,8 @@ def _resolved(system: Any, oscillator: Any, u: Any) -> Pair:
 def _driven(system: Any, soil: Any, drive: Pair) -> tuple[Signal, tuple[Pair, Pair]]:
     """Signal of an oscillator whose states have the covariance ``drive`` with the forcing of ``mu'``.
 
-    Also returned are ``g = D(-F)^-1 drive`` and ``F g``. With these ``mu = (k - F) g``, ``mu' = -F mu``
-    and ``y = k g - p F g``.
+    Also returned are ``g = D(-F)^-1 drive`` and ``F g``. With these ``mu = (k - F) g``, ``mu' = -F
+    mu`` and ``y = k g - p F g``.
     """
     _, _, _, p, k = system
     stiffness, e = soil
@@ -59,7 +60,10 @@ def _driven(system: Any, soil: Any, drive: Pair) -> tuple[Signal, tuple[Pair, Pa
     of_g = stiffness * g[0] + e * g[1]
     of_moved = stiffness * moved[0] + e * moved[1]
     part = k * of_g
-    return (part - of_moved, -stiffness * of_g - (e + k) * of_moved, part - p * of_moved), (g, moved)
+    return (part - of_moved, -stiffness * of_g - (e + k) * of_moved, part - p * of_moved), (
+        g,
+        moved,
+    )
 
 
 def driven_rows(system: Any, soil: Any, ends: tuple[Pair, Pair]) -> Rows:
@@ -74,9 +78,10 @@ def driven_rows(system: Any, soil: Any, ends: tuple[Pair, Pair]) -> Rows:
 def followed(system: Any, oscillators: Any, states: Any) -> list[tuple[Any, Any, Any, Any]]:
     """Parts of the free motion of ``z`` that follow one oscillator of the ground each.
 
-    ``states`` are those of the oscillators. A part has the stiffness and the damping of its oscillator,
-    its value and its rate. They follow from ``D(s) z = (1 - p) s f`` with the structure's characteristic
-    polynomial ``D``. The high-pass filter is divided into what follows the soil, and its own motion.
+    ``states`` are those of the oscillators. A part has the stiffness and the damping of its
+    oscillator, its value and its rate. They follow from ``D(s) z = (1 - p) s f`` with the
+    structure's characteristic polynomial ``D``. The high-pass filter is divided into what follows
+    the soil, and its own motion.
     """
     if not oscillators:
         return []
@@ -133,8 +138,8 @@ def clough_penzien(system: Any, ground: Any) -> tuple[Signal, tuple[Pair, Pair],
     xf'' = f_soil - wf^2 xf - 2 xif wf xf'``. The high-pass oscillator ``xf`` is itself a linear
     structure on the soil. The equations are block triangular, and are solved first for the soil.
 
-    As ``E[xf' q]`` is constant, ``E[f q] = -E[xf' q']`` for any state ``q``. The sum above would lose
-    all digits where the filter leaves little of the soil's motion.
+    As ``E[xf' q]`` is constant, ``E[f q] = -E[xf' q']`` for any state ``q``. The sum above would
+    lose all digits where the filter leaves little of the soil's motion.
     """
     intensity, stiffness, damping, layer_stiffness, layer_damping = ground
     soil = (stiffness, damping)
@@ -151,7 +156,9 @@ def clough_penzien(system: Any, ground: Any) -> tuple[Signal, tuple[Pair, Pair],
     w2, d, h, p, k = system
     (_, mu_rate), (v_place, v_rate), _ = of_layer
     drive = (1 - p) * v_place, (1 - p) * v_rate + (mu - y)
-    _, z_rate = _divide(layer, k, -1.0, drive)  # not as a difference, which is small if slip is large
+    _, z_rate = _divide(
+        layer, k, -1.0, drive
+    )  # not as a difference, which is small if slip is large
     signal = -v_rate, (w2 - h) * mu_rate + d * v_rate + h * z_rate, -k * z_rate - p * v_rate
     return signal, ends, of_layer
 

@@ -1,8 +1,8 @@
 """Amplitudes of two yielding structures under a slow harmonic load, by harmonic balance.
 
-A stiff structure on a narrow band follows the ground and yields in few large cycles. Its displacement
-is far from Gaussian, while the load is not: a level of ``u_1 - u_2`` is crossed as often as the level of
-the load that causes it. Equation (20) of ``docs/drift.md``.
+A stiff structure on a narrow band follows the ground and yields in few large cycles. Its
+displacement is far from Gaussian, while the load is not: a level of ``u_1 - u_2`` is crossed as
+often as the level of the load that causes it. Equation (20) of ``docs/drift.md``.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ SIZES = np.geomspace(1e-3, 3e3, 500)  # amplitudes of a structure over its yield
 RISING = 1e-9  # share by which amplitudes increase at least from each to the next
 BEYOND = 0.5  # slope of the levels of the load above the largest amplitude of the load
 LEAST = 1e-3  # of a level
-# Shares of the load's level, over the damping ratio of the ground and over the smaller frequency of the
-# structures, over that of the ground.
+# Shares of the load's level, over the damping ratio of the ground and over the smaller frequency of
+# the structures, over that of the ground.
 NARROW = (0.1, 0.2)
 ABOVE = (1.0, 1.6)
 FAR_ABOVE = (1.5, 3.0)
@@ -34,7 +34,9 @@ class Harmonic(NamedTuple):
     displacement: Array  # complex amplitude, with the phase against the load [m]
 
     @classmethod
-    def of(cls, w: float, damping: float, hardening: float, yields_at: float, load_w: float) -> Harmonic:
+    def of(
+        cls, w: float, damping: float, hardening: float, yields_at: float, load_w: float
+    ) -> Harmonic:
         """A structure with the frequency ``w`` at that of the load [rad/s]."""
         ratio = load_w / w
         yielding = SIZES > 1
@@ -62,8 +64,9 @@ def share_of_load(frequencies: Array, ground: float, damping: float) -> float:
 def load_levels(structures: Sequence[Harmonic], std: float, share: float, levels: Array) -> Array:
     """Levels of a Gaussian process that is crossed as ``u_1 - u_2`` is at these ``levels``.
 
-    ``std`` [m/s^2] is the standard deviation of the load. Only the shape of the relation between load
-    and displacement is used: the standard deviation of the displacement is that of the closure.
+    ``std`` [m/s^2] is the standard deviation of the load. Only the shape of the relation between
+    load and displacement is used: the standard deviation of the displacement is that of the
+    closure.
     """
     first, *others = (structure.at(LOADS * std) for structure in structures)
     sizes = _rising(np.abs(first - sum(others)))

@@ -1,11 +1,11 @@
 """How a solution of statistical linearization is followed from weak to full shaking.
 
-The unknowns are the moments ``(sigma_v, sigma_z, corr(v, z))`` of the Gaussian density that a closure
-assumes for each of m springs that yield, in the variables ``(log, log, atanh)``, in which every iterate
-is a valid density for any hysteresis law: first ``log sigma_v`` of all springs, then their
-``log sigma_z`` and ``atanh corr``. The mismatch is the difference of two sets of moments: those of the
-stationary response of the linear system with the closure's coefficients, less those that the closure
-assumes.
+The unknowns are the moments ``(sigma_v, sigma_z, corr(v, z))`` of the Gaussian density that a
+closure assumes for each of m springs that yield, in the variables ``(log, log, atanh)``, in which
+every iterate is a valid density for any hysteresis law: first ``log sigma_v`` of all springs, then
+their ``log sigma_z`` and ``atanh corr``. The mismatch is the difference of two sets of moments:
+those of the stationary response of the linear system with the closure's coefficients, less those
+that the closure assumes.
 
 Single structures are iterated by Newton's method with closed forms of the moments
 (`single_structures`), systems of springs by the substitution of the paper with mixing
@@ -30,7 +30,9 @@ LEAST_RISE = 1e-4
 ALONG = 1e-6  # step of the differences for slopes of the mismatch
 LARGEST_STEP = 1.0  # largest step in log(sigma) and atanh(corr)
 LARGEST_MISMATCH = 1e-7  # largest norm of the mismatch of a converged cell
-NEAR = 0.05  # largest distance of a solution from its extrapolation for the same branch of solutions
+NEAR = (
+    0.05  # largest distance of a solution from its extrapolation for the same branch of solutions
+)
 
 
 class FixedPoint(NamedTuple):
@@ -58,17 +60,19 @@ def follow(
 ) -> FixedPoint:
     """Follow a branch of solutions from weak to full shaking, level by level.
 
-    ``settle`` has the fixed points of the cells with these numbers, at a level of shaking and from these
-    unknowns; ``elastic`` (u, n) are those of the elastic response.
+    ``settle`` has the fixed points of the cells with these numbers, at a level of shaking and from
+    these unknowns; ``elastic`` (u, n) are those of the elastic response.
 
     A level is the logarithm of the ratio of the shaking to the full one. It begins where hardly any
-    spring yields. The solution at the next level is extrapolated linearly from the last two. A solution
-    that is farther than `NEAR` from its extrapolation belongs to another branch, and the step is
-    repeated with a lower level.
+    spring yields. The solution at the next level is extrapolated linearly from the last two. A
+    solution that is farther than `NEAR` from its extrapolation belongs to another branch, and the
+    step is repeated with a lower level.
     """
     m = springs
     n = elastic.shape[1]
-    slope = np.ones_like(elastic)  # of the unknowns by the level, first that of the elastic response
+    slope = np.ones_like(
+        elastic
+    )  # of the unknowns by the level, first that of the elastic response
     slope[2 * m : 3 * m] = 0.0  # which keeps its correlations
     strongest = elastic[m : 2 * m].max(axis=0, initial=-np.inf)
     level = np.minimum(0.0, np.log(WEAK) - strongest) - FIRST_RISE

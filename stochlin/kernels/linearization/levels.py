@@ -1,9 +1,9 @@
 """A structure in a motion of finite length, by tables of its response over levels of shaking.
 
-Stationary ground of the intensity ``q S0`` is said to have the level ``sqrt(q)``. In a motion with the
-envelope ``m(t)`` a structure has at each instant the stationary response of a level of its own, which
-follows the envelope with a lag. The derivation is in ``docs/drift.md``, to whose equations the numbers
-(14) to (17) refer.
+Stationary ground of the intensity ``q S0`` is said to have the level ``sqrt(q)``. In a motion with
+the envelope ``m(t)`` a structure has at each instant the stationary response of a level of its own,
+which follows the envelope with a lag. The derivation is in ``docs/drift.md``, to whose equations
+the numbers (14) to (17) refer.
 """
 
 from __future__ import annotations
@@ -94,8 +94,8 @@ def structure_rows(
 ) -> StructureRows:
     """Rows (n levels,) of structures whose stationary response is known at all levels.
 
-    ``drift`` is the standard deviation of the drift and its rate, and ``std`` that of the displacement
-    with the drift, corrected by the map of simulations.
+    ``drift`` is the standard deviation of the drift and its rate, and ``std`` that of the
+    displacement with the drift, corrected by the map of simulations.
     """
     own = own_covariance(system, forcing)
     drift_std, rate = drift
@@ -117,8 +117,8 @@ def structure_rows(
 def _growth(system: EquivalentSystem, forcing: Forcing, own: OwnCovariance, levels: Array) -> Array:
     """Rate [1/s] of eq. (14), ``E[f v]/(Var v  d ln E/d ln q)`` with the energy ``E``, (n levels,).
 
-    ``E = Var v + alpha w^2 Var u + (1 - alpha) w^2 Var z``. For a linear structure on white noise the
-    rate is ``2 xi w``.
+    ``E = Var v + alpha w^2 Var u + (1 - alpha) w^2 Var z``. For a linear structure on white noise
+    the rate is ``2 xi w``.
     """
     post = system.stiffness - system.coupling
     energy = own.v_v + post * own.mu_mu + system.coupling * own.z_z
@@ -141,8 +141,8 @@ def _resonant(system: EquivalentSystem, soil: Filter, own: OwnCovariance) -> Arr
 def slow_mode(system: EquivalentSystem, soil: Filter, variance: Array) -> tuple[Array, Array]:
     """Rate ``a`` [1/s] of the slow mode, and the root ``p`` of the intensity of its noise, eq. (16).
 
-    ``-a`` is the smallest pole of the equivalent system, and ``variance`` that of its displacement. The
-    noise is 0 where the mode is not slow.
+    ``-a`` is the smallest pole of the equivalent system, and ``variance`` that of its displacement.
+    The noise is 0 where the mode is not slow.
     """
     a2, a1, a0 = characteristic(*system)
     rate = a0 / a1
@@ -160,8 +160,8 @@ def slow_mode(system: EquivalentSystem, soil: Filter, variance: Array) -> tuple[
 def lagged(tables: Tables, growth: int, squares: Array, step: float) -> Array:
     """Squared levels (steps + 1, n, m) of structures in m motions, eq. (14), from rest.
 
-    ``growth`` is the number of the row of its rate, and ``squares`` (steps, m) are the squared envelopes
-    in the middle of each step [s].
+    ``growth`` is the number of the row of its rate, and ``squares`` (steps, m) are the squared
+    envelopes in the middle of each step [s].
     """
     structures = tables.rows.shape[1]
     motions = squares.shape[1]

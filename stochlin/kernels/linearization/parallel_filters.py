@@ -19,9 +19,9 @@ def in_parallel(filters: Sequence[Filter]) -> Filter:
     """One filter of intensity 1, whose PSD is the sum of those of ``filters``.
 
     A stationary Gaussian motion is determined by its PSD. One white noise through a filter whose
-    transfer function is the spectral factor of the sum therefore replaces several independent noises
-    through filters of their own. The states are those of all filters, driven by the same noise; only
-    the output has to be found.
+    transfer function is the spectral factor of the sum therefore replaces several independent
+    noises through filters of their own. The states are those of all filters, driven by the same
+    noise; only the output has to be found.
 
     Parameters
     ----------
@@ -41,8 +41,12 @@ def in_parallel(filters: Sequence[Filter]) -> Filter:
     parts = [component.arrays for component in filters]
     if not all(component.states for component in filters):
         raise ValueError("white noise in parallel with another ground; allowed: filtered grounds")
-    scale = np.exp(np.mean([np.log(np.abs(np.linalg.eigvals(part.matrix))).mean() for part in parts]))
-    poles = [polynomial.polyfromroots(np.linalg.eigvals(part.matrix) / scale).real for part in parts]
+    scale = np.exp(
+        np.mean([np.log(np.abs(np.linalg.eigvals(part.matrix))).mean() for part in parts])
+    )
+    poles = [
+        polynomial.polyfromroots(np.linalg.eigvals(part.matrix) / scale).real for part in parts
+    ]
     total: Array = np.zeros(1)
     for i, (component, part) in enumerate(zip(filters, parts, strict=True)):
         own = _numerator(part.matrix / scale, part.noise, part.output, poles[i]) / scale
@@ -51,8 +55,12 @@ def in_parallel(filters: Sequence[Filter]) -> Filter:
         total = polynomial.polyadd(total, float(component.intensity) * square)
     matrix = block_diag(*(part.matrix for part in parts))
     noise = np.concatenate([part.noise for part in parts])
-    output = _output(matrix / scale, noise, _factor(total), reduce(polynomial.polymul, poles)) * scale
-    states = tuple(f"{name}_{i}" for i, component in enumerate(filters, 1) for name in component.states)
+    output = (
+        _output(matrix / scale, noise, _factor(total), reduce(polynomial.polymul, poles)) * scale
+    )
+    states = tuple(
+        f"{name}_{i}" for i, component in enumerate(filters, 1) for name in component.states
+    )
     return Filter(1.0, states, matrix.tolist(), noise.tolist(), output.tolist())
 
 
@@ -63,7 +71,8 @@ def _numerator(matrix: Array, noise: Array, output: Array, poles: Array) -> Arra
     """
     size = len(noise)
     markov = np.array([output @ np.linalg.matrix_power(matrix, k) @ noise for k in range(size)])
-    # The numerator is poles(s) (m0/s + m1/s^2 + ...) with the Markov parameters m; here the power s^k.
+    # The numerator is poles(s) (m0/s + m1/s^2 + ...) with the Markov parameters m; here the power
+    # s^k.
     coefficients = np.array([poles[k + 1 :] @ markov[: size - k] for k in range(size)])
     return np.where(np.abs(coefficients) > _ZERO * np.abs(coefficients).max(), coefficients, 0.0)
 

@@ -1,10 +1,10 @@
 """Gaussian expectations ``E[w v]`` and ``E[w z]`` of a slip rate ``w(v, z)``, by quadrature.
 
-The slip rate is an odd function, so that half of the plane is enough: ``E[w v] = 2 E[w v; v > 0]``. The
-outer integral, over ``t = z/sz``, is by Gauss-Legendre quadrature on panels between the kinks of the
-law. The inner one, over ``x = v/sv > 0`` for given ``t``, has a closed form for a rate-independent law,
-``w(v, z) = v w(1, z)``, and is by Gauss-Legendre quadrature otherwise. The law itself is not
-differentiated, and may have kinks.
+The slip rate is an odd function, so that half of the plane is enough: ``E[w v] = 2 E[w v; v > 0]``.
+The outer integral, over ``t = z/sz``, is by Gauss-Legendre quadrature on panels between the kinks
+of the law. The inner one, over ``x = v/sv > 0`` for given ``t``, has a closed form for a
+rate-independent law, ``w(v, z) = v w(1, z)``, and is by Gauss-Legendre quadrature otherwise. The
+law itself is not differentiated, and may have kinks.
 """
 
 from __future__ import annotations
@@ -23,7 +23,9 @@ REACH = 12.0  # standard deviations that are integrated over; the density beyond
 CELLS = 64  # cells computed together, so that their values at all nodes stay in the cache
 # Kept, because a fixed point asks for the same nodes in every iteration.
 gauss_legendre = cache(np.polynomial.legendre.leggauss)
-GRADED = np.concatenate([[0.0], 4.0 ** np.arange(-6, 1)])  # edges of panels growing by a factor of 4
+GRADED = np.concatenate(
+    [[0.0], 4.0 ** np.arange(-6, 1)]
+)  # edges of panels growing by a factor of 4
 
 
 class SlipRate(NamedTuple):
@@ -40,14 +42,16 @@ class SlipRate(NamedTuple):
 
     def __call__(self, v: Array, z: Array) -> Array:
         """The slip rate for ``v`` and ``z`` whose first dimension is that of the cells."""
-        return self.function(v, z, self.parameters.reshape(*self.parameters.shape, *(1,) * (z.ndim - 1)))
+        return self.function(
+            v, z, self.parameters.reshape(*self.parameters.shape, *(1,) * (z.ndim - 1))
+        )
 
 
 def slip_expectations(law: SlipRate, latent: Array, parameters: Array, order: int) -> Array:
     """``(E[w v], E[w z])`` (2, n) for the moments ``latent`` (3, n).
 
-    The moments are ``sv``, ``sz``, ``r`` of the Gaussian ``(v, z)``; ``parameters`` (m, n) are those of
-    the law, and ``order`` is the number of Gauss-Legendre nodes of each panel.
+    The moments are ``sv``, ``sz``, ``r`` of the Gaussian ``(v, z)``; ``parameters`` (m, n) are
+    those of the law, and ``order`` is the number of Gauss-Legendre nodes of each panel.
     """
     moments = _moments(law, latent, parameters, order, 2)
     return latent[:2] * [moments[1, 0], moments[0, 1]]
@@ -88,8 +92,8 @@ def _panels(
 
     At 0 the conditional mean of ``v`` changes sign, and the inner integral changes within
     ``q/|r|``, the more rapidly the nearer the correlation is to 1. The nodes are those of Gauss and
-    Legendre in ``x`` with ``(3 x - x^3)/2`` as place in a panel. This makes a power of the distance to
-    its end, such as that of ``|z|^1.5``, as smooth as twice the power.
+    Legendre in ``x`` with ``(3 x - x^3)/2`` as place in a panel. This makes a power of the distance
+    to its end, such as that of ``|z|^1.5``, as smooth as twice the power.
     """
     turn = np.minimum(6 * q / np.maximum(np.abs(r), 1e-3), REACH)
     edges = [np.full_like(sz, -REACH), -turn, np.zeros_like(sz), turn, np.full_like(sz, REACH)]

@@ -1,10 +1,9 @@
 """Newton's method for single structures, whose stationary covariances have closed forms.
 
-The unknowns and the mismatch ``F`` are those of `iteration`. Steps follow from
-``(c |F| - dF/dy) step = F``, with slopes ``dF/dy`` by differences. This is pseudo-transient
-continuation (Kelley and Keyes 1998, SIAM J. Numer. Anal. 35), which becomes Newton's method as ``F``
-falls. Where it fails, or where a law may have several solutions, the solution is followed from weak to
-full shaking.
+The unknowns and the mismatch ``F`` are those of `iteration`. Steps follow from ``(c |F| - dF/dy)
+step = F``, with slopes ``dF/dy`` by differences. This is pseudo-transient continuation (Kelley and
+Keyes 1998, SIAM J. Numer. Anal. 35), which becomes Newton's method as ``F`` falls. Where it fails,
+or where a law may have several solutions, the solution is followed from weak to full shaking.
 """
 
 from __future__ import annotations
@@ -51,7 +50,9 @@ class SingleStructures(NamedTuple):
     closure: Closure
     parameters: Array  # (m, n) of the law
     ground: Filter
-    level: Array  # (n,): logarithm of the ratio of the shaking to the full one, as standard deviations
+    level: (
+        Array  # (n,): logarithm of the ratio of the shaking to the full one, as standard deviations
+    )
     rtol: float
 
     def at(self, cells: Array) -> SingleStructures:
@@ -66,8 +67,8 @@ class SingleStructures(NamedTuple):
     def mismatch(self, unknowns: Array) -> Array:
         """Mismatch (3, k, n) of unknowns of the same shape.
 
-        It is NaN for systems that are not stable. This is checked by the criterion of Routh and Hurwitz,
-        since on filtered ground the formulas can also give a valid covariance there.
+        It is NaN for systems that are not stable. This is checked by the criterion of Routh and
+        Hurwitz, since on filtered ground the formulas can also give a valid covariance there.
         """
         points = unknowns.shape[1]
         latent = moments_of(unknowns).reshape(3, -1)
@@ -104,13 +105,13 @@ def solve_structures(
 ) -> FixedPoint:
     """The fixed points of all cells, from the moments ``sv, sz, r`` (3, n) of the elastic response.
 
-    In cells that have ``one_solution`` the iteration starts from the elastic response, with ``sz`` at
-    most 1, and has two unknowns where the closure is one of `balance`. In the others, and where this
-    fails, the solution is followed from weak to full shaking.
-    ``max_iterations`` limits the steps of an iteration, and the levels of shaking along a branch.
+    In cells that have ``one_solution`` the iteration starts from the elastic response, with ``sz``
+    at most 1, and has two unknowns where the closure is one of `balance`. In the others, and where
+    this fails, the solution is followed from weak to full shaking. ``max_iterations`` limits the
+    steps of an iteration, and the levels of shaking along a branch.
 
-    A cell has converged when a step changes the standard deviations by at most the share ``rtol``, and
-    the correlation by at most ``rtol``.
+    A cell has converged when a step changes the standard deviations by at most the share ``rtol``,
+    and the correlation by at most ``rtol``.
     """
     elastic = np.array([*np.log(start[:2]), np.arctanh(start[2])])
     solution = nothing(start)
@@ -142,7 +143,9 @@ def balanced(problem: SingleStructures, start: Array, most: int) -> FixedPoint:
     ground = np.ones((5, n))
     for row, entry in zip(ground, (problem.ground.intensity, *oscillators), strict=False):
         row[:] = entry
-    two = BalancedStructures(problem.structure, ground, len(oscillators) // 2, functions, problem.rtol)
+    two = BalancedStructures(
+        problem.structure, ground, len(oscillators) // 2, functions, problem.rtol
+    )
     solve = two.one_by_one if n <= FEW_CELLS else partial(iterate, two)
     solution = solve(start[:2], min(most, FEW))
     correlated, _ = interpolated(functions[:, 3:], solution.unknowns[1])
@@ -155,7 +158,9 @@ def iterate(problem: Any, start: Array, most: int) -> FixedPoint:
     If the unknowns have no stationary response, a smaller step from the last valid ones is tried.
     """
     n = start.shape[1]
-    solution = FixedPoint(start.copy(), np.zeros(n, np.int32), np.full(n, np.inf), np.zeros(n, bool))
+    solution = FixedPoint(
+        start.copy(), np.zeros(n, np.int32), np.full(n, np.inf), np.zeros(n, bool)
+    )
     base = start
     cells = np.arange(n)
     for number in range(1, most + 1):

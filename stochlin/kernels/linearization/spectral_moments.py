@@ -1,17 +1,17 @@
 """Spectral moments ``l0, l1, l2`` of displacements of linear and linearized structures on a ground.
 
-``l_m = 2 Int_0^inf w^m S(w) dw`` with the two-sided PSD ``S``: ``l0`` and ``l2`` are the variances of
-displacement and velocity, while ``l1`` is not a covariance of states. With the correlation function
-``R(tau)``, ``l1 = -(2/pi) Int_0^inf R'(tau)/tau dtau``, and since ``1/tau`` is the Laplace transform of
-1,
+``l_m = 2 Int_0^inf w^m S(w) dw`` with the two-sided PSD ``S``: ``l0`` and ``l2`` are the variances
+of displacement and velocity, while ``l1`` is not a covariance of states. With the correlation
+function ``R(tau)``, ``l1 = -(2/pi) Int_0^inf R'(tau)/tau dtau``, and since ``1/tau`` is the Laplace
+transform of 1,
 
     l1 = (2/pi) Int_0^inf I(s) ds,    I(s) = -Int_0^inf R'(tau) e^(-s tau) dtau.
 
 ``I`` is rational with all its poles in the left half-plane. However light the damping, the path of
 integration meets no resonance, and since no pole is computed, equal poles cause no error. The
-substitution ``s = sqrt(l2/l0) e^x`` makes the integrand decay as ``e^-|x|`` in both directions. It is
-analytic for ``|Im x| < pi/2``, so that the trapezoidal rule with step ``h`` has an error of order
-``e^(-pi^2/h)``.
+substitution ``s = sqrt(l2/l0) e^x`` makes the integrand decay as ``e^-|x|`` in both directions. It
+is analytic for ``|Im x| < pi/2``, so that the trapezoidal rule with step ``h`` has an error of
+order ``e^(-pi^2/h)``.
 """
 
 from __future__ import annotations
@@ -49,7 +49,9 @@ def bandwidth_of(l0: Array, l1: Array, l2: Array) -> Array:
 
 
 @np.errstate(all="ignore")  # NaN without motion
-def displacement_moments(system: EquivalentSystem, forcing: Forcing, ground: Filter) -> SpectralMoments:
+def displacement_moments(
+    system: EquivalentSystem, forcing: Forcing, ground: Filter
+) -> SpectralMoments:
     """Spectral moments of one structure's displacement, for cells (n,)."""
     own = own_covariance(system, forcing)
     l1 = np.empty_like(own.mu_mu)
@@ -68,9 +70,9 @@ def displacement_moments(system: EquivalentSystem, forcing: Forcing, ground: Fil
 def _decay(system: EquivalentSystem, mu: Array, slip: Array, drive: Array, s: Array) -> Array:
     """``-Int_0^inf E[mu'(t + tau) mu(t)] e^(-s tau) dtau``, from the equations of motion.
 
-    ``mu`` and ``slip`` are the covariances of ``mu`` and ``y`` with ``mu`` at ``tau = 0``, and ``drive``
-    is the Laplace transform of that of the later forcing. The equations are solved for the velocity,
-    which avoids cancellation as ``s -> 0``.
+    ``mu`` and ``slip`` are the covariances of ``mu`` and ``y`` with ``mu`` at ``tau = 0``, and
+    ``drive`` is the Laplace transform of that of the later forcing. The equations are solved for
+    the velocity, which avoids cancellation as ``s -> 0``.
     """
     w2, d, h, p, k = system
     right = (s + k) * (w2 * mu - s * drive) - h * (s * slip + k * mu)

@@ -1,14 +1,14 @@
 """Covariance of linearized systems over time, from rest under a modulated ground.
 
 The state vector ``x`` is that of `systems.state_space`, ``x' = A x + b n``. The envelope ``m(t)``
-multiplies the acceleration of the ground, which is the white noise ``n`` itself if the ground has no
-filter. The covariance ``X = E[x x']`` follows from
+multiplies the acceleration of the ground, which is the white noise ``n`` itself if the ground has
+no filter. The covariance ``X = E[x x']`` follows from
 
     X' = A X + X A' + 2 pi S0 b b',
 
-where ``A`` depends on ``X`` by the coefficients of eqs. (9) and (10). These also depend on the means of
-further states, if a law has any, and the means have rates by the law. All are integrated together by the
-classical Runge-Kutta method of fourth order.
+where ``A`` depends on ``X`` by the coefficients of eqs. (9) and (10). These also depend on the
+means of further states, if a law has any, and the means have rates by the law. All are integrated
+together by the classical Runge-Kutta method of fourth order.
 """
 
 from __future__ import annotations
@@ -30,7 +30,9 @@ FIRST_PHASE = 0.1  # the same while a motion begins
 FIRST = 30.0  # how long that is, as phase [rad]
 STABLE = 3.0  # ratio of the fastest oscillation or decay of all to the one that is followed
 LEAST_PHASE = 4e-3  # shortest step, as the same phase
-FIRST_STEPS = 0.5 ** np.arange(12, 0, -1)  # ends within the first interval, where an envelope is steep
+FIRST_STEPS = 0.5 ** np.arange(
+    12, 0, -1
+)  # ends within the first interval, where an envelope is steep
 LEAST_Z = 0.04  # sz over the yield displacement below which closures are those of this sz
 LEAST_RATE = 1e-12  # sv over the yield displacement to which it is limited [1/s]
 LARGEST_CORRELATION = 1 - 1e-12  # to which corr(v, z) is limited
@@ -40,7 +42,9 @@ class MomentState(NamedTuple):
     """What is integrated, or its rates."""
 
     covariance: Array  # (c, states, states)
-    means: Array  # (1 + further states, c, m) of the work on z, and of the further states of the laws
+    means: (
+        Array  # (1 + further states, c, m) of the work on z, and of the further states of the laws
+    )
 
     def moved(self, rates: MomentState, time: float) -> MomentState:
         """The state after a time [s] with these rates."""
@@ -160,7 +164,9 @@ class TransientSystems:
             again, _ = self.rates(time + length / 2, state.moved(at_middle, length / 2))
             time = time + length if steps > 1 else end
             at_end, _ = self.rates(time, state.moved(again, length))
-            for rates, weight in zip((at_begin, at_middle, again, at_end), (1, 2, 2, 1), strict=True):
+            for rates, weight in zip(
+                (at_begin, at_middle, again, at_end), (1, 2, 2, 1), strict=True
+            ):
                 state = state.moved(rates, weight * length / 6)
         self._check(end, state)
         return state
@@ -186,9 +192,9 @@ class TransientSystems:
     ) -> TransientMoments:
         """Moments at increasing ``times`` from 0 on, from rest at 0, of sums with weights (k, n).
 
-        Steps end at ``kinks``, the times at which the envelope is not smooth. ``progress`` is called
-        with the share of the time that is done. An ArithmeticError is raised if steps become too short,
-        or if a structure falls.
+        Steps end at ``kinks``, the times at which the envelope is not smooth. ``progress`` is
+        called with the share of the time that is done. An ArithmeticError is raised if steps become
+        too short, or if a structure falls.
         """
         moments = []
         for time, state in self._states(times, kinks):

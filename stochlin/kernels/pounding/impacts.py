@@ -1,9 +1,9 @@
 """Impacts in the lanes near contact: their table, and stereomechanical blows.
 
 A contact has an impact from the time at which the penetration becomes positive until it is negative
-again. A stereomechanical blow multiplies the rate of penetration by ``-e`` at the time of touch, eq.
-(13). A rebound that would last less than `REST` time steps ends in rest: both sides then move together,
-as one impact, until they are pulled apart.
+again. A stereomechanical blow multiplies the rate of penetration by ``-e`` at the time of touch,
+eq. (13). A rebound that would last less than `REST` time steps ends in rest: both sides then move
+together, as one impact, until they are pulled apart.
 """
 
 from __future__ import annotations
@@ -142,7 +142,9 @@ def _watch_contact(steps, j, time, before, change, state, lane):
     after = before + change
     if np.isnan(impacts.begin[j, lane]):
         touch = time + (dt * -before / change if before < 0.0 else 0.0)
-        at_once = law.damping * speed if law.damping_exponent == 0.0 and not law.over_approach else 0.0
+        at_once = (
+            law.damping * speed if law.damping_exponent == 0.0 and not law.over_approach else 0.0
+        )
         _begin_impact(impacts, j, touch, speed, at_once, lane)
     v0 = speed if speed > state.motions.least_approach[lane] else 0.0
     total, elastic = mean_force(law, v0, before, change, dt)
@@ -263,9 +265,10 @@ def _mobility(rows, mass, j):
 def _blow(steps, parts, j, rate, pressed, time, state, lane):
     """One blow of contact ``j``, with this rate of penetration at the end of the step.
 
-    It takes place at the time of touch, from which velocities and displacements follow at the end of
-    the step. ``pressed`` is the largest acceleration with which sides that touch are pressed together:
-    a neighbour that is pressed against both ends a rebound too. Returns whether both sides rest.
+    It takes place at the time of touch, from which velocities and displacements follow at the end
+    of the step. ``pressed`` is the largest acceleration with which sides that touch are pressed
+    together: a neighbour that is pressed against both ends a rebound too. Returns whether both
+    sides rest.
     """
     dt = steps.dt
     rows = steps.contacts.rows

@@ -1,9 +1,9 @@
 """Response of a row of buildings to motions, one or many at once, with impacts.
 
-Every step is first taken without contacts, in all motions. Those that are near contact in it are taken
-again, in shorter steps with contacts: their lanes are gathered, and scattered again afterwards. No lane
-depends on another, so that a motion has the same bits alone and among others. In lanes without contacts
-the same buildings move each alone.
+Every step is first taken without contacts, in all motions. Those that are near contact in it are
+taken again, in shorter steps with contacts: their lanes are gathered, and scattered again
+afterwards. No lane depends on another, so that a motion has the same bits alone and among others.
+In lanes without contacts the same buildings move each alone.
 """
 
 from __future__ import annotations
@@ -144,8 +144,8 @@ class RowStates(NamedTuple):
 def _near(contacts, dt, state, lanes, near):
     """Write the lanes that are in contact in the step taken without it, or may be; returns their number.
 
-    Within a step the penetration is a parabola, which rises above the ends by an eighth of the change of
-    the rate times ``dt`` at most.
+    Within a step the penetration is a parabola, which rises above the ends by an eighth of the
+    change of the rate times ``dt`` at most.
     """
     motions = state.motions
     of_rows = state.products
@@ -221,7 +221,9 @@ def _run(functions, steps, ground, states, table):
             copy(states.before, near, near_state.block, all_lanes, count)
             for part in range(steps.substeps):
                 share = (cut + (part + 0.5) / steps.substeps) / cuts
-                _set_forcing(ground.acceleration, sample, share, near, near_state.motions.forcing, count)
+                _set_forcing(
+                    ground.acceleration, sample, share, near, near_state.motions.forcing, count
+                )
                 functions.step(functions.slip, functions.law, steps.near, near_state, count)
                 functions.watch(steps.near, steps.parts, near_state, count)
                 begin = time + part * steps.near.dt
@@ -273,8 +275,8 @@ def follow(
 ) -> Array:
     """Motions ``state`` (n lanes) from their state on, which is changed.
 
-    The states of the first motion are written to ``history`` (rows, samples), if it has columns, NaN
-    after the end of one that fails. Returns the table of `impacts`, as they begin.
+    The states of the first motion are written to ``history`` (rows, samples), if it has columns,
+    NaN after the end of one that fails. Returns the table of `impacts`, as they begin.
     """
     lanes = ground.acceleration.shape[1]
     state.motions.least_approach[:] = ground.slow

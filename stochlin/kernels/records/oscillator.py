@@ -1,11 +1,11 @@
 """Exact response of linear and bilinear oscillators to a recorded ground acceleration.
 
-The ground acceleration is linear between its samples, the structure is linear on each of its branches,
-and changes of branch are located within a step: the response has no error of discretization. Each
-interval of the record is divided into sub-steps of ``h`` seconds, with ``w h`` at most `LONGEST`. Their
-Taylor series gives the solution to rounding error, without the cancellations of the closed form, and a
-cubic polynomial through the values and rates at both ends gives peaks with a relative error of a few
-1e-4.
+The ground acceleration is linear between its samples, the structure is linear on each of its
+branches, and changes of branch are located within a step: the response has no error of
+discretization. Each interval of the record is divided into sub-steps of ``h`` seconds, with ``w h``
+at most `LONGEST`. Their Taylor series gives the solution to rounding error, without the
+cancellations of the closed form, and a cubic polynomial through the values and rates at both ends
+gives peaks with a relative error of a few 1e-4.
 """
 
 from __future__ import annotations
@@ -16,9 +16,10 @@ import numpy as np
 
 from stochlin.kernels.basics.compiled import called_once, compiled, entry
 
-# Columns of the peaks: largest u [m], and largest magnitude of u, of the velocity, of the acceleration
-# of structure and ground together, and of the energy radius sqrt(u^2 + (u'/w)^2). Of a pair, the first
-# column of the first structure is the largest u1 - u2, and the last the correlation of u1 and u2.
+# Columns of the peaks: largest u [m], and largest magnitude of u, of the velocity, of the
+# acceleration of structure and ground together, and of the energy radius sqrt(u^2 + (u'/w)^2). Of a
+# pair, the first column of the first structure is the largest u1 - u2, and the last the correlation
+# of u1 and u2.
 PEAKS = 6
 HIGHEST, DISPLACEMENT, VELOCITY, ACCELERATION, RADIUS, RHO = range(PEAKS)
 # Columns of a state: u, u', y, and the input and hysteretic energy per unit mass so far.
@@ -27,7 +28,9 @@ INPUT = 3
 HYSTERETIC = 4
 LONGEST = 1 / 3  # largest w h [rad]; the damping 2 xi w h is then below 2/3
 TERMS = 18  # of the Taylor series; those left out are below (2/3)^14 4! / 18!, 1e-17 of the first
-SMALLEST = 1e-12  # error of the time of a change of branch, and least time between two, in sub-steps
+SMALLEST = (
+    1e-12  # error of the time of a change of branch, and least time between two, in sub-steps
+)
 
 
 class Oscillator(NamedTuple):
@@ -63,8 +66,8 @@ def _impulse(damping, stiffness, t):
 def _after(o, side, v, push, slope, t):
     """Change of displacement ``x``, its integral, velocity and acceleration after a time on one branch.
 
-    They solve ``x'' + damping x' + stiffness x = push + slope t`` with ``x = 0`` and ``x' = v`` before.
-    The branch ``side`` is 1 or -1 where the structure yields, and 0 if it is elastic.
+    They solve ``x'' + damping x' + stiffness x = push + slope t`` with ``x = 0`` and ``x' = v``
+    before. The branch ``side`` is 1 or -1 where the structure yields, and 0 if it is elastic.
     """
     stiffness = o.stiffness[abs(side)]
     g, once, twice, third = o.whole[abs(side)] if t == o.h else _impulse(o.damping, stiffness, t)
@@ -78,11 +81,12 @@ def _after(o, side, v, push, slope, t):
 def _part(o, y, side, v, push, slope, end, least):
     """A time on this branch, at most ``end``, the branch from then on, and what is `_after` this time.
 
-    No change of branch is missed, however brief the stay is (until 1e-12 sub-steps). The acceleration is
-    zero at most once in a sub-step: where it has one sign at both ends of a time, or the velocity is too
-    large to reach zero, the sign of the velocity at both ends says whether it turns, and displacements
-    are between those at both ends if it does not. Where this does not decide, and yield is near, the
-    time is halved. A change is located by Newton's method, and by halves where that leaves the bracket.
+    No change of branch is missed, however brief the stay is (until 1e-12 sub-steps). The
+    acceleration is zero at most once in a sub-step: where it has one sign at both ends of a time,
+    or the velocity is too large to reach zero, the sign of the velocity at both ends says whether
+    it turns, and displacements are between those at both ends if it does not. Where this does not
+    decide, and yield is near, the time is halved. A change is located by Newton's method, and by
+    halves where that leaves the bracket.
     """
     begin = min(least, end)
     last = end
@@ -162,8 +166,8 @@ def _update(o, side, length, u, v, a, ground, u1, v1, a1, ground1, peaks):
     turn = turning(length, b, -o.damping * a - stiffness * v, b1, -o.damping * a1 - stiffness * v1)
     peaks[ACCELERATION] = max(peaks[ACCELERATION], abs(b1), abs(turn))
     peaks[RADIUS] = max(peaks[RADIUS], u1 * u1 + v1 * v1 / elastic)
-    # The rate of u^2 + u'^2/w^2 is 2 u' (u + u''/w^2). Where u' is zero, it is u^2. A zero of the other
-    # factor by linear interpolation is near enough, since the radius is stationary there.
+    # The rate of u^2 + u'^2/w^2 is 2 u' (u + u''/w^2). Where u' is zero, it is u^2. A zero of the
+    # other factor by linear interpolation is near enough, since the radius is stationary there.
     away = u * elastic + a
     away1 = u1 * elastic + a1
     if away * away1 < 0:
@@ -272,12 +276,12 @@ def _respond(ground, dt, structures, refine, results, path):
 def run(ground, dt, cells, refine, results, path):
     """Responses of cells of one or two structures to ``ground`` (samples,) [m/s^2].
 
-    ``dt`` [s] is the time step of the ground. The parameters in ``cells`` (n, sides, 4) are the circular
-    frequency ``w`` [rad/s], damping ratio, hardening ratio, and yield displacement [m] or infinity.
-    Peaks and last states are written to ``results`` (n, sides, PEAKS + STATE), which has the states at
-    the start, and zeros. Each interval of the ground has ``refine`` (n,) times, at which the two
-    structures of a cell are compared. The states of the first structure at these times are written to
-    ``path`` (times, STATE), but for that at the start, unless it is empty.
+    ``dt`` [s] is the time step of the ground. The parameters in ``cells`` (n, sides, 4) are the
+    circular frequency ``w`` [rad/s], damping ratio, hardening ratio, and yield displacement [m] or
+    infinity. Peaks and last states are written to ``results`` (n, sides, PEAKS + STATE), which has
+    the states at the start, and zeros. Each interval of the ground has ``refine`` (n,) times, at
+    which the two structures of a cell are compared. The states of the first structure at these
+    times are written to ``path`` (times, STATE), but for that at the start, unless it is empty.
     """
     for cell in range(len(cells)):
         _respond(ground, dt, cells[cell], refine[cell], results[cell], path)

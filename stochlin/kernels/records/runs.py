@@ -52,14 +52,16 @@ def peaks_on_records(
 ) -> Array:
     """Peaks and last states of structures, or of pairs of them, (records, n, sides, PEAKS + STATE).
 
-    A side has the parameters (n, 4) of its structures as in `run`. Both structures of a pair take the
-    same sub-steps. A task is the response of a block of cells to a record.
+    A side has the parameters (n, 4) of its structures as in `run`. Both structures of a pair take
+    the same sub-steps. A task is the response of a block of cells to a record.
     """
     cells = np.ascontiguousarray(np.stack(sides, axis=1))
     results = np.zeros((len(grounds), *cells.shape[:2], PEAKS + STATE))
     work = [work_of(ground, *sides) for ground in grounds]
     least = max(BLOCK, sum(each.sum() for each in work) / MOST_TASKS)
-    tasks = [(number, cells_of) for number, each in enumerate(work) for cells_of in _blocks(each, least)]
+    tasks = [
+        (number, cells_of) for number, each in enumerate(work) for cells_of in _blocks(each, least)
+    ]
 
     def task(number: int) -> None:
         """A block of cells on one record."""

@@ -1,8 +1,9 @@
 """What is watched in a motion: peaks, forces and energies, taken from every time step in one way.
 
-In a step the velocities are constant, ``dq/dt``, and forces have their means. The works of the ground,
-of dashpots and of slips therefore have no error of quadrature: with the energies at both ends, they
-balance to the tolerance of the passes. What a step does not account for is the missing energy.
+In a step the velocities are constant, ``dq/dt``, and forces have their means. The works of the
+ground, of dashpots and of slips therefore have no error of quadrature: with the energies at both
+ends, they balance to the tolerance of the passes. What a step does not account for is the missing
+energy.
 """
 
 from __future__ import annotations
@@ -174,7 +175,8 @@ def _subtract_stored(steps, state, energy, lanes):
 def balance(steps, parts, time, state, lanes):
     """Update the energy that is missing in the balance of all structures, and its largest share.
 
-    End the motions in which an extension is beyond its limit, or not a number, at this ``time`` [s].
+    End the motions in which an extension is beyond its limit, or not a number, at this ``time``
+    [s].
     """
     motions = state.motions
     coordinates = state.coordinates

@@ -1,12 +1,12 @@
 """Contacts as elements that only push: their forces, at an instant and as the mean over a time step.
 
-``d`` is the penetration [m], positive in contact, ``v = d'`` its rate [m/s], and ``v0`` the approach
-velocity, ``v`` at the beginning of this contact. A positive force pushes both sides apart; a negative
-one pulls them together.
+``d`` is the penetration [m], positive in contact, ``v = d'`` its rate [m/s], and ``v0`` the
+approach velocity, ``v`` at the beginning of this contact. A positive force pushes both sides apart;
+a negative one pulls them together.
 
-In a time step the penetration grows at a constant rate from ``before`` to ``before + change``. The mean
-of the force over this way needs no separate treatment of a step in which contact begins or ends, and the
-work of its elastic part is the change of the stored energy, to rounding.
+In a time step the penetration grows at a constant rate from ``before`` to ``before + change``. The
+mean of the force over this way needs no separate treatment of a step in which contact begins or
+ends, and the work of its elastic part is the change of the stored energy, to rounding.
 """
 
 from __future__ import annotations
@@ -40,8 +40,8 @@ class ForceLaw(NamedTuple):
     damping_exponent: Any = 0.0  # p
     approach_only: bool = False  # the dashpot acts only while v > 0
     over_approach: bool = False  # the dashpot's force is ``k d^n c v/v0``
-    # The element can pull. If it cannot, contact ends where the force is zero; this requires p = n - 1,
-    # unless approach_only is set.
+    # The element can pull. If it cannot, contact ends where the force is zero; this requires p = n
+    # - 1, unless approach_only is set.
     tension: bool = True
 
 
@@ -61,7 +61,9 @@ class Contacts(NamedTuple):
     weights: Array  # (c, n)
     rows: Array  # the same, by `rows_of`
     right: Array  # that part of it which belongs to the structure on the right
-    of_wall: Array  # (c,): that of the last coordinate if it is a wall, which no force moves; else 0
+    of_wall: (
+        Array  # (c,): that of the last coordinate if it is a wall, which no force moves; else 0
+    )
     gap: Array  # (c,) [m]
     law: Array  # (c,): a `law_table`
     jumps: bool  # impacts are stereomechanical: velocities jump, and ``law`` has no use
@@ -80,8 +82,8 @@ class Contacts(NamedTuple):
     ) -> Contacts:
         """Contacts with these laws, or stereomechanical ones, between so many coordinates.
 
-        ``left`` and ``right`` (c, n) are the parts of the weights that belong to either side. The last
-        coordinate may be that of a ``wall``.
+        ``left`` and ``right`` (c, n) are the parts of the weights that belong to either side. The
+        last coordinate may be that of a ``wall``.
         """
         no_weights = np.zeros((len(laws), coordinates))
         on_left = no_weights if left is None else left
@@ -117,8 +119,8 @@ def force(law, d, v, v0):
 def separation_margin(law, d, v):
     """Quantity that falls to zero when the force of a contact ends [m].
 
-    It is the penetration for an element that can pull. Otherwise it is the force over ``k d^(n-1)``,
-    which is zero earlier: the element then lets go while it is still compressed.
+    It is the penetration for an element that can pull. Otherwise it is the force over ``k
+    d^(n-1)``, which is zero earlier: the element then lets go while it is still compressed.
     """
     return d if law.tension or law.approach_only else d + law.damping * v / law.stiffness
 
@@ -189,8 +191,8 @@ def mean_force(law, v0, before, change, dt):
 def solve_force(law, v0, before, alone, g, dt):
     """Mean force of a contact [N] whose penetration changes by ``alone`` less ``g`` times this force.
 
-    The force grows with the change, so that it lies between 0 and the force without its own effect. It
-    is found by regula falsi, with halved weights for an end that stays (the Illinois method).
+    The force grows with the change, so that it lies between 0 and the force without its own effect.
+    It is found by regula falsi, with halved weights for an end that stays (the Illinois method).
     """
     bound = mean_force(law, v0, before, alone, dt)[0]
     low = 0.0

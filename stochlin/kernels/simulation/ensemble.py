@@ -1,10 +1,10 @@
 """Ensembles of simulated motions of one ground, and the response of all structures to each of them.
 
-Motions are simulated in groups of `LANES`. Each group has a stream of random numbers of its own, spawned
-from the seed by the number of the group. Groups are independent tasks, whose results are summed in their
-order: a seed gives the same result for any number of threads. The random factors on the intensity of the
-motions (their scatter) come from a further stream of the group, so that the motions with and without
-scatter are the same but for these factors.
+Motions are simulated in groups of `LANES`. Each group has a stream of random numbers of its own,
+spawned from the seed by the number of the group. Groups are independent tasks, whose results are
+summed in their order: a seed gives the same result for any number of threads. The random factors on
+the intensity of the motions (their scatter) come from a further stream of the group, so that the
+motions with and without scatter are the same but for these factors.
 """
 
 from __future__ import annotations
@@ -75,8 +75,8 @@ class SteppedOscillators(NamedTuple):
     def block(self, dt: float, group: int = 0) -> Block:
         """The function for blocks of time steps of length ``dt`` [s].
 
-        It takes the forcing, the state, which it updates, the number of steps from sample to sample, the
-        output, and the number of its first row to be written.
+        It takes the forcing, the state, which it updates, the number of steps from sample to
+        sample, the output, and the number of its first row to be written.
         """
 
         def block(f: Array, state: Any, every: int, out: Array, at: int = 0) -> None:
@@ -97,8 +97,11 @@ class SteppedStructures:
 
     elements: Elements
     law: Any  # the result of `laws.by_number`
-    samples: Sequence[Elements] = ()  # with uncertain parameters: one for each motion, group after group
-    # (w, n): which of the first n elements belongs to each displacement, if any; None if it is its own
+    samples: Sequence[
+        Elements
+    ] = ()  # with uncertain parameters: one for each motion, group after group
+    # (w, n): which of the first n elements belongs to each displacement, if any; None if it is its
+    # own
     element: Array | None = None
     _steps: dict[float, Steps] = field(default_factory=dict, init=False)
 
@@ -183,7 +186,9 @@ class Plan(NamedTuple):
     seed: int
     samples: int = SAMPLES  # number of samples in a block
     first_group: int = 0  # number of the stream of the first group
-    scatter: float = 0.0  # standard deviation of the logarithm of a factor of median 1 on each motion
+    scatter: float = (
+        0.0  # standard deviation of the logarithm of a factor of median 1 on each motion
+    )
 
     @property
     def block(self) -> float:
@@ -216,7 +221,9 @@ class Ensemble(NamedTuple):
     ) -> Iterator[Any]:
         """Results of a ``task`` with the motions of each group, in the order of the groups."""
         first = self.plan.first_group
-        return in_order(lambda group: task(MotionGroup(self, first + group)), self.plan.groups, progress)
+        return in_order(
+            lambda group: task(MotionGroup(self, first + group)), self.plan.groups, progress
+        )
 
 
 class Links(NamedTuple):
@@ -229,9 +236,9 @@ class Links(NamedTuple):
 class Extremes(NamedTuple):
     """Largest and smallest value of each function in each motion, including 0 at the start.
 
-    Both are NaN where the function is not finite at the end, since a law has run away. With links also
-    those of `LinkPeaks`. ``last`` are all displacements at the end, and ``plastic`` what is plastic of
-    them, or of the drifts of storeys.
+    Both are NaN where the function is not finite at the end, since a law has run away. With links
+    also those of `LinkPeaks`. ``last`` are all displacements at the end, and ``plastic`` what is
+    plastic of them, or of the drifts of storeys.
     """
 
     highest: Array  # (motions, m)
@@ -253,7 +260,9 @@ class Sums(NamedTuple):
     squares: Array  # (n, n): sum of G_ij^2
     with_diagonal: Array  # (n, n): sum of G_ij G_ii
     diagonal: Array  # (n, n): sum of G_ii G_jj
-    change: Array  # (n,): sum of the increase of G_ii from the first to the second half of the motion
+    change: (
+        Array  # (n,): sum of the increase of G_ii from the first to the second half of the motion
+    )
     change_squares: Array  # (n,): sum of its square
 
 
@@ -286,7 +295,8 @@ class MotionGroup:
     def block(self, envelope: Array | None = None) -> Array:
         """Simulate the next block; returns displacements (samples, n, LANES).
 
-        ``envelope`` has a factor on the ground acceleration for each step; a shorter one ends the block.
+        ``envelope`` has a factor on the ground acceleration for each step; a shorter one ends the
+        block.
         """
         f = self.f
         out = self.out

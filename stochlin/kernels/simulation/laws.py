@@ -1,10 +1,11 @@
 """Hysteresis laws as rates of states, and their integration over one time step of all lanes.
 
-A law has any number of states ``w``. The first of them is ``z``, the hysteretic extension over the yield
-extension. In a time step the extension, over the yield extension, grows at a constant rate ``v`` [1/s],
-and ``w' = rates(v, w)`` is integrated by the classical Runge-Kutta rule of fourth order. The rule
-contains the midpoint rule, and the difference of both shows whether the step is too long for the law. If
-so, the lane is integrated again in substeps. No lane depends on another, and steep laws stay stable.
+A law has any number of states ``w``. The first of them is ``z``, the hysteretic extension over the
+yield extension. In a time step the extension, over the yield extension, grows at a constant rate
+``v`` [1/s], and ``w' = rates(v, w)`` is integrated by the classical Runge-Kutta rule of fourth
+order. The rule contains the midpoint rule, and the difference of both shows whether the step is too
+long for the law. If so, the lane is integrated again in substeps. No lane depends on another, and
+steep laws stay stable.
 """
 
 from __future__ import annotations
@@ -31,10 +32,10 @@ LOST = 1e3  # extension of a lane that has run away in a step, over the yield ex
 class RateLaw:
     """A law with states, in time steps.
 
-    ``step(lanes, v, w, own, dt, new, apart)`` writes the states after ``dt`` [s] to ``new``, which may
-    be ``w``, and 1 to ``apart`` (lanes,) where the step is too long. ``v`` (lanes,) is the rate of the
-    extension over the yield extension [1/s], ``w`` (states, lanes) are the states before the step, and
-    ``own`` (k, lanes) the parameters of the law.
+    ``step(lanes, v, w, own, dt, new, apart)`` writes the states after ``dt`` [s] to ``new``, which
+    may be ``w``, and 1 to ``apart`` (lanes,) where the step is too long. ``v`` (lanes,) is the rate
+    of the extension over the yield extension [1/s], ``w`` (states, lanes) are the states before the
+    step, and ``own`` (k, lanes) the parameters of the law.
     """
 
     step: Any
@@ -165,8 +166,8 @@ BOUC_WEN = rate_law(_of_any_power, 1, "Bouc-Wen")
 def by_number(laws: tuple[RateLaw, ...]) -> Any:
     """One function ``law(kind, lanes, v, w, own, dt, new, apart)`` for laws with rates or branches.
 
-    The ``laws`` have the kinds OTHER, OTHER + 1 and so on. The function is a C function, so that a new
-    law compiles no time step.
+    The ``laws`` have the kinds OTHER, OTHER + 1 and so on. The function is a C function, so that a
+    new law compiles no time step.
     """
     chosen = _no_law
     names = repr([(law.name, law.states) for law in laws])

@@ -1,8 +1,8 @@
 """Largest forces of links in simulated motions, and the energies that they dissipate.
 
-The extension of a link is known after each step, and its rate is constant within a step. The change of
-the extension therefore gives the mean force of a dashpot and the slip of a spring that yields, which are
-those of the step itself, as in `account`.
+The extension of a link is known after each step, and its rate is constant within a step. The change
+of the extension therefore gives the mean force of a dashpot and the slip of a spring that yields,
+which are those of the step itself, as in `account`.
 """
 
 from __future__ import annotations

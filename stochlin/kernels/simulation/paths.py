@@ -1,7 +1,7 @@
 """Hysteresis laws of straight branches, followed exactly along the extension of a step; loops of laws.
 
-Each function is a `laws.RateLaw.step` that is never too long. The second state is the extension ``mu``
-over the yield extension, which moves in one direction within a step.
+Each function is a `laws.RateLaw.step` that is never too long. The second state is the extension
+``mu`` over the yield extension, which moves in one direction within a step.
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ def _backbone(mu, own, lane):
 def _unloading(peak, own, lane):
     """Stiffness in unloading from the side whose largest mu is ``peak``, over the stiffness to yield.
 
-    Before yielding the way leads to the point of cracking on the other side. Then the stiffness falls
-    with the exponent.
+    Before yielding the way leads to the point of cracking on the other side. Then the stiffness
+    falls with the exponent.
     """
     crack = own[1, lane]
     limit = own[2, lane]
@@ -46,11 +46,10 @@ def _modified_clough(lanes, v, w, own, dt, new, apart):
     """Peak-oriented branches.
 
     own: the exponent of the unloading stiffness; z and mu of cracking, and the slope from there to
-    yielding (1, 1 and 0 without cracking); mu of the cap (infinite without one), the slope beyond it,
-    downwards, and the least z of the backbone.
-    States: z; mu; the mu at which z was last zero; the largest mu so far beyond that of cracking, up and
-    down. Once one side has yielded, the other is cracked up to yielding, too. Formulas are those of an
-    upward motion; others are mirrored.
+    yielding (1, 1 and 0 without cracking); mu of the cap (infinite without one), the slope beyond
+    it, downwards, and the least z of the backbone. States: z; mu; the mu at which z was last zero;
+    the largest mu so far beyond that of cracking, up and down. Once one side has yielded, the other
+    is cracked up to yielding, too. Formulas are those of an upward motion; others are mirrored.
     """
     for lane in range(lanes):
         move = v[lane] * dt
@@ -65,13 +64,17 @@ def _modified_clough(lanes, v, w, own, dt, new, apart):
         end = mu + abs(move)
         least = 1.0 if limit + max(up, down) > 1.0 else 0.0
         peak = max(limit + ahead, least)
-        unloads = z <= 0.0  # from the side behind; else it may be on an unloading branch of this side
+        unloads = (
+            z <= 0.0
+        )  # from the side behind; else it may be on an unloading branch of this side
         stiffness = _unloading(max(limit + (behind if unloads else ahead), least), own, lane)
         crossing = mu - z / stiffness
         along = z + stiffness * abs(move)
         crosses = unloads and end >= crossing
         zero = crossing if crosses else zero
-        way = _backbone(peak, own, lane) * ((end - zero) / (peak - zero))  # to the largest mu so far
+        way = _backbone(peak, own, lane) * (
+            (end - zero) / (peak - zero)
+        )  # to the largest mu so far
         way = way if end < peak else _backbone(end, own, lane)
         after = way if crosses or (not unloads and way < along) else along
         beyond = max(ahead, end - limit)

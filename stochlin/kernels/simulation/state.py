@@ -18,15 +18,17 @@ from stochlin.kernels.basics.compiled import compiled
 from stochlin.kernels.basics.systems import System
 from stochlin.kernels.simulation.laws import VISCOUS
 
-CLOSE = 1e-8  # change of a slip, over the strength of the element, at which the passes of a step end
+CLOSE = (
+    1e-8  # change of a slip, over the strength of the element, at which the passes of a step end
+)
 CLOSE_BY_LAW = 1e-5  # the same for laws with rates; extensions change by less than 1e-7 of theirs
 
 
 class Elements(NamedTuple):
     """The masses and springs of a system, and the laws of the springs.
 
-    A dashpot with an exponent (VISCOUS) has zeros in ``post`` and ``couple``, and as ``parameters`` its
-    constant ``c`` [N (s/m)^a] and its exponent ``a``.
+    A dashpot with an exponent (VISCOUS) has zeros in ``post`` and ``couple``, and as ``parameters``
+    its constant ``c`` [N (s/m)^a] and its exponent ``a``.
     """
 
     system: System  # its strength is infinite for a linear element
@@ -203,7 +205,8 @@ class State(NamedTuple):
         ends = list(accumulate(math.prod(shape[:-1]) for shape in shapes))
         block = zeros_on_a_line(ends[-1], lanes)
         parts = [
-            rows.reshape(shape) for rows, shape in zip(np.split(block, ends[:-1]), shapes, strict=True)
+            rows.reshape(shape)
+            for rows, shape in zip(np.split(block, ends[:-1]), shapes, strict=True)
         ]
         state = cls(
             block=block,

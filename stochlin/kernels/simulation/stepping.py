@@ -1,11 +1,11 @@
 """Time steps of many oscillators on one ground, for `LANES` independent motions at once.
 
-Ground filter, displacement and velocity follow the trapezoidal rule as one linear system. For linear
-structures its stationary covariance is *exact for any step*: with
-``(I - dt A/2) x_new = (I + dt A/2) x + b dW`` the stationary ``X`` satisfies ``A X + X A' + b b' = 0``,
-the equation of the continuous system. With the exact transition of the filter in place of its
-trapezoidal rule this would not hold. For a structure under a given motion the rule is Newmark's with
-average acceleration. The bilinear law is stepped by an exact return map: an elastic trial step, which is
+Ground filter, displacement and velocity follow the trapezoidal rule as one linear system. For
+linear structures its stationary covariance is *exact for any step*: with ``(I - dt A/2) x_new = (I
++ dt A/2) x + b dW`` the stationary ``X`` satisfies ``A X + X A' + b b' = 0``, the equation of the
+continuous system. With the exact transition of the filter in place of its trapezoidal rule this
+would not hold. For a structure under a given motion the rule is Newmark's with average
+acceleration. The bilinear law is stepped by an exact return map: an elastic trial step, which is
 corrected to a plastic one if it exceeds yield. Both are linear and solved in closed form.
 """
 
@@ -21,8 +21,9 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.compiled import called_often, entry, of_lane, variant
 
 LANES = 32  # independent motions in the innermost loop, which fit vector registers and first-level cache
-# Loops with many constants take the number of lanes from an array. If the compiler knows it, it unrolls
-# them completely, which takes up to twice as long, since constants do not stay in registers.
+# Loops with many constants take the number of lanes from an array. If the compiler knows it, it
+# unrolls them completely, which takes up to twice as long, since constants do not stay in
+# registers.
 
 
 def whole_groups(motions: int) -> int:
@@ -33,8 +34,8 @@ def whole_groups(motions: int) -> int:
 class FilterSteps(NamedTuple):
     """One step of a ground filter: ``q_new = transition q + gain xi``, forcing ``row q + direct xi``.
 
-    ``xi`` is a standard normal number for each step; white noise has no states (m = 0). If every lane
-    has another ground, all arrays have a last axis of `LANES`.
+    ``xi`` is a standard normal number for each step; white noise has no states (m = 0). If every
+    lane has another ground, all arrays have a last axis of `LANES`.
     """
 
     transition: Array  # (m, m)
@@ -43,7 +44,9 @@ class FilterSteps(NamedTuple):
     direct: float
 
 
-def filter_steps(matrix: Array, noise: Array, output: Array, intensity: float, dt: float) -> FilterSteps:
+def filter_steps(
+    matrix: Array, noise: Array, output: Array, intensity: float, dt: float
+) -> FilterSteps:
     """Trapezoidal rule for ``q' = matrix q + noise n(t)``, where ``intensity`` is ``2 pi S0``.
 
     The forcing of a step is the mean of ``output q`` at both ends.
@@ -66,10 +69,11 @@ def filter_steps(matrix: Array, noise: Array, output: Array, intensity: float, d
 def ground_block(ground: FilterSteps) -> Callable[[Array, Array, Array], None]:
     """The function that writes the mean forcing of each step to ``f`` and updates the filter's state.
 
-    It takes normal numbers ``xi`` (steps, LANES), the state ``q`` (m, LANES) and ``f`` (steps, LANES).
-    States that do not act on one another, such as those of grounds in parallel, are stepped separately.
-    Filters of one oscillator and of two in a cascade have functions without loops over states, which are
-    ten times as fast. The choice is made in Python, so that only what is used is compiled.
+    It takes normal numbers ``xi`` (steps, LANES), the state ``q`` (m, LANES) and ``f`` (steps,
+    LANES). States that do not act on one another, such as those of grounds in parallel, are stepped
+    separately. Filters of one oscillator and of two in a cascade have functions without loops over
+    states, which are ten times as fast. The choice is made in Python, so that only what is used is
+    compiled.
     """
     own: list[Any] = []  # the random numbers act on the forcing directly through the first of these
     for states in _independent(ground.transition):
@@ -122,7 +126,10 @@ def _any_states(xi, q, transition, gain, row, direct, f):
                 q[i, lane] = moved[i, lane]
 
 
-any_ground, ground_of_each_lane = entry(_any_states), entry(variant(_any_states, "ground_of_each_lane"))
+any_ground, ground_of_each_lane = (
+    entry(_any_states),
+    entry(variant(_any_states, "ground_of_each_lane")),
+)
 
 
 @entry
@@ -162,21 +169,26 @@ def _two_oscillators(xi, q, transition, gain, row, direct, f):
 def bilinear_block(f, dt, parameters, u, v, z, every, out, first):
     """Steps of bilinear structures under the forcing ``f`` (steps, LANES).
 
-    The state ``u``, ``v``, ``z`` (n, LANES) is displacement and velocity over the yield displacement and
-    the hysteretic displacement; it is updated. The displacements after every ``every``-th step are
-    written to the rows of ``out`` (samples, n or more, LANES) from ``first`` on. ``parameters`` (n, 4)
-    are damping ``2 xi w``, post-yield stiffness ``alpha w^2``, coupling ``(1 - alpha) w^2``, and the
-    factor on ``f`` in the equation for ``u``.
+    The state ``u``, ``v``, ``z`` (n, LANES) is displacement and velocity over the yield
+    displacement and the hysteretic displacement; it is updated. The displacements after every
+    ``every``-th step are written to the rows of ``out`` (samples, n or more, LANES) from ``first``
+    on. ``parameters`` (n, 4) are damping ``2 xi w``, post-yield stiffness ``alpha w^2``, coupling
+    ``(1 - alpha) w^2``, and the factor on ``f`` in the equation for ``u``.
 
     The increment ``moved`` of the displacement is that of an elastic step. If it takes ``z`` beyond
-    yield, velocity and displacement are corrected in proportion to the excess, since the equations of
-    the elastic and of the plastic step are linear and differ in ``z`` alone.
+    yield, velocity and displacement are corrected in proportion to the excess, since the equations
+    of the elastic and of the plastic step are linear and differ in ``z`` alone.
     """
     half, rate = 0.5 * dt, 2.0 / dt
     for n in range(u.shape[0]):
         d, k, h, scale = parameters[n]
         elastic = half / (1.0 + half * d + half * half * (k + h))
-        push, keep, pull, trial = dt * scale * elastic, 2.0 * elastic, dt * k * elastic, dt * h * elastic
+        push, keep, pull, trial = (
+            dt * scale * elastic,
+            2.0 * elastic,
+            dt * k * elastic,
+            dt * h * elastic,
+        )
         ease = half * h / (1.0 + half * d + half * half * k)
         shift = half * ease
         most = np.inf if h == 0.0 else 1.0  # of a linear structure z is kept at u
@@ -202,8 +214,8 @@ def bilinear_block(f, dt, parameters, u, v, z, every, out, first):
 def add_products(out, total):
     """Add ``sum_samples u_i u_j`` of ``out`` (samples, n, LANES) to the lower triangles of ``total``.
 
-    BLAS is not used, since for such small matrices its threads compete with those of the groups. Four
-    samples are added at a time, to save writing the sum in between.
+    BLAS is not used, since for such small matrices its threads compete with those of the groups.
+    Four samples are added at a time, to save writing the sum in between.
     """
     samples, n, lanes = out.shape
     fours = samples - samples % 4
@@ -213,7 +225,8 @@ def add_products(out, total):
             for s in range(0, fours, 4):
                 for lane in range(lanes):
                     row[lane] += (
-                        out[s, i, lane] * out[s, j, lane] + out[s + 1, i, lane] * out[s + 1, j, lane]
+                        out[s, i, lane] * out[s, j, lane]
+                        + out[s + 1, i, lane] * out[s + 1, j, lane]
                     ) + (
                         out[s + 2, i, lane] * out[s + 2, j, lane]
                         + out[s + 3, i, lane] * out[s + 3, j, lane]
@@ -248,8 +261,8 @@ def observe(out, rows, seen):
 def turned(begin, end, way):
     """The displacement at which a step turns, or else ``end``, and ``way`` at the end of the step.
 
-    ``way`` is the velocity times the time step. By the trapezoidal rule the change of the displacement
-    is its mean at both ends, and the displacement within the step a parabola.
+    ``way`` is the velocity times the time step. By the trapezoidal rule the change of the
+    displacement is its mean at both ends, and the displacement within the step a parabola.
     """
     then = 2.0 * (end - begin) - way
     return (begin + 0.5 * way * way / (way - then) if way * then < 0.0 else end), then
@@ -259,10 +272,10 @@ def turned(begin, end, way):
 def keep_extremes(out, rows, begin, way, highest, lowest):
     """Update the extremes (m, LANES) of weighted sums of displacements by those in ``out``.
 
-    ``begin`` is the sum at the end of the step before, and ``way`` as in `turned`; they are updated.
-    Values that are NaN are left out. To the extremes so far 0 is added, since the compiler would
-    otherwise write only to the lanes whose extreme changes, and a write to some lanes takes much longer
-    than one to all.
+    ``begin`` is the sum at the end of the step before, and ``way`` as in `turned`; they are
+    updated. Values that are NaN are left out. To the extremes so far 0 is added, since the compiler
+    would otherwise write only to the lanes whose extreme changes, and a write to some lanes takes
+    much longer than one to all.
     """
     value = np.empty(LANES)
     for i in range(len(rows)):

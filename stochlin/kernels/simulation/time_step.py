@@ -6,19 +6,20 @@ Each motion is a lane: the last axis of all arrays. The rule is the trapezoidal 
 
     ``(2 M/dt + C + dt/2 K) dq = 2 M q' - dt E' s + dt M 1 f + dt/2 E' couple p - dt W' F``
 
-with the elastic stiffness ``K``, ``q'`` and ``s`` at the beginning of the step, the mean forcing ``f``,
-the slips ``p`` of the springs, which are the parts of their extensions that ``z`` does not follow, and
-the mean forces ``F`` of the contacts between floors, with the penetrations ``W q - gap``.
+with the elastic stiffness ``K``, ``q'`` and ``s`` at the beginning of the step, the mean forcing
+``f``, the slips ``p`` of the springs, which are the parts of their extensions that ``z`` does not
+follow, and the mean forces ``F`` of the contacts between floors, with the penetrations ``W q -
+gap``.
 
-A step first finds ``dq`` without slips and contact forces. It then passes over the springs and contacts.
-The law of each gives its slip or force, if those of the others are known, and the passes are repeated
-until none changes. For the bilinear law this is the projected Gauss-Seidel method for a complementarity
-problem with a symmetric positive matrix, and converges.
+A step first finds ``dq`` without slips and contact forces. It then passes over the springs and
+contacts. The law of each gives its slip or force, if those of the others are known, and the passes
+are repeated until none changes. For the bilinear law this is the projected Gauss-Seidel method for
+a complementarity problem with a symmetric positive matrix, and converges.
 
-A dashpot with an exponent, with the force ``c |x|^a sign(x)`` at the rate ``x`` of its extension, is
-treated as a spring that exists during one step. It slips so much that its mean force, ``couple (de -
-p)/2``, is that of the dashpot. Its stiffness has no effect on the result, only on the number of passes.
-The passes minimize a convex energy, element by element, and converge.
+A dashpot with an exponent, with the force ``c |x|^a sign(x)`` at the rate ``x`` of its extension,
+is treated as a spring that exists during one step. It slips so much that its mean force, ``couple
+(de - p)/2``, is that of the dashpot. Its stiffness has no effect on the result, only on the number
+of passes. The passes minimize a convex energy, element by element, and converge.
 """
 
 from __future__ import annotations
@@ -52,11 +53,17 @@ from stochlin.kernels.simulation.row_products import (
 from stochlin.kernels.simulation.state import CLOSE, Elements, State
 
 MOST_PASSES = 60  # largest number of passes of a step
-MOST_VISCOUS = 600  # the same with dashpots with an exponent, whose forces can tie many floors together
+MOST_VISCOUS = (
+    600  # the same with dashpots with an exponent, whose forces can tie many floors together
+)
 MOST_ROOTS = 60  # largest number of steps of Newton's method, which mostly needs four or five
-NEARLY = 1e-5  # relative change of a root after which the error of Newton's method is about its square
+NEARLY = (
+    1e-5  # relative change of a root after which the error of Newton's method is about its square
+)
 SOFT = 0.1  # stiffness of a dashpot's spring over that with which the floors resist a step
-HARDLY = 1e-6  # increment of a dashpot's extension, over the largest of the step, that may be rounding
+HARDLY = (
+    1e-6  # increment of a dashpot's extension, over the largest of the step, that may be rounding
+)
 POST, COUPLE, STRENGTH, RELIEF = range(4)  # columns of `Steps.spring`
 
 
@@ -64,16 +71,18 @@ POST, COUPLE, STRENGTH, RELIEF = range(4)  # columns of `Steps.spring`
 class Steps(NamedTuple):
     """The elements for time steps of one length, and the matrices of the module's docstring.
 
-    If every lane has other elements, ``spring`` and the effects of what is known at the beginning, of
-    the forcing and of the slips have a last axis of lanes.
+    If every lane has other elements, ``spring`` and the effects of what is known at the beginning,
+    of the forcing and of the slips have a last axis of lanes.
     """
 
     dt: float  # [s]
-    of_beginning: Array  # (n, n + e): the effect of velocities and element forces on the increments dq
+    of_beginning: (
+        Array  # (n, n + e): the effect of velocities and element forces on the increments dq
+    )
     of_forcing: Array  # (n,): the effect of the forcing
     of_slips: Array  # (n, e): the effect of the slips
-    # (e, 4): post, couple (of a dashpot with an exponent that of its spring), strength, and the effect
-    # of the slip on the extension of its own element
+    # (e, 4): post, couple (of a dashpot with an exponent that of its spring), strength, and the
+    # effect of the slip on the extension of its own element
     spring: Array
     kind: Array  # (e,): kinds of the elements
     states: Array  # (e,): numbers of states of their laws
@@ -159,8 +168,9 @@ def _bilinear(strength, relief, i, elements, iteration, lanes):
 def _by_law(law, steps, state, i, lanes):
     """Write the change of a slip of an element whose law has rates.
 
-    The slip that belongs to the increment of the extension changes that increment, by ``g``. With the
-    share of the increment that slips for a derivative, the next slip is that of Newton's method.
+    The slip that belongs to the increment of the extension changes that increment, by ``g``. With
+    the share of the increment that slips for a derivative, the next slip is that of Newton's
+    method.
     """
     dt = steps.dt
     count = steps.states[i]
@@ -197,11 +207,11 @@ def _by_law(law, steps, state, i, lanes):
 def _dashpot(couple, relief, dt, i, elements, parameters, iteration, lanes):
     """Write the change of a slip of a dashpot with an exponent.
 
-    Its ``parameters`` are its constant and the exponent. Its rate ``r`` solves
-    ``(1 - g) dt r + g y r^a = alone``, with ``y = 2 c/couple``, the relief ``g`` by its own slip, and
-    the increment ``alone`` of the extension without slip. It slips by ``dt r - y r^a``. The unknown is
-    the one of ``r`` and ``r^a`` of which the other is a power of at least 1; Newton's method then
-    approaches the root of a convex function from above.
+    Its ``parameters`` are its constant and the exponent. Its rate ``r`` solves ``(1 - g) dt r + g y
+    r^a = alone``, with ``y = 2 c/couple``, the relief ``g`` by its own slip, and the increment
+    ``alone`` of the extension without slip. It slips by ``dt r - y r^a``. The unknown is the one of
+    ``r`` and ``r^a`` of which the other is a power of at least 1; Newton's method then approaches
+    the root of a convex function from above.
     """
     for lane in range(lanes):
         g = of_lane(relief, lane)
@@ -232,7 +242,9 @@ def _dashpot(couple, relief, dt, i, elements, parameters, iteration, lanes):
             root = max(min(root - less, most), 0.0)
             for _ in range(MOST_ROOTS):
                 steep = root ** (power - 1.0)
-                less = (first * root + second * root * steep - size) / (first + power * second * steep)
+                less = (first * root + second * root * steep - size) / (
+                    first + power * second * steep
+                )
                 root = max(min(root - less, most), 0.0)
                 if not power * abs(less) > NEARLY * root:
                     break
@@ -253,7 +265,9 @@ def _other_slip(law, steps, state, i, lanes):
     if steps.kind[i] == VISCOUS:
         couple = steps.spring[i, COUPLE]
         relief = steps.spring[i, RELIEF]
-        _dashpot(couple, relief, steps.dt, i, state.elements, state.parameters, state.iteration, lanes)
+        _dashpot(
+            couple, relief, steps.dt, i, state.elements, state.parameters, state.iteration, lanes
+        )
     else:
         _by_law(law, steps, state, i, lanes)
 
@@ -429,9 +443,9 @@ def _find_largest_change(steps, state, lanes):
 def take_step(other, law, steps, state, lanes):
     """One time step of all lanes, under the mean forcing of the motions; changes the state.
 
-    ``other`` is that of `step_of`, and ``law`` the result of `by_number`. The increments, slips and mean
-    forces of contacts, and the extensions and penetrations at the beginning of the step, can be read
-    afterwards.
+    ``other`` is that of `step_of`, and ``law`` the result of `by_number`. The increments, slips and
+    mean forces of contacts, and the extensions and penetrations at the beginning of the step, can
+    be read afterwards.
     """
     active = state.iteration.active
     active_next = state.iteration.active_next
@@ -473,8 +487,8 @@ def _system_block(f, step, other, law, steps, state, every, out, first):
 
     ``step`` and ``other`` are those of `step_of`.
 
-    The displacements of the floors after every ``every``-th step [m] are written to the rows of ``out``
-    (samples, rows, lanes) from ``first`` on.
+    The displacements of the floors after every ``every``-th step [m] are written to the rows of
+    ``out`` (samples, rows, lanes) from ``first`` on.
     """
     lanes = f.shape[1]
     for i in range(steps.kind.size):

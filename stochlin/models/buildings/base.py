@@ -42,8 +42,8 @@ GRAVITY = scipy.constants.g
 class MultistoreyBuilding(WithoutCells, AnyStructure, base=True):
     """Base of the buildings with floors: `ShearBuilding` and `ModalBuilding`.
 
-    The elements of a building have one hysteresis law: they are its storeys, or its modes. Its arrays
-    are over these.
+    The elements of a building have one hysteresis law: they are its storeys, or its modes. Its
+    arrays are over these.
     """
 
     instead = "use linearize_system, simulate or pound, or give the building's oscillator()"
@@ -80,7 +80,9 @@ class MultistoreyBuilding(WithoutCells, AnyStructure, base=True):
         super().__post_init__()
         check_ranges(self, name)
         if self.yields and self.hardening is None:
-            raise ValueError(f"{name}hardening is not given; what yields needs it, allowed: {HARDENING}")
+            raise ValueError(
+                f"{name}hardening is not given; what yields needs it, allowed: {HARDENING}"
+            )
         self._check(name)
         _ = self.element_law
 
@@ -158,12 +160,12 @@ class MultistoreyBuilding(WithoutCells, AnyStructure, base=True):
     def with_pushover(self, idealized: Mapping[str, Any]) -> Self:
         """The building with the strength, the hardening and the elastic stiffness of a pushover curve.
 
-        The first mode becomes an oscillator with the displacement ``u_roof/(G s_roof)`` and the force
-        ``V/(G L)`` per unit of mass (Chopra and Goel), for the participation factor ``G`` and the
-        effective mass ``G L``. Its period is that of the first line of the idealization. In a chain all
-        storeys yield at once, with storey shears in the proportions of the first mode, so that forces
-        of this mode push it along the idealized curve; the stiffness of all storeys is multiplied by one
-        factor. Of a `ModalBuilding` mode 1 changes alone.
+        The first mode becomes an oscillator with the displacement ``u_roof/(G s_roof)`` and the
+        force ``V/(G L)`` per unit of mass (Chopra and Goel), for the participation factor ``G`` and
+        the effective mass ``G L``. Its period is that of the first line of the idealization. In a
+        chain all storeys yield at once, with storey shears in the proportions of the first mode, so
+        that forces of this mode push it along the idealized curve; the stiffness of all storeys is
+        multiplied by one factor. Of a `ModalBuilding` mode 1 changes alone.
 
         Parameters
         ----------
@@ -185,9 +187,9 @@ class MultistoreyBuilding(WithoutCells, AnyStructure, base=True):
         Warns
         -----
         DoubtfulInput
-            If the curve begins with the stiffness of a first period that is off by more than 10 % from
-            that of the building: masses or units are then doubtful, or the forces were not those of the
-            first mode.
+            If the curve begins with the stiffness of a first period that is off by more than 10 %
+            from that of the building: masses or units are then doubtful, or the forces were not
+            those of the first mode.
 
         References
         ----------
@@ -199,7 +201,9 @@ class MultistoreyBuilding(WithoutCells, AnyStructure, base=True):
         values = {name: float(idealized.get(name, np.nan)) for name in needed}
         for name, value in values.items():
             if not value > 0:
-                raise ValueError(f"idealized has {name} = {value:g}; allowed: the result of bilinear_of")
+                raise ValueError(
+                    f"idealized has {name} = {value:g}; allowed: the result of bilinear_of"
+                )
         first = self.oscillator()
         roof = float(self.first_mode_moves()[-1])
         mass = first.arrays()["mass"].item()
@@ -239,16 +243,22 @@ class MultistoreyBuilding(WithoutCells, AnyStructure, base=True):
         """Oscillators with the law and these parameters; raises a ValueError if they do not fit."""
         values = self.law_parameters if self.law_parameters is not None else {}
         if not isinstance(values, Mapping) or not all(map(is_number, values.values())):
-            raise TypeError(f"law_parameters = {brief(values)}; allowed: a mapping of numbers by name")
+            raise TypeError(
+                f"law_parameters = {brief(values)}; allowed: a mapping of numbers by name"
+            )
         law = law_of(self.law, common, values)
         if not law.valid().all():
-            raise ValueError(f"law_parameters = {brief(dict(values))}; allowed: what fits the hardening")
+            raise ValueError(
+                f"law_parameters = {brief(dict(values))}; allowed: what fits the hardening"
+            )
         return law
 
     def further(self) -> list[str]:
         """The law and its parameters, if it is not the bilinear one."""
         parts = [] if self.law == "bilinear" else [f"law {in_words(self.law)}"]
-        return parts + [f"{name} {brief(value)}" for name, value in (self.law_parameters or {}).items()]
+        return parts + [
+            f"{name} {brief(value)}" for name, value in (self.law_parameters or {}).items()
+        ]
 
 
 def doubt_of_order(what: str, values: Array, lowest: float) -> Iterator[str]:
@@ -285,5 +295,7 @@ def along(label: str, value: Any, dimension: str) -> xr.DataArray:
     """A list or 1-D array as an array over a dimension; raises a ValueError for anything else."""
     array = as_array(value)
     if array.ndim != 1 or not array.size:
-        raise ValueError(f"{label} = {brief(value)}; allowed: a list, one number for each {dimension}")
+        raise ValueError(
+            f"{label} = {brief(value)}; allowed: a list, one number for each {dimension}"
+        )
     return xr.DataArray(array, dims=dimension)

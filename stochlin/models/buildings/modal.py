@@ -56,42 +56,45 @@ OF_TABLE = {"period", "shape", "mass", "height"}
 class ModalBuilding(MultistoreyBuilding):
     """Building by its modes: each is an oscillator on the ground, and the floors move by their shapes.
 
-    The displacement ``D_n`` of mode ``n`` is that of an oscillator with its period and damping ratio.
-    The floors move by the sum of ``G_n s_n D_n`` over the modes, with the participation factors ``G_n``
-    and the shapes ``s_n``. A contact or a link at a floor acts on each mode by the shape there. Only
-    the motion along the gap is described; that across the gap is neglected. The building has the mass of
-    the given modes only, so that modes that are left out make a floor harder to move by a contact.
+    The displacement ``D_n`` of mode ``n`` is that of an oscillator with its period and damping
+    ratio. The floors move by the sum of ``G_n s_n D_n`` over the modes, with the participation
+    factors ``G_n`` and the shapes ``s_n``. A contact or a link at a floor acts on each mode by the
+    shape there. Only the motion along the gap is described; that across the gap is neglected. The
+    building has the mass of the given modes only, so that modes that are left out make a floor
+    harder to move by a contact.
 
     The first few modes may yield. They are oscillators with a hysteresis law, in the sense of modal
     pushover analysis: the yielding of one mode does not affect the others. The sum over the modes
-    follows in time, so that no rule of combination is needed. This suits frames that yield over their
-    whole height; a building with a soft storey needs a `ShearBuilding`.
+    follows in time, so that no rule of combination is needed. This suits frames that yield over
+    their whole height; a building with a soft storey needs a `ShearBuilding`.
 
     Parameters
     ----------
     periods : array
         Periods of the modes [s], longest first.
     shapes : array
-        Displacement of each floor along the gap, for each mode (modes, floors), in any unit: floors from
-        the ground up. For walls and irregular plans that of the edge that faces the neighbour.
+        Displacement of each floor along the gap, for each mode (modes, floors), in any unit: floors
+        from the ground up. For walls and irregular plans that of the edge that faces the neighbour.
     masses : array
         Masses of the floors [kg], one for each floor, positive.
     heights : array
-        Height of each storey [m], positive. The level of a floor is the sum of the heights below it.
+        Height of each storey [m], positive. The level of a floor is the sum of the heights below
+        it.
     damping : float or array
         Viscous damping ratio [-], in (0, 1): one number, or one for each mode.
     hardening : float or array, optional
-        Hardening ratio of the modes that yield, post-yield over elastic stiffness [-], in (0, 1]. It is
-        required with ``yield_displacements``.
+        Hardening ratio of the modes that yield, post-yield over elastic stiffness [-], in (0, 1].
+        It is required with ``yield_displacements``.
     yield_displacements : float or array, optional
-        Displacement at yield ``D_y`` [m] of the oscillators of the first modes, positive: one number for
-        mode 1, or one for each of the first few modes. From a pushover curve of mode ``n`` it is the
-        roof displacement at yield over ``G_n s_n`` of the roof. The other modes stay elastic.
+        Displacement at yield ``D_y`` [m] of the oscillators of the first modes, positive: one
+        number for mode 1, or one for each of the first few modes. From a pushover curve of mode
+        ``n`` it is the roof displacement at yield over ``G_n s_n`` of the roof. The other modes
+        stay elastic.
     participation : array, optional
-        Participation factor of each mode for ground motion along the gap [-], in the unit of the shapes.
-        By default it is computed from shapes and masses, ``G = s' m/(s' M s)``. This holds for floors
-        that do not turn. For the corner of a building that turns, give the factors that the program
-        prints, with ``modal_masses``.
+        Participation factor of each mode for ground motion along the gap [-], in the unit of the
+        shapes. By default it is computed from shapes and masses, ``G = s' m/(s' M s)``. This holds
+        for floors that do not turn. For the corner of a building that turns, give the factors that
+        the program prints, with ``modal_masses``.
     modal_masses : array, optional
         Effective modal masses along the gap [kg], given with ``participation``: the ratios of
         participating mass that the program prints, times the mass of the building.
@@ -103,10 +106,10 @@ class ModalBuilding(MultistoreyBuilding):
     Raises
     ------
     ValueError, TypeError
-        If a value is not a number or out of range, arrays differ in length, periods do not fall from
-        mode to mode, two shapes are not orthogonal with the masses (so that floors or masses are missing
-        or the building turns), a mode does not move along the gap, the modes have more than the whole
-        mass, participation is given without modal masses, or the law is not known.
+        If a value is not a number or out of range, arrays differ in length, periods do not fall
+        from mode to mode, two shapes are not orthogonal with the masses (so that floors or masses
+        are missing or the building turns), a mode does not move along the gap, the modes have more
+        than the whole mass, participation is given without modal masses, or the law is not known.
 
     Warns
     -----
@@ -172,8 +175,8 @@ class ModalBuilding(MultistoreyBuilding):
     ) -> Self:
         """The building of a table of modes, as `read_modes` reads it.
 
-        Participation factors and modal masses of the table are used if the shapes and the floor masses
-        do not give them, as for the corner of a building that turns.
+        Participation factors and modal masses of the table are used if the shapes and the floor
+        masses do not give them, as for the corner of a building that turns.
 
         Parameters
         ----------
@@ -183,9 +186,10 @@ class ModalBuilding(MultistoreyBuilding):
         damping : float or array
             As in `ModalBuilding`.
         base_shear_coefficient : float, optional
-            Base shear at yield over the weight of all floors [-], positive, at most 100, in place of
-            ``yield_displacements``. Mode 1 alone bears it: with its effective mass ``M_1`` and circular
-            frequency ``w_1`` it yields at ``C g sum(m)/(M_1 w_1^2)``. The other modes stay elastic.
+            Base shear at yield over the weight of all floors [-], positive, at most 100, in place
+            of ``yield_displacements``. Mode 1 alone bears it: with its effective mass ``M_1`` and
+            circular frequency ``w_1`` it yields at ``C g sum(m)/(M_1 w_1^2)``. The other modes stay
+            elastic.
         **others
             ``hardening``, ``yield_displacements``, ``law`` and ``law_parameters``, as in
             `ModalBuilding`.
@@ -198,8 +202,8 @@ class ModalBuilding(MultistoreyBuilding):
         Raises
         ------
         ValueError, TypeError
-            As in `ModalBuilding`, or if the table lacks a variable, or a base shear coefficient is given
-            beside yield displacements, or where mode 1 has not the largest effective mass.
+            As in `ModalBuilding`, or if the table lacks a variable, or a base shear coefficient is
+            given beside yield displacements, or where mode 1 has not the largest effective mass.
 
         Examples
         --------
@@ -258,7 +262,9 @@ class ModalBuilding(MultistoreyBuilding):
             what = f"{name}periods of modes {n + 1} and {n + 2} are {periods[n]:g} and"
             raise ValueError(f"{what} {periods[n + 1]:g} s; allowed: the longest first, in seconds")
         if (self.participation is None) != (self.modal_masses is None):
-            raise ValueError(f"{name}participation or modal_masses alone; allowed: both, or neither")
+            raise ValueError(
+                f"{name}participation or modal_masses alone; allowed: both, or neither"
+            )
         if self.participation is None:
             self._check_orthogonal(name)
         self._check_masses(name)
@@ -305,8 +311,8 @@ class ModalBuilding(MultistoreyBuilding):
     def shear_shares(self) -> Array:
         """Share of each mode's force in the shear of each storey, by its static forces (storeys, modes).
 
-        Where the participation factors are given, only the shear of the lowest storey is known, which is
-        the sum of the forces of the modes; the shears above are NaN.
+        Where the participation factors are given, only the shear of the lowest storey is known,
+        which is the sum of the forces of the modes; the shears above are NaN.
         """
         if self.modal_masses is not None:
             shares = np.full((self.storeys, self.modes), np.nan)
@@ -368,8 +374,8 @@ class ModalBuilding(MultistoreyBuilding):
     def oscillator(self) -> Structure:
         """The mode with the largest effective mass [kg] as an oscillator.
 
-        The displacement of a floor is `first_mode_moves` times that of the oscillator. All other modes
-        are neglected.
+        The displacement of a floor is `first_mode_moves` times that of the oscillator. All other
+        modes are neglected.
 
         Examples
         --------
@@ -379,7 +385,9 @@ class ModalBuilding(MultistoreyBuilding):
         0.5
         """
         n = self.leading
-        elastic = dict.fromkeys(OF_STRENGTH) if self.yields and n >= self._strengths.shape[1] else {}
+        elastic = (
+            dict.fromkeys(OF_STRENGTH) if self.yields and n >= self._strengths.shape[1] else {}
+        )
         return self._as_oscillator(n, mass=float(self.effective_masses()[n]), **elastic)
 
     def yielding_at(self, displacement: float) -> Self:
@@ -419,7 +427,9 @@ class ModalBuilding(MultistoreyBuilding):
         if shared.max() > ORTHOGONAL:
             i, j = np.sort(np.unravel_index(np.argmax(shared), shared.shape)) + 1
             what = f"{name}shapes of modes {i} and {j} are not orthogonal: {shared.max():.2g} is shared"
-            order = "are masses right, and floors in order, from the ground up, in a row for each mode"
+            order = (
+                "are masses right, and floors in order, from the ground up, in a row for each mode"
+            )
             cure = f"{order}, or are participation and modal_masses missing?"
             raise ValueError(f"{what}; allowed: up to {ORTHOGONAL:g}; {cure}")
 

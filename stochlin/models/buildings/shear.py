@@ -70,11 +70,12 @@ class RegularBuilding(Model):
 class ShearBuilding(MultistoreyBuilding):
     """Shear building: a mass on each floor, a hysteretic spring in each storey, and viscous damping.
 
-    Storeys are counted from the ground up; each storey has the number of the floor above it. Every mode
-    of the elastic building has the same damping ratio ``xi``: ``C = sum_m 2 xi w_m M phi_m phi_m' M``,
-    with modes ``phi_m`` of unit modal mass. With ``damping_modes`` two modes ``i`` and ``j`` have it, by
-    Rayleigh damping: ``C = a0 M + a1 K`` with ``a0 = 2 xi w_i w_j/(w_i + w_j)``, ``a1 = 2 xi/(w_i +
-    w_j)`` and the elastic stiffness ``K``. Neither damping matrix changes when storeys yield.
+    Storeys are counted from the ground up; each storey has the number of the floor above it. Every
+    mode of the elastic building has the same damping ratio ``xi``: ``C = sum_m 2 xi w_m M phi_m
+    phi_m' M``, with modes ``phi_m`` of unit modal mass. With ``damping_modes`` two modes ``i`` and
+    ``j`` have it, by Rayleigh damping: ``C = a0 M + a1 K`` with ``a0 = 2 xi w_i w_j/(w_i + w_j)``,
+    ``a1 = 2 xi/(w_i + w_j)`` and the elastic stiffness ``K``. Neither damping matrix changes when
+    storeys yield.
 
     Parameters
     ----------
@@ -83,38 +84,40 @@ class ShearBuilding(MultistoreyBuilding):
     stiffnesses : array
         Elastic stiffness of each storey [N/m], positive.
     heights : array
-        Height of each storey [m], positive. The level of a floor is the sum of the heights below it.
+        Height of each storey [m], positive. The level of a floor is the sum of the heights below
+        it.
     damping : float
         Viscous damping ratio [-], in (0, 1), of every mode, or of two with Rayleigh damping.
     hardening : float, optional
-        Hardening ratio of every storey, post-yield over elastic stiffness [-], in (0, 1]. It is required
-        with ``yield_drifts``.
+        Hardening ratio of every storey, post-yield over elastic stiffness [-], in (0, 1]. It is
+        required with ``yield_drifts``.
     yield_drifts : float or array, optional
         Drift at which a storey yields [m], positive: one number for all storeys, or one for each.
         Without it the building stays elastic.
     dampers : float or array, optional
-        Damping constant of the dampers in a storey [N s/m], not negative: one number for all storeys, or
-        one for each.
+        Damping constant of the dampers in a storey [N s/m], not negative: one number for all
+        storeys, or one for each.
     law : str, sympy.Expr or mapping
-        Hysteresis law of the storeys: ``"bilinear"``, ``"bouc_wen"`` or another registered law, or a
-        sympy expression or a mapping of rates by state, as in `Hysteretic`. Its ``v`` is the rate of the
-        drift over the yield drift.
+        Hysteresis law of the storeys: ``"bilinear"``, ``"bouc_wen"`` or another registered law, or
+        a sympy expression or a mapping of rates by state, as in `Hysteretic`. Its ``v`` is the rate
+        of the drift over the yield drift.
     law_parameters : mapping, optional
         Parameters that the law adds, for instance ``{"beta": 0.5, "gamma": 0.5}``.
     p_delta : bool
         Whether the stiffness of each storey is reduced by the weight above it over its height. The
         modes and their damping then include this reduction.
     damping_modes : tuple of int, optional
-        The two modes with the damping ratio ``damping``, by Rayleigh damping, for instance ``(1, 3)``.
-        Modes between them have a lower ratio, all others a higher one; see `damping_ratios`.
+        The two modes with the damping ratio ``damping``, by Rayleigh damping, for instance ``(1,
+        3)``. Modes between them have a lower ratio, all others a higher one; see `damping_ratios`.
 
     Raises
     ------
     ValueError, TypeError
         If a value is not a number or out of range (the message names the storey), arrays differ in
-        length or have more than 200 storeys, yield drifts are given without hardening, the law is not
-        known or not odd, the weight above a storey takes all its elastic stiffness, or the modes of
-        Rayleigh damping are not two different ones of the building, or leave mode 1 no vibration.
+        length or have more than 200 storeys, yield drifts are given without hardening, the law is
+        not known or not odd, the weight above a storey takes all its elastic stiffness, or the
+        modes of Rayleigh damping are not two different ones of the building, or leave mode 1 no
+        vibration.
 
     Warns
     -----
@@ -150,7 +153,9 @@ class ShearBuilding(MultistoreyBuilding):
     hardening: float | None = parameter("1", "hardening ratio", HARDENING, None, scalar=True)
     yield_drifts: Parameter | None = parameter("m", "drift at yield", POSITIVE, None)
     _: KW_ONLY
-    dampers: Parameter | None = parameter("N s/m", "damping constant of the storey", NOT_NEGATIVE, None)
+    dampers: Parameter | None = parameter(
+        "N s/m", "damping constant of the storey", NOT_NEGATIVE, None
+    )
     law: str | sympy.Expr | Mapping[str, sympy.Expr] = "bilinear"
     law_parameters: Mapping[str, Any] | None = None
     p_delta: bool = False
@@ -178,10 +183,10 @@ class ShearBuilding(MultistoreyBuilding):
     ) -> Self:
         """A building with equal floor masses, from its period, height and base shear coefficient.
 
-        The stiffnesses are chosen such that the first mode is a straight line from the ground to the
-        roof. The strengths are chosen such that all storeys yield at once under lateral forces that grow
-        in proportion to the height; the yield drift is then the same share of the height in every
-        storey.
+        The stiffnesses are chosen such that the first mode is a straight line from the ground to
+        the roof. The strengths are chosen such that all storeys yield at once under lateral forces
+        that grow in proportion to the height; the yield drift is then the same share of the height
+        in every storey.
 
         Parameters
         ----------
@@ -196,8 +201,8 @@ class ShearBuilding(MultistoreyBuilding):
         damping, hardening
             As in `ShearBuilding`.
         base_shear_coefficient : float, optional
-            Base shear at yield over the weight [-], positive, at most 100. Without it the building stays
-            elastic. A value above 1 gives a warning.
+            Base shear at yield over the weight [-], positive, at most 100. Without it the building
+            stays elastic. A value above 1 gives a warning.
         **others
             ``dampers``, ``law``, ``law_parameters``, ``p_delta`` and ``damping_modes``, as in
             `ShearBuilding`.
@@ -205,10 +210,10 @@ class ShearBuilding(MultistoreyBuilding):
         Returns
         -------
         ShearBuilding
-            For ``n`` floors of mass ``m`` at the levels ``H_i``, storey heights ``h_i``,
-            ``w = 2 pi/period`` and the base shear coefficient ``C``: stiffnesses
-            ``m w^2 sum(H_j, j = i..n)/h_i`` and yield drifts ``C g n h_i/(w^2 sum(H))``, which for equal
-            storeys is ``2 C g/(w^2 (n + 1))``.
+            For ``n`` floors of mass ``m`` at the levels ``H_i``, storey heights ``h_i``, ``w = 2
+            pi/period`` and the base shear coefficient ``C``: stiffnesses ``m w^2 sum(H_j, j =
+            i..n)/h_i`` and yield drifts ``C g n h_i/(w^2 sum(H))``, which for equal storeys is ``2
+            C g/(w^2 (n + 1))``.
 
         Raises
         ------
@@ -255,8 +260,8 @@ class ShearBuilding(MultistoreyBuilding):
     def element_law(self) -> Structure:
         """Oscillators that have the hysteresis law of the storeys, over the dimension ``storey``.
 
-        They provide the closures, the time steps and the parameters of the law. Their periods are those
-        of each floor alone on its own storey.
+        They provide the closures, the time steps and the parameters of the law. Their periods are
+        those of each floor alone on its own storey.
         """
         periods = 2 * np.pi * np.sqrt(self._numbers("masses") / self._numbers("stiffnesses"))
         periods = np.clip(periods, PERIODS.lower, PERIODS.upper)  # beyond, the modes are refused
@@ -264,7 +269,9 @@ class ShearBuilding(MultistoreyBuilding):
         if self.yields:
             drifts = xr.DataArray(self._numbers("yield_drifts"), dims=STOREY)
             strength = {"hardening": self.hardening, "yield_displacement": drifts}
-        return self._law(period=xr.DataArray(periods, dims=STOREY), damping=self.damping, **strength)
+        return self._law(
+            period=xr.DataArray(periods, dims=STOREY), damping=self.damping, **strength
+        )
 
     def system(self) -> System:
         """The building as a chain: coordinates are the displacements of the floors."""
@@ -288,7 +295,9 @@ class ShearBuilding(MultistoreyBuilding):
     def _of_first_mode(self, period: float, yield_displacement: float, hardening: float) -> Self:
         if self.p_delta:
             what = f"{type(self).__name__}: p_delta = True"
-            raise ValueError(f"{what}; allowed: False with a pushover curve, which contains its effect")
+            raise ValueError(
+                f"{what}; allowed: False with a pushover curve, which contains its effect"
+            )
         drifts = yield_displacement * np.diff(self.participation(), prepend=0.0)
         stiffer = self._numbers("stiffnesses") * (float(self.periods()[0]) / period) ** 2
         return replace(self, stiffnesses=stiffer, hardening=hardening, yield_drifts=drifts)
@@ -312,10 +321,10 @@ class ShearBuilding(MultistoreyBuilding):
     def oscillator(self) -> Structure:
         """The first mode as an oscillator, with its effective modal mass [kg].
 
-        The oscillator has the damping ratio of this mode, and the hysteresis law of the storeys. Its
-        yield displacement is that at which the first storey yields in this mode. The displacement of a
-        floor is `participation` times that of the oscillator. Higher modes and the concentration of
-        yielding in one storey are neglected.
+        The oscillator has the damping ratio of this mode, and the hysteresis law of the storeys.
+        Its yield displacement is that at which the first storey yields in this mode. The
+        displacement of a floor is `participation` times that of the oscillator. Higher modes and
+        the concentration of yielding in one storey are neglected.
 
         References
         ----------
@@ -393,7 +402,9 @@ class ShearBuilding(MultistoreyBuilding):
     def _least_strength(self) -> float:
         """The least force at yield of a storey over the mass above it [m/s^2]."""
         above = self._numbers("masses")[::-1].cumsum()[::-1]
-        return float((self._numbers("stiffnesses") * self._numbers("yield_drifts", 0.0) / above).min())
+        return float(
+            (self._numbers("stiffnesses") * self._numbers("yield_drifts", 0.0) / above).min()
+        )
 
     def geometric_stiffness(self) -> Array:
         """Reduction of the stiffness of each storey by the P-delta effect [N/m], (storeys,).
@@ -456,7 +467,9 @@ class ShearBuilding(MultistoreyBuilding):
         if self.p_delta and (stiffness <= taken).any():
             worst = int(np.argmin(stiffness - taken))
             what = f"ShearBuilding: the weight above takes {taken[worst]:g} N/m from storey {worst + 1}"
-            raise ValueError(f"{what}; allowed: less than {stiffness[worst]:g} N/m, or p_delta=False")
+            raise ValueError(
+                f"{what}; allowed: less than {stiffness[worst]:g} N/m, or p_delta=False"
+            )
 
     def _check_damping_modes(self) -> None:
         modes = self.damping_modes
@@ -467,7 +480,9 @@ class ShearBuilding(MultistoreyBuilding):
             raise ValueError(f"{what}; allowed: two different modes, each {known}")
         object.__setattr__(self, "damping_modes", each)
         if (first := float(self.damping_ratios()[0])) >= 1:
-            what = f"ShearBuilding: damping_modes = {each} give mode 1 the damping ratio {first:.3g}"
+            what = (
+                f"ShearBuilding: damping_modes = {each} give mode 1 the damping ratio {first:.3g}"
+            )
             raise ValueError(f"{what}; allowed: below 1")
 
     def _modes(self) -> tuple[Array, Array]:
@@ -478,6 +493,8 @@ class ShearBuilding(MultistoreyBuilding):
             diagonal = (k + np.append(k[1:], 0.0)) / root**2
             beside = -k[1:] / (root[:-1] * root[1:])
         if not (np.isfinite(diagonal).all() and np.isfinite(beside).all()):
-            raise ValueError("ShearBuilding: stiffnesses over masses are infinite; allowed: N/m and kg")
+            raise ValueError(
+                "ShearBuilding: stiffnesses over masses are infinite; allowed: N/m and kg"
+            )
         squares, vectors = scipy.linalg.eigh_tridiagonal(diagonal, beside)
         return np.sqrt(squares), vectors / root[:, None]

@@ -65,8 +65,8 @@ class Contact(Model, base=True):
 class Element(Contact, base=True):
     """A contact with a force law: a spring, and in most elements a dashpot.
 
-    The penetration is ``d = u1 - u2 - gap`` [m], its rate ``v = d'`` [m/s]. A contact force acts only
-    while ``d > 0``.
+    The penetration is ``d = u1 - u2 - gap`` [m], its rate ``v = d'`` [m/s]. A contact force acts
+    only while ``d > 0``.
     """
 
     other_limits: ClassVar[Mapping[str, Plausible]] = {"stiffness": PLAUSIBLE["contact stiffness"]}
@@ -111,9 +111,9 @@ class Damped(Element, base=True):
     def restitution(cls, damping: Any) -> Any:
         """Coefficient of restitution ``e`` [-] of this element between two free masses.
 
-        ``damping`` is its damping ratio or damping factor [-], not negative, a number or an array as a
-        parameter is. The result has the same dimensions and is NaN in cells out of range. A number out
-        of range raises a ValueError, what is no number a TypeError.
+        ``damping`` is its damping ratio or damping factor [-], not negative, a number or an array
+        as a parameter is. The result has the same dimensions and is NaN in cells out of range. A
+        number out of range raises a ValueError, what is no number a TypeError.
         """
         return cls._related(cls.damping_name, damping, DAMPING, cls.relation.restitution)
 
@@ -228,9 +228,9 @@ class Kelvin(WithRatio):
     energy. Near the end of a contact the force is tensile and holds the structures together.
     `NoTensionKelvin` has no tension.
 
-    The coefficient of restitution is ``e = exp(-pi xi/sqrt(1 - xi^2))``. It is the inverse of eq. (15),
-    which holds for this element only. The contact time is ``pi/sqrt(1 - xi^2) sqrt(m/k)``. For
-    ``xi >= 1`` the contact never ends: ``e`` is 0 and the contact time is infinite.
+    The coefficient of restitution is ``e = exp(-pi xi/sqrt(1 - xi^2))``. It is the inverse of eq.
+    (15), which holds for this element only. The contact time is ``pi/sqrt(1 - xi^2) sqrt(m/k)``.
+    For ``xi >= 1`` the contact never ends: ``e`` is 0 and the contact time is infinite.
 
     Parameters
     ----------
@@ -245,8 +245,8 @@ class Kelvin(WithRatio):
     Raises
     ------
     ValueError, TypeError
-        If a scalar is out of range, a value is not a number, or both or neither of ``damping_ratio``
-        and ``restitution`` are given.
+        If a scalar is out of range, a value is not a number, or both or neither of
+        ``damping_ratio`` and ``restitution`` are given.
 
     References
     ----------
@@ -270,14 +270,14 @@ class Kelvin(WithRatio):
 class NoTensionKelvin(WithRatio):
     """Kelvin element without tension: ``f = max(k d + c d', 0)`` while ``d > 0``.
 
-    The coefficient of restitution is ``e = exp(-2 xi A)`` and the contact time ``2 A sqrt(m/k)``, where
-    ``A = acos(xi)/sqrt(1 - xi^2)``, or ``acosh(xi)/sqrt(xi^2 - 1)`` for ``xi > 1``. The structures
-    separate while the element is still compressed.
+    The coefficient of restitution is ``e = exp(-2 xi A)`` and the contact time ``2 A sqrt(m/k)``,
+    where ``A = acos(xi)/sqrt(1 - xi^2)``, or ``acosh(xi)/sqrt(xi^2 - 1)`` for ``xi > 1``. The
+    structures separate while the element is still compressed.
 
-    Once it has let go, the element is taken to have its full length again at once. If it is approached
-    again while ``d > 0`` still, it pushes again, with the same formula of the penetration and velocity
-    then, as soon as this is positive, and not only after the faces have parted to ``d = 0``. Both pushes
-    are one impact.
+    Once it has let go, the element is taken to have its full length again at once. If it is
+    approached again while ``d > 0`` still, it pushes again, with the same formula of the
+    penetration and velocity then, as soon as this is positive, and not only after the faces have
+    parted to ``d = 0``. Both pushes are one impact.
 
     Parameters
     ----------
@@ -311,9 +311,9 @@ class NoTensionKelvin(WithRatio):
 class ImpactKelvin(WithRatio):
     """Impact Kelvin element, eq. (16): its dashpot acts in approach only, ``f = k d + c max(d', 0)``.
 
-    The coefficient of restitution is ``e = exp(-xi A)`` and the contact time
-    ``(A + pi/2) sqrt(m/k)``, where ``A = acos(xi)/sqrt(1 - xi^2)``, or ``acosh(xi)/sqrt(xi^2 - 1)`` for
-    ``xi > 1``. As in `Kelvin`, the dashpot dissipates energy, which it would not with its sign in the
+    The coefficient of restitution is ``e = exp(-xi A)`` and the contact time ``(A + pi/2)
+    sqrt(m/k)``, where ``A = acos(xi)/sqrt(1 - xi^2)``, or ``acosh(xi)/sqrt(xi^2 - 1)`` for ``xi >
+    1``. As in `Kelvin`, the dashpot dissipates energy, which it would not with its sign in the
     available text of the paper.
 
     Parameters
@@ -382,9 +382,9 @@ class Hertz(Element):
 class HertzDamp(Damped):
     """Hertz contact with hysteresis damping, ``f = k d^n (1 + a d'/v0)``, ``v0`` the approach velocity.
 
-    The coefficient of restitution ``e`` is the exact solution of ``a (1 + e) = ln[(1 + a)/(1 - a e)]``
-    for any exponent. The force on two free masses is never tensile. It would be tensile if the masses
-    were driven apart faster than ``v0/a``.
+    The coefficient of restitution ``e`` is the exact solution of ``a (1 + e) = ln[(1 + a)/(1 - a
+    e)]`` for any exponent. The force on two free masses is never tensile. It would be tensile if
+    the masses were driven apart faster than ``v0/a``.
 
     Parameters
     ----------
@@ -447,9 +447,10 @@ class HertzDamp(Damped):
 class Jankowski(WithRatio):
     """Hertz contact damped in approach only: ``f = k d^1.5 + 2 xi sqrt(k sqrt(d) m) max(d', 0)``.
 
-    With ``y = sqrt(4/5) sqrt(k/m) d^1.25`` the equation of motion ``v dv = -f dd/m`` becomes that of a
-    linear element, ``v dv = -(y + 2 z max(v, 0)) dy`` with ``z = 2 xi/sqrt(5)``. The coefficient of
-    restitution is therefore exactly that of an `ImpactKelvin` with the damping ratio ``z``.
+    With ``y = sqrt(4/5) sqrt(k/m) d^1.25`` the equation of motion ``v dv = -f dd/m`` becomes that
+    of a linear element, ``v dv = -(y + 2 z max(v, 0)) dy`` with ``z = 2 xi/sqrt(5)``. The
+    coefficient of restitution is therefore exactly that of an `ImpactKelvin` with the damping ratio
+    ``z``.
 
     Parameters
     ----------
@@ -514,7 +515,9 @@ class Stereomechanical(Contact):
         return self.restitution
 
 
-def checked_value(model: str, name: str, value: Any, units: str, allowed: Range) -> float | xr.DataArray:
+def checked_value(
+    model: str, name: str, value: Any, units: str, allowed: Range
+) -> float | xr.DataArray:
     """The value of an argument, checked and labelled like a declared parameter of a model."""
     declared = {"units": units, "long_name": name.replace("_", " "), "allowed": allowed}
     return check(f"{model}: ", name, value, declared)

@@ -1,15 +1,15 @@
 """Relations between damping and coefficient of restitution, for arrays, of linear and Hertz elements.
 
 Two free masses approach one another at ``v0`` and separate at ``e v0``. The relations of the linear
-elements use ``A(xi) = acos(xi)/sqrt(1 - xi^2)``, which is ``acosh(xi)/sqrt(xi^2 - 1)`` for ``xi > 1``.
-For the Hertz-damp force ``k d^n (1 + a v/v0)`` the energy balance ``a (1 + e) = ln[(1 + a)/(1 - a e)]``
-has, for any exponent, a solution with one parameter ``x``. With Langevin's function
+elements use ``A(xi) = acos(xi)/sqrt(1 - xi^2)``, which is ``acosh(xi)/sqrt(xi^2 - 1)`` for ``xi >
+1``. For the Hertz-damp force ``k d^n (1 + a v/v0)`` the energy balance ``a (1 + e) = ln[(1 + a)/(1
+- a e)]`` has, for any exponent, a solution with one parameter ``x``. With Langevin's function
 ``L(x) = coth x - 1/x``,
 
     (1 - e)/(1 + e) = L(x),    a = x (1 + L(x)) = 2 x/(1 + e).
 
-Where a relation has no closed form, the argument of an increasing function is found by Chandrupatla's
-method, for its logarithm.
+Where a relation has no closed form, the argument of an increasing function is found by
+Chandrupatla's method, for its logarithm.
 """
 
 from __future__ import annotations
@@ -40,8 +40,8 @@ LARGEST = 700.0  # largest -log e: a restitution below 1e-304 is raised to it, e
 def inverse(function: Form, values: Array) -> Array:
     """Arguments at which an increasing function, which is 0 at 0, has these values.
 
-    The logarithm of an argument lies between that of the value less 1 and the larger of that plus 2 and
-    the value itself, for all functions of this module.
+    The logarithm of an argument lies between that of the value less 1 and the larger of that plus 2
+    and the value itself, for all functions of this module.
     """
     log = np.log(np.maximum(values, LEAST))
     ends = log - 1, np.maximum(log + 2, np.minimum(values, LARGEST))

@@ -1,7 +1,13 @@
 """Envelopes of motions of finite length: the amplitude of the shaking as a function of time."""
 
 from stochlin.models.envelopes.amin_ang import AminAng
-from stochlin.models.envelopes.envelope import ENVELOPES, SHORTEST, Envelope, envelope_at, strong_seconds
+from stochlin.models.envelopes.envelope import (
+    ENVELOPES,
+    SHORTEST,
+    Envelope,
+    envelope_at,
+    strong_seconds,
+)
 from stochlin.models.envelopes.gamma import GammaEnvelope
 from stochlin.models.envelopes.shinozuka_sato import ShinozukaSato
 

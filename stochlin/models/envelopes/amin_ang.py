@@ -32,7 +32,8 @@ class AminAng(Envelope):
 
     References
     ----------
-    Amin, M. and Ang, A. H.-S. (1968), J. Eng. Mech. Div. ASCE 94; Jennings, Housner and Tsai (1968).
+    Amin, M. and Ang, A. H.-S. (1968), J. Eng. Mech. Div. ASCE 94; Jennings, Housner and Tsai
+    (1968).
 
     Examples
     --------

@@ -32,8 +32,8 @@ class GammaEnvelope(Envelope):
 
     References
     ----------
-    Saragoni, G. R. and Hart, G. C. (1974), Earthquake Eng. Struct. Dyn. 2; Hsu, T.-I. and Bernard, M. C.
-    (1978), Earthquake Eng. Struct. Dyn. 6.
+    Saragoni, G. R. and Hart, G. C. (1974), Earthquake Eng. Struct. Dyn. 2; Hsu, T.-I. and Bernard,
+    M. C. (1978), Earthquake Eng. Struct. Dyn. 6.
 
     Examples
     --------

@@ -43,7 +43,9 @@ class ShinozukaSato(Envelope):
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.fast <= self.slow:
-            raise ValueError(f"ShinozukaSato: fast = {self.fast:g}; allowed: above slow, {self.slow:g}")
+            raise ValueError(
+                f"ShinozukaSato: fast = {self.fast:g}; allowed: above slow, {self.slow:g}"
+            )
 
     def at(self, time: Array) -> Array:
         """Values of the envelope [-] at times [s] from 0 on."""

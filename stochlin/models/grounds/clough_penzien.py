@@ -9,7 +9,14 @@ from typing import Any, ClassVar
 import numpy as np
 
 from stochlin.kernels.linearization.filters import Filter
-from stochlin.models.grounds.ground import GROUNDS, OF_GROUND, POSITIVE_DAMPING, Calibration, Fit, Ground
+from stochlin.models.grounds.ground import (
+    GROUNDS,
+    OF_GROUND,
+    POSITIVE_DAMPING,
+    Calibration,
+    Fit,
+    Ground,
+)
 from stochlin.models.grounds.kanai_tajimi import KanaiTajimi
 from stochlin.models.parameters import (
     PERIODS,
@@ -33,7 +40,8 @@ class CloughPenzien(Ground):
     period, damping : float or array
         Period ``2 pi / wg`` [s] and damping ratio ``xig`` [-] of the soil oscillator, positive.
     high_pass_period, high_pass_damping : float or array
-        Period ``2 pi / wf`` [s] and damping ratio ``xif`` [-] of the high-pass oscillator, positive.
+        Period ``2 pi / wf`` [s] and damping ratio ``xif`` [-] of the high-pass oscillator,
+        positive.
     intensity, source, scatter, fitted_for
         As in `KanaiTajimi`.
 
@@ -86,7 +94,11 @@ class CloughPenzien(Ground):
         """Text on a high-pass filter that takes away the motion of the ground."""
         high_pass = self.high_pass_period
         period = self.period
-        ratio = high_pass / period if isinstance(high_pass, float) and isinstance(period, float) else 0.0
+        ratio = (
+            high_pass / period
+            if isinstance(high_pass, float) and isinstance(period, float)
+            else 0.0
+        )
         if text := PLAUSIBLE["high pass over ground"].doubt(ratio):
             times = f"{ratio:.2g} times the period of the ground"
             yield f"high_pass_period = {high_pass:g} is {times}; {text}"

@@ -44,7 +44,9 @@ def _check_kind(kind: type[Ground]) -> None:
                 what = f"{kind.__name__}: {name!r}, which {by} needs, is no parameter"
                 raise ValueError(f"{what}; allowed: {', '.join(names)}")
     if not calibration.soil and (calibration.ranges or calibration.high_pass):
-        raise ValueError(f"{kind.__name__}: calibration.soil is None; ranges and high_pass need a soil")
+        raise ValueError(
+            f"{kind.__name__}: calibration.soil is None; ranges and high_pass need a soil"
+        )
 
 
 GROUNDS: Registry[type[Ground]] = Registry("ground", "stochlin.models.grounds", check=_check_kind)
@@ -62,8 +64,9 @@ class UsualScatter(NamedTuple):
         return f"scatter {self.scatter:.3g} by default ({self.source})"
 
 
-# The scatter that recorded earthquakes show (docs/reality.md). Records scatter less about a spectrum in
-# the mean, and about as much in what yielding structures need: its default is on the safe side.
+# The scatter that recorded earthquakes show (docs/reality.md). Records scatter less about a
+# spectrum in the mean, and about as much in what yielding structures need: its default is on the
+# safe side.
 OTHER_COMPONENT = UsualScatter(0.4, "the other component of a station in the far field")
 OF_SPECTRUM = UsualScatter(0.3, "suites of records about a spectrum, on the safe side")
 SAME_DURATION = 0.01  # relative difference of durations that are taken as equal
@@ -77,7 +80,9 @@ class Fit(NamedTuple):
     """
 
     bounds: Mapping[str, tuple[float, float]]  # lower and upper bound, by name of the parameter
-    starts: Sequence[tuple[float, ...]]  # starting values of all these parameters, one tuple a search
+    starts: Sequence[
+        tuple[float, ...]
+    ]  # starting values of all these parameters, one tuple a search
 
 
 class Calibration(NamedTuple):
@@ -88,9 +93,11 @@ class Calibration(NamedTuple):
 
     # Mean errors of rho in simulated pairs, by strength as in `kernels.correlation.errors`.
     rho_errors: tuple[float, float, float, float]
-    # Parameters with period [s] and damping ratio of that Kanai-Tajimi ground; None for white noise.
+    # Parameters with period [s] and damping ratio of that Kanai-Tajimi ground; None for white
+    # noise.
     soil: tuple[str, str] | None = None
-    # Least and largest simulated value of other parameters; of those in seconds, over the soil's period.
+    # Least and largest simulated value of other parameters; of those in seconds, over the soil's
+    # period.
     ranges: Mapping[str, tuple[float, float]] = MappingProxyType({})
     high_pass: str = ""  # parameter with the period [s] of a high-pass filter, if there is one
     error: float = 0.01  # least relative error of a corrected standard deviation
@@ -100,9 +107,9 @@ class Calibration(NamedTuple):
 class Ground(Model, base=True):
     """Base of the grounds; ``intensity`` is the two-sided PSD ``S0`` of the white noise [m^2/s^3].
 
-    A ground may leave out `fit`; it can then not be fitted to records. One without a `calibration` has
-    no bias of the linearization: it is NaN. A subclass with another filter has no calibration unless it
-    states one.
+    A ground may leave out `fit`; it can then not be fitted to records. One without a `calibration`
+    has no bias of the linearization: it is NaN. A subclass with another filter has no calibration
+    unless it states one.
     """
 
     name: ClassVar[str]
@@ -113,9 +120,11 @@ class Ground(Model, base=True):
     fit: ClassVar[Fit | None] = None
     calibration: ClassVar[Calibration | None] = None
     source: str = field(default="", compare=False, kw_only=True)
-    scatter: float = field(default=0.0, kw_only=True)  # of its motions between earthquakes, by default
-    # Duration [s] and envelope of the motions for which it was fitted to a spectrum, and the longest
-    # period [s] of that.
+    scatter: float = field(
+        default=0.0, kw_only=True
+    )  # of its motions between earthquakes, by default
+    # Duration [s] and envelope of the motions for which it was fitted to a spectrum, and the
+    # longest period [s] of that.
     fitted_for: tuple[float, Any, float] | None = field(default=None, compare=False, kw_only=True)
 
     def __post_init__(self) -> None:
@@ -173,8 +182,12 @@ class Ground(Model, base=True):
         """
         made = self.filter(dict(zip(self.cells(), rows, strict=True)))
         if made.growth >= 0:
-            what = f"{type(self).__name__}: motions of its filter grow with exp({made.growth:.3g} t)"
-            raise ValueError(f"{what}; allowed: a matrix whose eigenvalues have negative real parts")
+            what = (
+                f"{type(self).__name__}: motions of its filter grow with exp({made.growth:.3g} t)"
+            )
+            raise ValueError(
+                f"{what}; allowed: a matrix whose eigenvalues have negative real parts"
+            )
         return made
 
     def lone_filter(self) -> Filter:

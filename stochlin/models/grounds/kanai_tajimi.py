@@ -38,11 +38,11 @@ class KanaiTajimi(Ground):
     source : str
         Reference for the parameter values.
     scatter : float
-        Default of the argument ``scatter`` of functions that simulate motions of finite duration [-], as
-        in `simulate`. That of a ground that is fitted to a spectrum or a record is not 0.
+        Default of the argument ``scatter`` of functions that simulate motions of finite duration
+        [-], as in `simulate`. That of a ground that is fitted to a spectrum or a record is not 0.
     fitted_for : tuple, optional
-        Duration [s] and envelope of the motions for which `fit_ground` fitted the ground to a spectrum,
-        and the longest period [s] of that; other motions are then asked about.
+        Duration [s] and envelope of the motions for which `fit_ground` fitted the ground to a
+        spectrum, and the longest period [s] of that; other motions are then asked about.
 
     Raises
     ------
@@ -51,13 +51,13 @@ class KanaiTajimi(Ground):
 
     Notes
     -----
-    The PSD at zero frequency is ``S0``, which makes the displacements of structures with long periods
-    too large. `CloughPenzien` has no PSD at zero frequency.
+    The PSD at zero frequency is ``S0``, which makes the displacements of structures with long
+    periods too large. `CloughPenzien` has no PSD at zero frequency.
 
     References
     ----------
-    Valles-Mattox and Reinhorn (1996), eqs. (11) and (12); Kanai, K. (1957), Bull. Earthquake Res. Inst.
-    35; Tajimi, H. (1960), 2nd World Conference on Earthquake Engineering.
+    Valles-Mattox and Reinhorn (1996), eqs. (11) and (12); Kanai, K. (1957), Bull. Earthquake Res.
+    Inst. 35; Tajimi, H. (1960), 2nd World Conference on Earthquake Engineering.
 
     Examples
     --------

@@ -62,16 +62,18 @@ def named_ground(name: str, intensity: Parameter = 1.0) -> KanaiTajimi | CloughP
     Parameters
     ----------
     name : str
-        ``firm``, ``medium``, ``soft``, ``ec8_a`` to ``ec8_e``, ``taft_1952``, ``taft_1952_yeh_wen``,
-        ``sct_1985_ns``, ``sct_1985_ew`` or ``mexico_city_1985_yeh_wen``, in upper or lower case.
+        ``firm``, ``medium``, ``soft``, ``ec8_a`` to ``ec8_e``, ``taft_1952``,
+        ``taft_1952_yeh_wen``, ``sct_1985_ns``, ``sct_1985_ew`` or ``mexico_city_1985_yeh_wen``, in
+        upper or lower case.
     intensity : float or array
-        Two-sided PSD ``S0`` of the white noise per rad/s [m^2/s^3], positive. The parameter sets give
-        only the shape of the spectrum, not its intensity.
+        Two-sided PSD ``S0`` of the white noise per rad/s [m^2/s^3], positive. The parameter sets
+        give only the shape of the spectrum, not its intensity.
 
     Returns
     -------
     KanaiTajimi or CloughPenzien
-        A `CloughPenzien` ground if the set has a high-pass oscillator. ``source`` names the reference.
+        A `CloughPenzien` ground if the set has a high-pass oscillator. ``source`` names the
+        reference.
 
     Raises
     ------
@@ -81,8 +83,8 @@ def named_ground(name: str, intensity: Parameter = 1.0) -> KanaiTajimi | CloughP
     Notes
     -----
     The sets ``sct_1985_ns``, ``sct_1985_ew`` and ``taft_1952`` are least-squares fits as made by
-    `stochlin.fit_ground`. The two sets of the lake bed (SCT) are each fitted to one narrow spectral peak
-    of a strong part of 37 to 71 s, so that their damping is uncertain by a factor of two.
+    `stochlin.fit_ground`. The two sets of the lake bed (SCT) are each fitted to one narrow spectral
+    peak of a strong part of 37 to 71 s, so that their damping is uncertain by a factor of two.
 
     Examples
     --------
@@ -93,5 +95,7 @@ def named_ground(name: str, intensity: Parameter = 1.0) -> KanaiTajimi | CloughP
     'Giaralis & Spanos, fitted to the Eurocode 8 spectrum of ground type D'
     """
     if (chosen := _GROUNDS.get(str(name).strip().lower())) is None:
-        raise ValueError(f"name = {brief(name)} is not a known ground; allowed: {', '.join(_GROUNDS)}")
+        raise ValueError(
+            f"name = {brief(name)} is not a known ground; allowed: {', '.join(_GROUNDS)}"
+        )
     return replace(chosen, intensity=intensity)

@@ -23,17 +23,18 @@ from stochlin.models.parameters import (
 class ParallelGround(Ground):
     """Sum of the accelerations of several independent grounds; its PSD is the sum of their PSDs.
 
-    The PSD of a single filter has one peak. Two grounds in parallel fit a design spectrum within a few
-    per cent.
+    The PSD of a single filter has one peak. Two grounds in parallel fit a design spectrum within a
+    few per cent.
 
     Parameters
     ----------
     grounds : sequence of KanaiTajimi, CloughPenzien or an extension
-        Two or more filtered grounds, whose parameters are all numbers. The ratios of their intensities
-        are kept.
+        Two or more filtered grounds, whose parameters are all numbers. The ratios of their
+        intensities are kept.
     intensity : float or array, optional
-        Sum of the two-sided PSDs ``S0`` of their white noises [m^2/s^3], positive. If given, all grounds
-        are scaled by one factor to this sum; by default the intensities are those of the grounds.
+        Sum of the two-sided PSDs ``S0`` of their white noises [m^2/s^3], positive. If given, all
+        grounds are scaled by one factor to this sum; by default the intensities are those of the
+        grounds.
     source, scatter, fitted_for
         As in `KanaiTajimi`; the scatter of the grounds is not used.
 
@@ -45,9 +46,9 @@ class ParallelGround(Ground):
 
     Notes
     -----
-    The PSD defines a stationary Gaussian motion. The sum is therefore modelled by one white noise and
-    one filter, the spectral factor of the sum of the PSDs, from which state space, linearization and
-    time steps follow.
+    The PSD defines a stationary Gaussian motion. The sum is therefore modelled by one white noise
+    and one filter, the spectral factor of the sum of the PSDs, from which state space,
+    linearization and time steps follow.
 
     References
     ----------
@@ -70,7 +71,9 @@ class ParallelGround(Ground):
 
     def __post_init__(self) -> None:
         if isinstance(self.grounds, Ground) or not isinstance(self.grounds, Sequence):
-            raise TypeError(f"ParallelGround: grounds = {brief(self.grounds)}; allowed: a list of them")
+            raise TypeError(
+                f"ParallelGround: grounds = {brief(self.grounds)}; allowed: a list of them"
+            )
         object.__setattr__(self, "grounds", tuple(self.grounds))
         if len(self.grounds) < 2:
             raise ValueError(f"ParallelGround: {len(self.grounds)} grounds; allowed: two or more")
@@ -92,7 +95,9 @@ class ParallelGround(Ground):
     def _filter(self) -> Filter:
         """The filter of the sum for a total intensity of 1."""
         filters = [ground.lone_filter() for ground in self.grounds]
-        return in_parallel([replace(f, intensity=f.intensity / self._own_intensity) for f in filters])
+        return in_parallel(
+            [replace(f, intensity=f.intensity / self._own_intensity) for f in filters]
+        )
 
     def filter(self, values: Mapping[str, Any]) -> Filter:  # type: ignore[override]
         """The filter of the sum at the total intensity in ``values``."""

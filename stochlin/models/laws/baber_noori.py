@@ -31,7 +31,9 @@ def symbolic() -> Mapping[str, sympy.Expr]:
     eta = 1 + stiffness * e
     slip = nu * abs(z) ** n * (beta * abs(v) * sympy.sign(z) + (1 - beta) * v)
     zeta = most * (1 - sympy.exp(-rate * e))
-    apart = (z * sympy.sign(v) - start * nu ** (-1 / n)) / ((width + spread * e) * (coupling + zeta))
+    apart = (z * sympy.sign(v) - start * nu ** (-1 / n)) / (
+        (width + spread * e) * (coupling + zeta)
+    )
     return {"z": (1 - zeta * sympy.exp(-(apart**2))) / eta * (v - slip), "e": z * v}
 
 
@@ -56,11 +58,11 @@ class BoucWenBaberNoori(Structure):
     Parameters
     ----------
     period, damping, hardening, yield_displacement, reduction_factor, peak_factor
-        As in `Bilinear`; period and strength are those before any damage. The energy ``E`` [-] is over
-        ``(1 - hardening)`` times the elastic stiffness times ``uy^2``.
+        As in `Bilinear`; period and strength are those before any damage. The energy ``E`` [-] is
+        over ``(1 - hardening)`` times the elastic stiffness times ``uy^2``.
     beta : float or array
-        Width ``beta`` of the hysteresis loops [-], positive. With ``gamma = 1 - beta`` the strength is
-        that of ``z = 1`` before any damage.
+        Width ``beta`` of the hysteresis loops [-], positive. With ``gamma = 1 - beta`` the strength
+        is that of ``z = 1`` before any damage.
     exponent : float or array
         Exponent ``n`` [-], at least 1: the sharpness of yielding.
     strength_decay : float or array
@@ -68,8 +70,8 @@ class BoucWenBaberNoori(Structure):
     stiffness_decay : float or array
         ``d_eta`` [-], not negative: the stiffness falls with ``1/(1 + d_eta E)``.
     pinching : float or array
-        ``zeta_s`` [-], at least 0 and below 1: the largest share of the stiffness that pinching takes.
-        At 0 the loops are not pinched, and the other parameters of pinching have no effect.
+        ``zeta_s`` [-], at least 0 and below 1: the largest share of the stiffness that pinching
+        takes. At 0 the loops are not pinched, and the other parameters of pinching have no effect.
     pinching_rate : float or array
         ``p`` [-], positive: how fast pinching develops with the energy.
     pinching_start : float or array
@@ -86,20 +88,20 @@ class BoucWenBaberNoori(Structure):
     Raises
     ------
     ValueError, TypeError
-        As in `Bilinear`. What needs a stationary response refuses the law: by an ArithmeticError what
-        linearizes, by a ValueError what simulates.
+        As in `Bilinear`. What needs a stationary response refuses the law: by an ArithmeticError
+        what linearizes, by a ValueError what simulates.
 
     Notes
     -----
-    A test to large drifts and back shows which parameters fit a building. Published ones differ from
-    specimen to specimen. Between two opposite states the
-    law can give back a little more work than it has taken, as the Bouc-Wen law can.
+    A test to large drifts and back shows which parameters fit a building. Published ones differ
+    from specimen to specimen. Between two opposite states the law can give back a little more work
+    than it has taken, as the Bouc-Wen law can.
 
     References
     ----------
-    Baber, T. T. and Wen, Y. K. (1981), J. Eng. Mech. Div. ASCE 107, 1069-1087; Baber, T. T. and Noori,
-    M. N. (1986), J. Vib. Acoust. Stress Reliab. Des. 108, 411-420; Foliente, G. C. (1995), J. Struct.
-    Eng. ASCE 121, 1013-1022, for the pinching.
+    Baber, T. T. and Wen, Y. K. (1981), J. Eng. Mech. Div. ASCE 107, 1069-1087; Baber, T. T. and
+    Noori, M. N. (1986), J. Vib. Acoust. Stress Reliab. Des. 108, 411-420; Foliente, G. C. (1995),
+    J. Struct. Eng. ASCE 121, 1013-1022, for the pinching.
 
     Examples
     --------

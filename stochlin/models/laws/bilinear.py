@@ -40,12 +40,12 @@ class Bilinear(Structure):
     damping : float or array
         Viscous damping ratio ``xi`` [-], in (0, 1).
     hardening : float or array, optional
-        Hardening ratio ``alpha``, post-yield over elastic stiffness [-], in (-1, 1]. It is required if a
-        strength is given. At 0 the structure is elastic-plastic. Below 0 it softens and may fall, as
-        under its weight: with ``theta = W/(k h)`` of the weight ``W`` at the height ``h`` above a spring
-        ``k``, hardening is ``(alpha - theta)/(1 - theta)``, the square of the frequency and the damping
-        ratio are ``1 - theta`` and ``1/sqrt(1 - theta)`` times those without weight. Stationary
-        responses need a positive ratio; motions of finite length do not.
+        Hardening ratio ``alpha``, post-yield over elastic stiffness [-], in (-1, 1]. It is required
+        if a strength is given. At 0 the structure is elastic-plastic. Below 0 it softens and may
+        fall, as under its weight: with ``theta = W/(k h)`` of the weight ``W`` at the height ``h``
+        above a spring ``k``, hardening is ``(alpha - theta)/(1 - theta)``, the square of the
+        frequency and the damping ratio are ``1 - theta`` and ``1/sqrt(1 - theta)`` times those
+        without weight. Stationary responses need a positive ratio; motions of finite length do not.
     yield_displacement : float or array, optional
         Yield displacement ``uy`` [m], positive, as the strength of the structure.
     reduction_factor : float or array, optional
@@ -67,14 +67,14 @@ class Bilinear(Structure):
     Warns
     -----
     ImplausibleInput
-        If a number is one that no building has, such as a period of 500 s, a damping ratio of 0.3 or a
-        mass of 400 kg; and, by functions that take the structure, if
-        it has a hardening ratio and no strength. Arrays are not asked about.
+        If a number is one that no building has, such as a period of 500 s, a damping ratio of 0.3
+        or a mass of 400 kg; and, by functions that take the structure, if it has a hardening ratio
+        and no strength. Arrays are not asked about.
 
     References
     ----------
-    Valles-Mattox and Reinhorn (1996), eqs. (5) to (7), with the law of Suzuki and Minai as in Roberts,
-    J. B. and Spanos, P. D. (1990), Random vibration and statistical linearization.
+    Valles-Mattox and Reinhorn (1996), eqs. (5) to (7), with the law of Suzuki and Minai as in
+    Roberts, J. B. and Spanos, P. D. (1990), Random vibration and statistical linearization.
 
     Examples
     --------

@@ -1,7 +1,7 @@
 """The Bouc-Wen law ``z' = v - beta |v| |z|^(n-1) z - gamma v |z|^n`` for any ``n >= 1``.
 
-The parameter ``A`` of the literature, the factor of ``v``, is redundant with the others and fixed at 1,
-so that ``period`` is the period of small oscillations.
+The parameter ``A`` of the literature, the factor of ``v``, is redundant with the others and fixed
+at 1, so that ``period`` is the period of small oscillations.
 """
 
 from __future__ import annotations
@@ -72,8 +72,8 @@ class BoucWen(Structure):
     beta : float or array
         Width ``beta`` of the hysteresis loops [-], positive.
     gamma : float or array
-        Shape ``gamma`` of the hysteresis loops [-], greater than ``-beta``; otherwise ``z`` would not be
-        bounded. The loops bulge if ``gamma > beta``.
+        Shape ``gamma`` of the hysteresis loops [-], greater than ``-beta``; otherwise ``z`` would
+        not be bounded. The loops bulge if ``gamma > beta``.
     exponent : float or array
         Exponent ``n`` [-], at least 1: the sharpness of yielding. As ``n`` grows, the law
         approaches the bilinear one.
@@ -87,7 +87,8 @@ class BoucWen(Structure):
 
     References
     ----------
-    Wen, Y. K. (1976), J. Eng. Mech. Div. ASCE 102; linearized as in Wen, Y. K. (1980), J. Appl. Mech.
+    Wen, Y. K. (1976), J. Eng. Mech. Div. ASCE 102; linearized as in Wen, Y. K. (1980), J. Appl.
+    Mech.
     47. Bounds of ``z`` as in Ismail, M., Ikhouane, F. and Rodellar, J. (2009), Arch. Comput. Methods
     Eng. 16, classes I and II.
 

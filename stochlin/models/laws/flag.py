@@ -16,17 +16,18 @@ COMES_BACK = Range(0.0, 1.0, True, True, "above 1 it does not come back, below 0
 class Flag(Structure):
     """Self-centring oscillator, whose loops have the shape of a flag.
 
-    The hysteretic displacement ``uy z`` follows the displacement until ``z`` is 1 and then stays there.
-    In unloading ``z`` falls elastically to ``1 - beta``, stays there, and then falls to zero together
-    with the displacement. The same holds on the other side.
+    The hysteretic displacement ``uy z`` follows the displacement until ``z`` is 1 and then stays
+    there. In unloading ``z`` falls elastically to ``1 - beta``, stays there, and then falls to zero
+    together with the displacement. The same holds on the other side.
 
     Parameters
     ----------
     period, damping, hardening, yield_displacement, reduction_factor, peak_factor
         As in `Bilinear`.
     beta : float or array
-        Height ``beta`` of the flag [-], over ``1 - hardening`` times the yield force, from 0 to 1. At 0
-        there is no hysteresis; at 1 the flag dissipates as much as it can and still comes back.
+        Height ``beta`` of the flag [-], over ``1 - hardening`` times the yield force, from 0 to 1.
+        At 0 there is no hysteresis; at 1 the flag dissipates as much as it can and still comes
+        back.
     mass : float, optional
         As in `Bilinear`.
 
@@ -37,7 +38,8 @@ class Flag(Structure):
 
     References
     ----------
-    Christopoulos, C., Filiatrault, A. and Folz, B. (2002), Earthquake Eng. Struct. Dyn. 31, 1131-1150.
+    Christopoulos, C., Filiatrault, A. and Folz, B. (2002), Earthquake Eng. Struct. Dyn. 31,
+    1131-1150.
 
     Examples
     --------

@@ -31,30 +31,30 @@ class Hysteretic(Structure):
         ``Min``, ``Heaviside``, ``Piecewise``, ``exp``, ``log``, and trigonometric and hyperbolic
         functions and their inverses.
 
-        A law with memory has at most 7 further states, such as the energy that it has dissipated. It is
-        a mapping of the names of all states, among them ``"z"``, to their rates in ``v`` and the
-        states. All states are 0 before a motion. If ``v`` and ``z`` are reversed, so is the rate of
-        ``z``. The law is kept as pairs of names and rates.
+        A law with memory has at most 7 further states, such as the energy that it has dissipated.
+        It is a mapping of the names of all states, among them ``"z"``, to their rates in ``v`` and
+        the states. All states are 0 before a motion. If ``v`` and ``z`` are reversed, so is the
+        rate of ``z``. The law is kept as pairs of names and rates.
     mass : float, optional
         As in `Bilinear`.
     growing_states : sequence of str, optional
-        Those of the further states that keep their sign, and that of their rate, when ``v`` and ``z``
-        are reversed, as an energy does; by default all. All others are then reversed with their rate, as
-        a displacement is. A law with growing states has no stationary response.
+        Those of the further states that keep their sign, and that of their rate, when ``v`` and
+        ``z`` are reversed, as an energy does; by default all. All others are then reversed with
+        their rate, as a displacement is. A law with growing states has no stationary response.
 
     Raises
     ------
     ValueError, TypeError
-        As in `Bilinear`; also if the law is not given, has other symbols or functions, differs in both
-        directions, or is not finite with ``z`` between -2.5 and 2.5 and further states from 0 to 2.5.
-        What linearizes raises an ArithmeticError if the law has kinks that cannot be located, or powers
-        of ``Abs(z)`` below 1/2. For a law of several states it also does for a stationary response, and
-        in time for further states that turn with the motion.
+        As in `Bilinear`; also if the law is not given, has other symbols or functions, differs in
+        both directions, or is not finite with ``z`` between -2.5 and 2.5 and further states from 0
+        to 2.5. What linearizes raises an ArithmeticError if the law has kinks that cannot be
+        located, or powers of ``Abs(z)`` below 1/2. For a law of several states it also does for a
+        stationary response, and in time for further states that turn with the motion.
 
     References
     ----------
-    Roberts, J. B. and Spanos, P. D. (1990), Random vibration and statistical linearization. Baber, T. T.
-    and Wen, Y. K. (1981), J. Eng. Mech. Div. ASCE 107, for laws that degrade with the energy.
+    Roberts, J. B. and Spanos, P. D. (1990), Random vibration and statistical linearization. Baber,
+    T. T. and Wen, Y. K. (1981), J. Eng. Mech. Div. ASCE 107, for laws that degrade with the energy.
 
     Examples
     --------
@@ -107,7 +107,9 @@ class Hysteretic(Structure):
 
 
 def law_of(
-    law: str | sympy.Expr | Mapping[str, sympy.Expr], common: Mapping[str, Any], own: Mapping[str, Any]
+    law: str | sympy.Expr | Mapping[str, sympy.Expr],
+    common: Mapping[str, Any],
+    own: Mapping[str, Any],
 ) -> Structure:
     """A structure with a law that is given by its name, as a sympy expression, or by several.
 
@@ -121,7 +123,9 @@ def law_of(
     kind = LAWS.named(law, "law") if isinstance(law, str) else Hysteretic
     if kind is Hysteretic:
         if isinstance(law, str):
-            raise ValueError("law = 'hysteretic' has no expression; give the sympy expression itself")
+            raise ValueError(
+                "law = 'hysteretic' has no expression; give the sympy expression itself"
+            )
         common = {**common, "law": law}
     known = kind.own_parameters()
     unknown = [name for name in own if name not in known]

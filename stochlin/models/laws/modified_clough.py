@@ -12,7 +12,9 @@ from stochlin.models.parameters import Parameter, Range, parameter
 from stochlin.models.structures import LAWS, Structure
 
 FROM_1 = Range(lower=1.0, include_lower=True)
-NOT_BEFORE_YIELD = Range(lower=1.0, include_lower=True, reason="the cap is not before yielding, at 1")
+NOT_BEFORE_YIELD = Range(
+    lower=1.0, include_lower=True, reason="the cap is not before yielding, at 1"
+)
 FALLS = Range(reason="above hardening/(1 - hardening), so that the force falls")
 UNLOADS = Range(upper=1.0, include_lower=True, reason="1 unloads to the origin, more makes energy")
 BELOW_CAP = Range(upper=1.0, include_lower=True, reason="z is 1 at the cap")
@@ -26,18 +28,19 @@ class ModifiedClough(Structure):
     """Peak-oriented oscillator, whose stiffness degrades with the largest excursions.
 
     The hysteretic displacement ``uy z`` is elastic-plastic at first. It unloads with the elastic
-    stiffness times ``(d_max/uy)^-a``, where ``d_max`` is the largest displacement so far on the side it
-    unloads from, or ``uy`` if that is larger. From ``z = 0`` it reloads along a straight line to the
-    point of the largest displacement so far on the other side. If it unloads and reloads before that, it
-    first returns to this line along the way on which it came.
+    stiffness times ``(d_max/uy)^-a``, where ``d_max`` is the largest displacement so far on the
+    side it unloads from, or ``uy`` if that is larger. From ``z = 0`` it reloads along a straight
+    line to the point of the largest displacement so far on the other side. If it unloads and
+    reloads before that, it first returns to this line along the way on which it came.
 
     The first loading may have four branches in place of two. It cracks at ``z = cracking`` and then
     leads straight to yielding at ``uy``, which remains the point of ``z = 1``. So period and yield
-    displacement are those of the cracked structure, as designers take them, and small motions before
-    cracking are stiffer. Beyond the cap ``z`` falls along ``softening``, down to ``residual``. Each side
-    has its own largest displacement, from which the strength that is left follows. Between cracking and
-    yielding it unloads towards the point of cracking on the other side. Once one side has yielded, it
-    reloads towards the point of yielding on the other side, if it has not been there.
+    displacement are those of the cracked structure, as designers take them, and small motions
+    before cracking are stiffer. Beyond the cap ``z`` falls along ``softening``, down to
+    ``residual``. Each side has its own largest displacement, from which the strength that is left
+    follows. Between cracking and yielding it unloads towards the point of cracking on the other
+    side. Once one side has yielded, it reloads towards the point of yielding on the other side, if
+    it has not been there.
 
     The largest displacement of a stationary motion grows for ever, so that there is no stationary
     response. The law is followed in motions of finite length: by `simulate` with a duration,
@@ -47,8 +50,8 @@ class ModifiedClough(Structure):
     ----------
     period, damping, hardening, yield_displacement, reduction_factor, peak_factor
         As in `Bilinear`; period and strength are those of the cracked structure before any damage.
-        Beside the hysteretic spring stands the linear one of the hardening, so that both aim at the same
-        point. It is there beyond the cap, too.
+        Beside the hysteretic spring stands the linear one of the hardening, so that both aim at the
+        same point. It is there beyond the cap, too.
     unloading_exponent : float or array
         Exponent ``a`` of the unloading stiffness [-], at least 0 and below 1. At 0 the stiffness in
         unloading is the elastic one, as in Clough's law; 0.4 is Takeda's.
@@ -58,12 +61,13 @@ class ModifiedClough(Structure):
         Stiffness before cracking over that of the line from zero to yielding [-], at least 1; it is
         given together with ``cracking``.
     cap_ductility : float or array, optional
-        Displacement from which the strength falls, over ``uy`` [-], at least 1; without it the strength
-        is kept.
+        Displacement from which the strength falls, over ``uy`` [-], at least 1; without it the
+        strength is kept.
     softening : float or array, optional
-        How much ``z`` falls per ``uy`` beyond the cap [-], positive. The force of the whole structure
-        falls by ``(1 - hardening) softening - hardening`` times the elastic stiffness, which has to be
-        positive unless the cap is at yielding. It is given together with ``cap_ductility``.
+        How much ``z`` falls per ``uy`` beyond the cap [-], positive. The force of the whole
+        structure falls by ``(1 - hardening) softening - hardening`` times the elastic stiffness,
+        which has to be positive unless the cap is at yielding. It is given together with
+        ``cap_ductility``.
     residual : float or array
         ``z`` that is left in the end [-], at least 0 and below 1; it has no effect without a cap.
     mass : float, optional
@@ -72,17 +76,17 @@ class ModifiedClough(Structure):
     Raises
     ------
     ValueError, TypeError
-        As in `Bilinear`; also if a parameter lacks the one that belongs to it, or if the force does not
-        fall beyond a cap after yielding. What needs a stationary response refuses the law: by an
-        ArithmeticError what linearizes, by a ValueError what simulates.
+        As in `Bilinear`; also if a parameter lacks the one that belongs to it, or if the force does
+        not fall beyond a cap after yielding. What needs a stationary response refuses the law: by
+        an ArithmeticError what linearizes, by a ValueError what simulates.
 
     References
     ----------
-    Clough, R. W. and Johnston, S. B. (1966), Proc. 2nd Japan Earthquake Eng. Symp.; Mahin, S. A. and
-    Lin, J. (1983), UCB/EERC-83/17, for reloading after partial unloading; Takeda, T., Sozen, M. A. and
-    Nielsen, N. N. (1970), J. Struct. Div. ASCE 96, for cracking and the stiffness in unloading; Ibarra,
-    L. F., Medina, R. A. and Krawinkler, H. (2005), Earthquake Eng. Struct. Dyn. 34, 1489-1511, for the
-    cap, without its cyclic deterioration.
+    Clough, R. W. and Johnston, S. B. (1966), Proc. 2nd Japan Earthquake Eng. Symp.; Mahin, S. A.
+    and Lin, J. (1983), UCB/EERC-83/17, for reloading after partial unloading; Takeda, T., Sozen, M.
+    A. and Nielsen, N. N. (1970), J. Struct. Div. ASCE 96, for cracking and the stiffness in
+    unloading; Ibarra, L. F., Medina, R. A. and Krawinkler, H. (2005), Earthquake Eng. Struct. Dyn.
+    34, 1489-1511, for the cap, without its cyclic deterioration.
 
     Examples
     --------
@@ -103,7 +107,9 @@ class ModifiedClough(Structure):
     [0.0, 1.0, 0.6, 0.2]
     """
 
-    unloading_exponent: Parameter = parameter("1", "exponent of the unloading stiffness", UNLOADS, 0.4)
+    unloading_exponent: Parameter = parameter(
+        "1", "exponent of the unloading stiffness", UNLOADS, 0.4
+    )
     cracking: Parameter | None = parameter("1", "z at cracking", Range(upper=1.0), None)
     uncracked_stiffness: Parameter | None = parameter(
         "1", "stiffness before cracking over that to yielding", FROM_1, None
@@ -164,4 +170,12 @@ class ModifiedClough(Structure):
             rise = (1 - crack) / (1 - limit)
         cap = values.get("cap_ductility", np.inf * unit)
         softening = values.get("softening", unit)
-        return [values["unloading_exponent"], crack, limit, rise, cap, softening, values["residual"]]
+        return [
+            values["unloading_exponent"],
+            crack,
+            limit,
+            rise,
+            cap,
+            softening,
+            values["residual"],
+        ]

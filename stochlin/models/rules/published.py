@@ -26,7 +26,9 @@ class Published:
 
     def describe(self) -> str:
         """Name, reference, mark and any reason for doubt in one line, for metadata."""
-        return f"{self.name}: {self.reference} [{'; '.join(filter(None, (self.mark, self.reason)))}]"
+        return (
+            f"{self.name}: {self.reference} [{'; '.join(filter(None, (self.mark, self.reason)))}]"
+        )
 
 
 Rule = TypeVar("Rule", bound=Published)
@@ -51,7 +53,9 @@ def look_up(registry: Registry[Rule], name: object, parameter: str) -> Rule:
     if len(fitting) == 1:
         return fitting[0]
     allowed = ", ".join([rule.name for rule in fitting] or registry)
-    raise ValueError(f"{parameter} = {brief(name)} is not a known {registry.kind}; allowed: {allowed}")
+    raise ValueError(
+        f"{parameter} = {brief(name)} is not a known {registry.kind}; allowed: {allowed}"
+    )
 
 
 def _plain(name: object) -> str:

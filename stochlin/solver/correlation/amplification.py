@@ -42,10 +42,10 @@ def amplification(
 ) -> xr.Dataset:
     """Amplification factor ``D``: inelastic displacement over elastic displacement.
 
-    In the paper's Fig. 5b it is the ratio of peak displacements. These are defined in a motion of finite
-    duration: with ``of="peak"``, the structure and its elastic counterpart are simulated under the same
-    motions. With ``of="std"``, it is the ratio of the standard deviations of the stationary response,
-    which is equal to the ratio of the peaks if both have the same peak factor.
+    In the paper's Fig. 5b it is the ratio of peak displacements. These are defined in a motion of
+    finite duration: with ``of="peak"``, the structure and its elastic counterpart are simulated
+    under the same motions. With ``of="std"``, it is the ratio of the standard deviations of the
+    stationary response, which is equal to the ratio of the peaks if both have the same peak factor.
 
     Parameters
     ----------
@@ -69,14 +69,15 @@ def amplification(
     xarray.Dataset
         For standard deviations, over the dimensions of the parameters: ``amplification`` [-],
         ``displacement_std`` [m] and ``ductility_std`` [-] of the inelastic structure, ``status``,
-        ``bias`` [-], the relative error of these three against the drift closure, and ``caution``, a
-        flag that is set where the bias exceeds 10 % or is unknown, both as in `linearize`.
+        ``bias`` [-], the relative error of these three against the drift closure, and ``caution``,
+        a flag that is set where the bias exceeds 10 % or is unknown, both as in `linearize`.
 
         For peaks: ``amplification`` [-], the mean of ``max |u|`` of the structure over that of its
-        elastic counterpart, with its standard error; ``peak_mean`` and ``elastic_peak_mean`` [m] with
-        standard errors; ``ductility`` [-], ``peak_mean`` over the yield displacement; and ``status``,
-        which is ``elastic_limit`` where the structure yields in none of the motions. For a building with
-        storeys these variables are over ``floor``, except ``ductility``, which is over ``element``.
+        elastic counterpart, with its standard error; ``peak_mean`` and ``elastic_peak_mean`` [m]
+        with standard errors; ``ductility`` [-], ``peak_mean`` over the yield displacement; and
+        ``status``, which is ``elastic_limit`` where the structure yields in none of the motions.
+        For a building with storeys these variables are over ``floor``, except ``ductility``, which
+        is over ``element``.
 
     Raises
     ------
@@ -86,16 +87,18 @@ def amplification(
 
     Notes
     -----
-    By linearization, the relative error of ``D`` is that of the standard deviation: with the Gaussian
-    closure, of Fig. 5b, ``D`` of yielding structures is too small, for stiff structures on a lake bed by
-    a factor of ten and more (see `linearize`); with the drift closure it is 0.9 % on average.
+    By linearization, the relative error of ``D`` is that of the standard deviation: with the
+    Gaussian closure, of Fig. 5b, ``D`` of yielding structures is too small, for stiff structures on
+    a lake bed by a factor of ten and more (see `linearize`); with the drift closure it is 0.9 % on
+    average.
 
-    The plastic drift of a structure that yields seldom grows very slowly. In a stationary response it is
-    fully developed, so that the ratio of the standard deviations is then much larger than the ratio of
-    the peaks in a motion of usual duration.
+    The plastic drift of a structure that yields seldom grows very slowly. In a stationary response
+    it is fully developed, so that the ratio of the standard deviations is then much larger than the
+    ratio of the peaks in a motion of usual duration.
 
-    The standard error of the ratio of peaks is that of the mean of ``peak - D elastic_peak``, divided by
-    the mean elastic peak. It is small because both peaks of a pair are from the same motion.
+    The standard error of the ratio of peaks is that of the mean of ``peak - D elastic_peak``,
+    divided by the mean elastic peak. It is small because both peaks of a pair are from the same
+    motion.
 
     References
     ----------
@@ -162,7 +165,9 @@ def _of_cell(motion: dict[str, Any], structure: AnyStructure, ground: Ground) ->
     ratios = _ratios(peaks[:, :n], peaks[:, n:])
     attrs = {key: value for key, value in motions.attrs.items() if not key.startswith("structure")}
     if structure.has_storeys:
-        own = motions.isel({FLOOR: slice(None, n), ELEMENT: slice(None, n)})[["peak_mean", "ductility"]]
+        own = motions.isel({FLOOR: slice(None, n), ELEMENT: slice(None, n)})[
+            ["peak_mean", "ductility"]
+        ]
         columns = {name: (FLOOR, values) for name, values in ratios.items()}
         table = xr.Dataset(columns, own.coords).assign(ductility=own.ductility)
         # The yield drift is the mean peak drift over the ductility; compared without a division.

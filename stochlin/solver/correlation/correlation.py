@@ -45,36 +45,38 @@ def correlate(
 ) -> xr.Dataset:
     """Correlation coefficient of the displacements of two structures.
 
-    By linearization, each structure is solved over its own dimensions, and the correlation of a pair
-    then follows from one linear equation. A table of ``N1 x N2`` pairs needs ``N1 + N2`` iterative
-    solutions.
+    By linearization, each structure is solved over its own dimensions, and the correlation of a
+    pair then follows from one linear equation. A table of ``N1 x N2`` pairs needs ``N1 + N2``
+    iterative solutions.
 
-    If a parameter is a dask array, the table is lazy, with the same chunks, and has the same numbers;
-    those of the drift closure, and so the biases, agree to about 1e-9, but for the difference of nearly
-    equal structures, which magnifies rounding. By simulation it is computed at once.
+    If a parameter is a dask array, the table is lazy, with the same chunks, and has the same
+    numbers; those of the drift closure, and so the biases, agree to about 1e-9, but for the
+    difference of nearly equal structures, which magnifies rounding. By simulation it is computed at
+    once.
 
     Parameters
     ----------
     first, second : Bilinear, BoucWen or Hysteretic
-        The two structures. For buildings with storeys `linearize_system` and `simulate` have ``rho`` of
-        all floors.
+        The two structures. For buildings with storeys `linearize_system` and `simulate` have
+        ``rho`` of all floors.
     ground : WhiteNoise, KanaiTajimi or CloughPenzien
         The ground; all parameters broadcast by dimension name.
     method : {"linearization", "white_noise", "effective", "simulation"}
         ``"linearization"``: statistical linearization. ``"white_noise"``: eq. (4) with the elastic
-        periods and damping ratios, whatever the ground; the standard deviations are those of the elastic
-        responses to this ground. ``"effective"``: eq. (4) with the effective periods and damping ratios
-        of ``rule`` at the linearized peak ductilities. ``"simulation"``: nonlinear simulation of all
-        structures under the same motions, with standard errors.
+        periods and damping ratios, whatever the ground; the standard deviations are those of the
+        elastic responses to this ground. ``"effective"``: eq. (4) with the effective periods and
+        damping ratios of ``rule`` at the linearized peak ductilities. ``"simulation"``: nonlinear
+        simulation of all structures under the same motions, with standard errors.
     closure : str
-        Closure of the linearization, as in `linearize`; for linearization and effective properties. With
-        ``"drift"`` the correlation includes that of the plastic drifts, derived in ``docs/drift.md``
-        and, on Kanai-Tajimi ground, corrected by a map of simulations.
+        Closure of the linearization, as in `linearize`; for linearization and effective properties.
+        With ``"drift"`` the correlation includes that of the plastic drifts, derived in
+        ``docs/drift.md`` and, on Kanai-Tajimi ground, corrected by a map of simulations.
     rule : str or EffectiveRule
-        Rule for effective properties, one of `stochlin.rules.effective_rule_names` or a rule object.
+        Rule for effective properties, one of `stochlin.rules.effective_rule_names` or a rule
+        object.
     bias : bool
-        Whether linearization is compared with the drift closure. Without that, it is much faster, and
-        has neither ``bias`` nor ``caution``.
+        Whether linearization is compared with the drift closure. Without that, it is much faster,
+        and has neither ``bias`` nor ``caution``.
     rtol, max_iterations : float, int
         As in `linearize`, for linearization and effective properties: stop rule of the iteration.
     paths, seed, steps_per_period, relaxation_times
@@ -86,51 +88,53 @@ def correlate(
     -------
     xarray.Dataset
         Over the dimensions of the parameters: ``rho`` [-], ``displacement_std_1`` and ``_2`` [m],
-        ``ductility_std_1`` and ``_2`` [-], ``yield_displacement_1`` and ``_2`` [m], and ``status`` (the
-        worse one of the two structures). Every method also gives ``relative_displacement_std`` [m], the
-        standard deviation of ``u_1 - u_2``, its relative bias ``relative_displacement_bias`` [-] (NaN
-        where unknown) and the flag ``relative_displacement_caution``.
+        ``ductility_std_1`` and ``_2`` [-], ``yield_displacement_1`` and ``_2`` [m], and ``status``
+        (the worse one of the two structures). Every method also gives ``relative_displacement_std``
+        [m], the standard deviation of ``u_1 - u_2``, its relative bias
+        ``relative_displacement_bias`` [-] (NaN where unknown) and the flag
+        ``relative_displacement_caution``.
 
-        Linearization adds ``bias`` [-], by which ``rho`` is too large; ``bias_1`` and ``bias_2`` [-],
-        the relative errors of the standard deviations; their expected errors ``bias_error``, ``_1`` and
-        ``_2`` [-]; and the flag ``caution``, set where one of the three biases exceeds 0.1 or is
-        unknown. They are against the drift closure, which simulations of bilinear structures calibrate.
-        The closure ``"drift"`` adds ``rho_error`` [-], the mean absolute error of ``rho`` over simulated
-        pairs of the region (NaN where none were simulated), which counts in ``caution``, and
-        ``relative_displacement_error`` [-], the expected relative error of
-        ``relative_displacement_std``.
+        Linearization adds ``bias`` [-], by which ``rho`` is too large; ``bias_1`` and ``bias_2``
+        [-], the relative errors of the standard deviations; their expected errors ``bias_error``,
+        ``_1`` and ``_2`` [-]; and the flag ``caution``, set where one of the three biases exceeds
+        0.1 or is unknown. They are against the drift closure, which simulations of bilinear
+        structures calibrate. The closure ``"drift"`` adds ``rho_error`` [-], the mean absolute
+        error of ``rho`` over simulated pairs of the region (NaN where none were simulated), which
+        counts in ``caution``, and ``relative_displacement_error`` [-], the expected relative error
+        of ``relative_displacement_std``.
 
-        Effective properties add ``period_eq_1`` and ``_2`` [s], ``damping_eq_1`` and ``_2`` [-], and the
-        peak ductilities ``ductility_peak_1`` and ``_2`` [-], which are ``peak_factor`` times
-        ``ductility_std``.
+        Effective properties add ``period_eq_1`` and ``_2`` [s], ``damping_eq_1`` and ``_2`` [-],
+        and the peak ductilities ``ductility_peak_1`` and ``_2`` [-], which are ``peak_factor``
+        times ``ductility_std``.
 
-        Simulation adds ``rho_standard_error`` [-], ``displacement_std_standard_error_1`` and ``_2`` [m],
-        ``drift_memory_1`` and ``_2`` [s], the relaxation times of the plastic drifts as `simulate` gives
-        them, and ``drift_1`` and ``_2`` [-], the change of the variance during the run in standard
-        errors. If it exceeds 5, the run was too short to be stationary, and the cell is
-        ``not_converged``.
+        Simulation adds ``rho_standard_error`` [-], ``displacement_std_standard_error_1`` and ``_2``
+        [m], ``drift_memory_1`` and ``_2`` [s], the relaxation times of the plastic drifts as
+        `simulate` gives them, and ``drift_1`` and ``_2`` [-], the change of the variance during the
+        run in standard errors. If it exceeds 5, the run was too short to be stationary, and the
+        cell is ``not_converged``.
 
     Raises
     ------
     ValueError, TypeError
-        If the method, the closure or the rule is unknown, an argument is of the wrong kind or out of
-        range, dimensions do not fit together, or the table would not fit into memory.
+        If the method, the closure or the rule is unknown, an argument is of the wrong kind or out
+        of range, dimensions do not fit together, or the table would not fit into memory.
     ArithmeticError
         If a single case fails; in a table the cell is NaN and its status gives the reason.
 
     Notes
     -----
-    The linearized ``rho`` of yielding structures is off by 0.05 to 0.2, mostly too large, where yielding
-    is moderate, and by up to 1.3 for structures much stiffer than a narrow-band ground. The linearized
-    standard deviations are mostly too small. With a hardening ratio of 0.05 and R 2 to 6, a separation
-    computed from both is 28 to 49 % too small on broad-band ground; on narrow-band ground it is 0.69 to
-    1.31 times the simulated one if ``second`` has the period of the ground, and 0.39 to 1.19 times at
-    half and twice that period. Nonlinear simulation, which takes seconds, does not have these errors.
+    The linearized ``rho`` of yielding structures is off by 0.05 to 0.2, mostly too large, where
+    yielding is moderate, and by up to 1.3 for structures much stiffer than a narrow-band ground.
+    The linearized standard deviations are mostly too small. With a hardening ratio of 0.05 and R 2
+    to 6, a separation computed from both is 28 to 49 % too small on broad-band ground; on
+    narrow-band ground it is 0.69 to 1.31 times the simulated one if ``second`` has the period of
+    the ground, and 0.39 to 1.19 times at half and twice that period. Nonlinear simulation, which
+    takes seconds, does not have these errors.
 
-    By simulation, a run lasts until the plastic drifts of all structures of the table are stationary,
-    but for those of structures that yield rarely: their pairs have the status ``not_resolved``, as in
-    `simulate`, and no ``rho``. A table whose simulations, on all grounds together, would take more than
-    a quarter of an hour is refused with a ValueError.
+    By simulation, a run lasts until the plastic drifts of all structures of the table are
+    stationary, but for those of structures that yield rarely: their pairs have the status
+    ``not_resolved``, as in `simulate`, and no ``rho``. A table whose simulations, on all grounds
+    together, would take more than a quarter of an hour is refused with a ValueError.
 
     The correlation can be negative if the period of the ground is between those of the structures.
 
@@ -149,7 +153,11 @@ def correlate(
     [-0.033778, 1.0]
     """
     models: dict[str, Model] = {"first": first, "second": second, "ground": ground}
-    simulation: dict[str, Any] = {"paths": paths, "seed": seed, "steps_per_period": steps_per_period}
+    simulation: dict[str, Any] = {
+        "paths": paths,
+        "seed": seed,
+        "steps_per_period": steps_per_period,
+    }
     simulation |= {"relaxation_times": relaxation_times, "progress": progress}
     tolerance = Tolerance(rtol, max_iterations)
     query = Query(method, closure, tolerance, effective_rule(rule), bias, simulation)

@@ -45,8 +45,8 @@ def rho_white_noise(
 ) -> xr.Dataset:
     """Correlation coefficient of the displacements of two linear oscillators under white noise, eq. (4).
 
-    The equation is exact for the stationary response to one white noise. For any other ground, and for
-    structures that yield, it is approximate, as the paper says.
+    The equation is exact for the stationary response to one white noise. For any other ground, and
+    for structures that yield, it is approximate, as the paper says.
 
     Parameters
     ----------
@@ -115,7 +115,8 @@ def rho_effective(
     ductility_1, ductility_2 : float or array
         Peak ductilities [-], positive; below 1 the structure is elastic.
     rule : str or EffectiveRule
-        Rule for effective periods and damping ratios, one of `effective_rule_names` or a rule object.
+        Rule for effective periods and damping ratios, one of `effective_rule_names` or a rule
+        object.
 
     Returns
     -------
@@ -130,8 +131,8 @@ def rho_effective(
 
     Notes
     -----
-    The result does not depend on the ground. Compared with nonlinear simulation, separations by such
-    rules are off by tens of per cent in both directions, most of all on narrow-band ground.
+    The result does not depend on the ground. Compared with nonlinear simulation, separations by
+    such rules are off by tens of per cent in both directions, most of all on narrow-band ground.
 
     References
     ----------
@@ -184,7 +185,9 @@ def effective_properties(
         return np.where(np.isfinite(longer), longer, np.nan), rule.damping(mu, alpha, xi)
 
     for n in (1, 2):
-        columns = [values[f"{name}_{n}"] for name in ("ductility", "hardening", "period", "damping")]
+        columns = [
+            values[f"{name}_{n}"] for name in ("ductility", "hardening", "period", "damping")
+        ]
         properties[f"period_eq_{n}"], properties[f"damping_eq_{n}"] = cellwise(
             effective, valid, *columns, kinds=(float, float)
         )

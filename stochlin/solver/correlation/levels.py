@@ -41,14 +41,15 @@ from stochlin.solver.tables.cells import flat
 from stochlin.solver.tables.checks import USUAL
 
 LEAST_SHARE = 1e-6  # of the drift in a standard deviation
-# Kinds of pairs with larger errors: logarithm of the ratio of periods, damping of the ground, smaller
-# frequency over that of the ground, and strong shaking over the longer period.
+# Kinds of pairs with larger errors: logarithm of the ratio of periods, damping of the ground,
+# smaller frequency over that of the ground, and strong shaking over the longer period.
 ALIKE = 0.08
 NARROW = 0.2
 STIFF = 1.2
 BRIEF = 0.7
 ROUNDING = 1e-9  # a damping of 0.2 counts as narrow
-# Mean absolute error of the gap for 90 % by kind, of 900 simulated pairs (benchmarks/finite_drift.py).
+# Mean absolute error of the gap for 90 % by kind, of 900 simulated pairs
+# (benchmarks/finite_drift.py).
 ERRORS = {
     "usual": 0.05,
     "brief": 0.06,
@@ -63,7 +64,9 @@ class ExpectedErrors(NamedTuple):
     """What is known of the gaps of n pairs for 90 %, from simulated pairs of the same kind."""
 
     error: Array  # (n,) mean absolute relative error
-    caution: Array  # (n,) 1 where errors are larger than usual, 2 on grounds that were not simulated
+    caution: (
+        Array  # (n,) 1 where errors are larger than usual, 2 on grounds that were not simulated
+    )
 
 
 class PairsInTime(NamedTuple):
@@ -149,7 +152,9 @@ class PairsInTime(NamedTuple):
 
 
 @np.errstate(all="ignore")  # failed structures are NaN
-def pairs_in_time(cells: Sequence[Oscillators], ground: Ground, course: EnvelopesInTime) -> PairsInTime:
+def pairs_in_time(
+    cells: Sequence[Oscillators], ground: Ground, course: EnvelopesInTime
+) -> PairsInTime:
     """One or two structures in each of n cells, with strengths in metres."""
     structures = structures_in_time(joined(cells), ground, course)
     sides = structures.number.reshape(len(cells), -1)
@@ -253,7 +258,9 @@ def _levels_of_load(cells: Sequence[Oscillators], ground: Ground, course: Envelo
     frequency = np.sqrt(soil.oscillators[0])
     damping = soil.oscillators[1] / (2 * frequency)
     own = np.array([2 * np.pi / each.period for each in cells])
-    shares = np.array([share_of_load(*each) for each in zip(own.T, frequency, damping, strict=True)])
+    shares = np.array(
+        [share_of_load(*each) for each in zip(own.T, frequency, damping, strict=True)]
+    )
     if not shares.any():
         return none
     count = shares.size

@@ -1,7 +1,8 @@
 """Tables of pairs by statistical linearization, their errors, and the difference of both displacements.
 
-Each structure is solved over its own dimensions. The covariance of a pair then follows from one linear
-equation. By the drift closure it has a part of the drifts, and is corrected by a map of simulations.
+Each structure is solved over its own dimensions. The covariance of a pair then follows from one
+linear equation. By the drift closure it has a part of the drifts, and is corrected by a map of
+simulations.
 """
 
 from __future__ import annotations
@@ -124,7 +125,9 @@ class _Pairs(NamedTuple):
         sides = {f"{name}_{n}": own[n - 1][name] for name in of_sides for n in (1, 2)}
         pairs = Flat(self.table, np.flatnonzero(self.good), {})
         arrays = {
-            name: pairs.array(values.ravel(), BLANK.get(name.removeprefix(f"{DIFFERENCE}_"), np.nan))
+            name: pairs.array(
+                values.ravel(), BLANK.get(name.removeprefix(f"{DIFFERENCE}_"), np.nan)
+            )
             for name, values in columns.items()
         }
         return {"rho": arrays.pop("rho")} | sides | arrays

@@ -1,10 +1,11 @@
 """Signatures of structures with plastic drift, from their correlations with reference structures.
 
-The plastic drifts of two structures are correlated if both slip at the same instants, which does not
-follow from their covariances. A table over all pairs would have too many parameters. The signature of a
-structure, eq. (9) of ``docs/drift.md``, describes it by its correlations with a few reference structures
-on the same ground, so that each structure can be tabulated alone. The signature is derived with the
-drift closure, and its correction is interpolated in a map of simulations.
+The plastic drifts of two structures are correlated if both slip at the same instants, which does
+not follow from their covariances. A table over all pairs would have too many parameters. The
+signature of a structure, eq. (9) of ``docs/drift.md``, describes it by its correlations with a few
+reference structures on the same ground, so that each structure can be tabulated alone. The
+signature is derived with the drift closure, and its correction is interpolated in a map of
+simulations.
 """
 
 from __future__ import annotations
@@ -22,7 +23,11 @@ from stochlin.kernels.correlation.corrections import AXES, ENTRIES, LEFT, Nearne
 from stochlin.kernels.correlation.errors import BOUNDS
 from stochlin.kernels.correlation.pairs import Drifting, over_pairs
 from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing, motion_of
-from stochlin.kernels.linearization.drift import DriftingSide, at_unit_intensity, drifting_correlation
+from stochlin.kernels.linearization.drift import (
+    DriftingSide,
+    at_unit_intensity,
+    drifting_correlation,
+)
 from stochlin.models.grounds import Ground
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.structures import DRIFT
@@ -96,7 +101,9 @@ def solved_references(
     return References(sides, basis_of(_definite(gram.reshape(-1, count, count))))
 
 
-def _with_references(side: DriftingSide, references: DriftingSide, ground: Array, count: int) -> Array:
+def _with_references(
+    side: DriftingSide, references: DriftingSide, ground: Array, count: int
+) -> Array:
     """Correlations (n, count) of structures with the references on their grounds (n,)."""
     places = np.arange(ground.size)[:, None], ground[:, None] * count + np.arange(count)
     return over_pairs(drifting_correlation, side, references, places)[0]
@@ -105,7 +112,8 @@ def _with_references(side: DriftingSide, references: DriftingSide, ground: Array
 def basis_of(gram: Array) -> Array:
     """Matrix (..., k, k) that makes signatures of correlations with the references, eq. (9).
 
-    ``gram`` are the correlations (..., k, k) of the references; if one of them is NaN, so is the matrix.
+    ``gram`` are the correlations (..., k, k) of the references; if one of them is NaN, so is the
+    matrix.
     """
     good = np.isfinite(gram).all(axis=(-2, -1), keepdims=True)
     size = np.eye(gram.shape[-1])
@@ -162,7 +170,9 @@ def drifting(solved: Solved, tolerance: Tolerance) -> Drifting:
     )
 
 
-def _corrections(solved: Solved, side: DriftingSide, tolerance: Tolerance) -> tuple[Signature, Nearness]:
+def _corrections(
+    solved: Solved, side: DriftingSide, tolerance: Tolerance
+) -> tuple[Signature, Nearness]:
     """What simulations say of structures; nothing if all are elastic or the ground is not calibrated.
 
     On white noise the signatures are not corrected.

@@ -1,7 +1,7 @@
 """Corrections of the drift closure, interpolated in a map of nonlinear simulations.
 
-The drift closure follows from a derivation with assumptions, so that its results differ from those of
-simulations. The map holds these differences for many structures on many grounds:
+The drift closure follows from a derivation with assumptions, so that its results differ from those
+of simulations. The map holds these differences for many structures on many grounds:
 
 - the logarithm of the simulated over the derived standard deviation of the displacement;
 - the simulated minus the derived signature of a structure, from which the correlation of a pair follows
@@ -10,11 +10,11 @@ simulations. The map holds these differences for many structures on many grounds
   different.
 
 The corrections of a structure are interpolated between the points of the map; outside the map, the
-values at its boundary are used. At two boundaries the corrections are exactly 0, because the structure
-is linear there: at the hardening ratio 1, and where the yield displacement is about seven standard
-deviations of the elastic displacement. The more the surrounding points differ, the larger is
-``displacement_error``, the error that is expected after the correction. ``benchmarks/drift_map.py``
-computes the map.
+values at its boundary are used. At two boundaries the corrections are exactly 0, because the
+structure is linear there: at the hardening ratio 1, and where the yield displacement is about seven
+standard deviations of the elastic displacement. The more the surrounding points differ, the larger
+is ``displacement_error``, the error that is expected after the correction.
+``benchmarks/drift_map.py`` computes the map.
 """
 
 from __future__ import annotations
@@ -32,32 +32,35 @@ from stochlin.models.structures import DRIFT, GAUSSIAN, Structure
 from stochlin.solver.tables.interpolation import Grid, linear
 
 FILE = "drift_map.nc"
-# R/p is the standard deviation of the elastic displacement over the yield displacement. Below this value
-# no drift grows within a million periods.
+# R/p is the standard deviation of the elastic displacement over the yield displacement. Below this
+# value no drift grows within a million periods.
 ELASTIC = 0.15
 DISPLACEMENT = "displacement_correction"
 DISPLACEMENT_WHITE = "displacement_correction_white_noise"
 SIGNATURE = "signature_correction"
 REFERENCE = "drift_reference"
-STRENGTH_RATIO = "elastic_ductility_std"  # R/p: standard deviation of the elastic displacement over uy
+STRENGTH_RATIO = (
+    "elastic_ductility_std"  # R/p: standard deviation of the elastic displacement over uy
+)
 NEARNESS = "nearness"
 ENTRY = "nearness_entry"
 # Along these dimensions there is no parameter to interpolate in: each entry is a map of its own.
 COLUMNS = (REFERENCE, ENTRY)
-# Ranges that were simulated: of R/p, of the hardening ratio and of the damping ratio of the structure,
-# of the damping ratio of the ground, and of the period of the structure over that of the ground.
+# Ranges that were simulated: of R/p, of the hardening ratio and of the damping ratio of the
+# structure, of the damping ratio of the ground, and of the period of the structure over that of the
+# ground.
 GROUND_DAMPING = (0.03, 1.0)
 PERIOD = (0.1, 10.0)
 SIMULATED = (0.0, 4.0), (0.01, 1.0), (0.005, 0.3), GROUND_DAMPING, PERIOD
 # Ranges of the map itself: of the hardening ratio and of the damping ratio of the structure.
 MAP_HARDENING = (0.02, 1.0)
 MAP_DAMPING = (0.01, 0.1)
-# Largest period after yield, T/sqrt(alpha), over the period of the high-pass filter. Where it is larger,
-# corrected standard deviations are too large by 10 % and more.
+# Largest period after yield, T/sqrt(alpha), over the period of the high-pass filter. Where it is
+# larger, corrected standard deviations are too large by 10 % and more.
 BEYOND = 2.0
-# The expected relative error of a corrected standard deviation combines two parts: one that is always
-# there, that of the ground, or at least this one where the hardening or the damping ratio is beyond the
-# map, and this share of the scatter of the points around.
+# The expected relative error of a corrected standard deviation combines two parts: one that is
+# always there, that of the ground, or at least this one where the hardening or the damping ratio is
+# beyond the map, and this share of the scatter of the points around.
 LEAST_BEYOND = 0.03
 BY_SPREAD = 0.45
 ROUNDING = 1e-9
@@ -78,10 +81,10 @@ def with_correction(
 ) -> dict[str, Array]:
     """The results of the drift closure for structures, with displacements corrected by the map.
 
-    ``soil`` has the parameters of their ground, ``point`` their places in the map.
-    They also have ``displacement_error``, the relative error that is expected after the correction. It
-    is NaN where a structure or the ground is outside the simulated ranges. On a kind of ground without
-    a calibration nothing is corrected, and the error is NaN if a structure yields.
+    ``soil`` has the parameters of their ground, ``point`` their places in the map. They also have
+    ``displacement_error``, the relative error that is expected after the correction. It is NaN
+    where a structure or the ground is outside the simulated ranges. On a kind of ground without a
+    calibration nothing is corrected, and the error is NaN if a structure yields.
     """
     factor: Array | float = 1.0
     error: Array | float = np.nan
@@ -135,7 +138,8 @@ def calibrated_closure(structure: Structure, ground: Ground) -> str:
 def hold_at_ends(name: str, ground: Ground, point: Array) -> Array:
     """Values (columns, n) of a variable of the map at the places ``point`` of structures.
 
-    Outside the map they are those at its boundary. There is a column for each entry of the variable.
+    Outside the map they are those at its boundary. There is a column for each entry of the
+    variable.
     """
     return _held(_grid, name, ground, point)
 
@@ -145,7 +149,8 @@ def _held(grid_of: Callable[[str], Grid], name: str, ground: Ground, point: Arra
     places = _inside(grid_of(name), point)
     soil = ground.calibration and ground.calibration.soil
     if soil and places.size and not ground.over_cells()[soil[1]].ndim:
-        # All places have one damping ratio of the soil, and a quarter of the neighbours in a section.
+        # All places have one damping ratio of the soil, and a quarter of the neighbours in a
+        # section.
         section = _section(grid_of, name, float(places[DAMPING_AXIS, 0]))
         return section.at(places[OTHER_AXES])
     return grid_of(name).at(places)

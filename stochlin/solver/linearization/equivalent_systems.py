@@ -38,7 +38,8 @@ from stochlin.solver.tables.checks import USUAL, Tolerance, check_table
 from stochlin.solver.tables.lazy import Cells, in_blocks
 
 ROUNDING = 1e-9  # by which a correlation may exceed 1
-# Slip 1 + c_eq and relaxation k_eq/w below which z has no effect on the response in double precision.
+# Slip 1 + c_eq and relaxation k_eq/w below which z has no effect on the response in double
+# precision.
 ELASTIC = 1e-18
 STRONG = 1e3  # R/p above which a cell that does not converge has the status of too strong shaking
 SHOWN = (
@@ -55,7 +56,11 @@ PUBLIC = (*SHOWN, "iterations", "residual", "status")
 OF_DRIFT = ("drift_std", "drift_rate")
 JUDGED = ("bias", "bias_error", "caution")
 # Values of invalid cells; the others are NaN.
-BLANK = {"iterations": 0, "status": labels.INVALID_INPUT, "caution": len(labels.CAUTION_MEANINGS) - 1}
+BLANK = {
+    "iterations": 0,
+    "status": labels.INVALID_INPUT,
+    "caution": len(labels.CAUTION_MEANINGS) - 1,
+}
 
 
 class Oscillators(NamedTuple):
@@ -160,12 +165,16 @@ class Solved(NamedTuple):
         """Variables of a structure over its dimensions."""
         table = self.tables[number]
         part = self.parts[number]
-        return {name: table.array(self.values[name][part], BLANK.get(name, np.nan)) for name in names}
+        return {
+            name: table.array(self.values[name][part], BLANK.get(name, np.nan)) for name in names
+        }
 
     def dataset(self) -> xr.Dataset:
         """Dataset of a single structure: the variables `PUBLIC`, and those of drift and bias."""
         more = (STRENGTH_RATIO, *OF_DRIFT, "displacement_error", *JUDGED)
-        return xr.Dataset(self.labelled(0, [*PUBLIC, *(name for name in more if name in self.values)]))
+        return xr.Dataset(
+            self.labelled(0, [*PUBLIC, *(name for name in more if name in self.values)])
+        )
 
     def by_laws(
         self, laws: Sequence[LawOfCells | None], closure: str | None, tolerance: Tolerance
@@ -213,7 +222,9 @@ def check_closure(structure: Structure, closure: str) -> None:
 def solve_elastic(structure: Structure, ground: Ground) -> xr.Dataset:
     """Dataset of the structure as elastic; ``yield_displacement`` is that of its strength."""
     models = {"structure": structure, "ground": ground}
-    return in_blocks(lambda structure, ground: solved_together((structure,), ground).dataset(), models)
+    return in_blocks(
+        lambda structure, ground: solved_together((structure,), ground).dataset(), models
+    )
 
 
 def solved_together(

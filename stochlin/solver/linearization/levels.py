@@ -35,9 +35,9 @@ STEPS = 2  # of the lag of a structure from one instant to the next
 LEAST_ENVELOPE = 1e-6
 GROWTH = StructureRows._fields.index("growth")
 # Range [standard deviations], step of the logarithm, and least number of steps on each side, of the
-# strengths of motions with a scatter. The peaks scatter by a logarithmic standard deviation of 0.15 or
-# more for one strength, so that probabilities are smooth in the strength; the error of the mean is
-# about 0.001.
+# strengths of motions with a scatter. The peaks scatter by a logarithmic standard deviation of 0.15
+# or more for one strength, so that probabilities are smooth in the strength; the error of the mean
+# is about 0.001.
 REACH = 3.2
 STEP = 0.25
 FEWEST = 4
@@ -150,7 +150,9 @@ def solve_levels(columns: Array, ground: Ground, levels: Array) -> SolvedLevels:
     period, damping, hardening, strength, *soil = each
     soil[list(ground.cells()).index("intensity")] *= np.tile(levels**2, columns.shape[1])
     ones = np.ones_like(period)
-    cells = Oscillators(period, damping, hardening, strength, np.zeros_like(ones), ones, np.array(soil))
+    cells = Oscillators(
+        period, damping, hardening, strength, np.zeros_like(ones), ones, np.array(soil)
+    )
     table = Flat(ONE, np.arange(period.size), {})
     own = Solved((YIELDING,), ground, (table,), (slice(0, period.size),), cells, {})
     solved = own.by_laws([LawOfCells.bilinear(period.size, DRIFT)], DRIFT, USUAL)
@@ -163,7 +165,9 @@ def solve_levels(columns: Array, ground: Ground, levels: Array) -> SolvedLevels:
         rows = structure_rows(system, forcing, filters, drift, values["displacement_std"], levels)
         tables = Tables.of(levels, np.array(rows))
     failed = (values["status"] >= labels.NOT_CONVERGED).reshape(-1, levels.size)
-    return SolvedLevels(levels, solved, filters, system, forcing, rows, tables, np.any(failed, axis=1))
+    return SolvedLevels(
+        levels, solved, filters, system, forcing, rows, tables, np.any(failed, axis=1)
+    )
 
 
 class StructuresInTime(NamedTuple):
@@ -180,16 +184,22 @@ class StructuresInTime(NamedTuple):
         motions = self.course.weights.size
         square = self.squares[:, numbers].reshape(course.times.size, -1)
         envelope = np.tile(course.envelope, numbers.size)
-        return moving(self.solved.tables, square, envelope, np.repeat(numbers, motions), course.step)
+        return moving(
+            self.solved.tables, square, envelope, np.repeat(numbers, motions), course.step
+        )
 
 
-def structures_in_time(cells: Oscillators, ground: Ground, course: EnvelopesInTime) -> StructuresInTime:
+def structures_in_time(
+    cells: Oscillators, ground: Ground, course: EnvelopesInTime
+) -> StructuresInTime:
     """Structures of cells with strengths in metres, from rest on."""
     columns, number = distinct(cells.stronger(ground, course.scale**2))
     solved = solve_levels(columns, ground, levels_for(course.spread))
     behind = lagged(solved.tables, GROWTH, course.squares, course.step / STEPS)[::STEPS]
     instants, structures, motions = behind.shape
-    at_levels = solved.tables.at(behind.reshape(instants, -1), np.repeat(np.arange(structures), motions))
+    at_levels = solved.tables.at(
+        behind.reshape(instants, -1), np.repeat(np.arange(structures), motions)
+    )
     lags = StructureRows(*at_levels).resonant.reshape(behind.shape)
     squares = lags * behind + (1 - lags) * course.envelope[:, None] ** 2
     return StructuresInTime(course, solved, number, squares)

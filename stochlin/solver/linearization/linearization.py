@@ -1,8 +1,8 @@
 """Statistical linearization of one structure on one ground, eqs. (5) to (12), and its bias.
 
-The bias is that against the drift closure, which is corrected by a map of nonlinear simulations, and
-has an expected error of its own. It is known for bilinear structures, on the kinds of ground and in the
-ranges that were simulated.
+The bias is that against the drift closure, which is corrected by a map of nonlinear simulations,
+and has an expected error of its own. It is known for bilinear structures, on the kinds of ground
+and in the ranges that were simulated.
 """
 
 from __future__ import annotations
@@ -63,7 +63,9 @@ def judged(
 def _by_drift(solved: Solved, tolerance: Tolerance) -> Solved:
     """The bilinear structures by the drift closure; others stay elastic."""
     laws = [
-        LawOfCells.of(table, DRIFT) if structure.yields and isinstance(structure, Bilinear) else None
+        LawOfCells.of(table, DRIFT)
+        if structure.yields and isinstance(structure, Bilinear)
+        else None
         for structure, table in zip(solved.structures, solved.tables, strict=True)
     ]
     return solved.by_laws(laws, DRIFT, tolerance)
@@ -98,12 +100,12 @@ def linearize(
 ) -> xr.Dataset:
     """Stationary response of a hysteretic structure by statistical linearization.
 
-    The hysteresis law is replaced by ``z' = -c_eq v - k_eq z``, with ``v`` the velocity and ``z`` the
-    hysteretic displacement. The coefficients follow by the closure from the covariance of the response,
-    and the covariance is that of the linear system with these coefficients; a damped Newton's method
-    finds both. Where a law may have several solutions (Bouc-Wen with ``gamma > beta``, laws in symbols),
-    the intensity is raised step by step from a value at which the response is elastic, and the solution
-    is followed. Only stable systems count as solutions.
+    The hysteresis law is replaced by ``z' = -c_eq v - k_eq z``, with ``v`` the velocity and ``z``
+    the hysteretic displacement. The coefficients follow by the closure from the covariance of the
+    response, and the covariance is that of the linear system with these coefficients; a damped
+    Newton's method finds both. Where a law may have several solutions (Bouc-Wen with ``gamma >
+    beta``, laws in symbols), the intensity is raised step by step from a value at which the
+    response is elastic, and the solution is followed. Only stable systems count as solutions.
 
     Parameters
     ----------
@@ -112,34 +114,35 @@ def linearize(
     ground : WhiteNoise, KanaiTajimi or CloughPenzien
         The ground; its parameters and those of the structure broadcast by dimension name.
     closure : {"gaussian", "clipped", "drift"}
-        Assumed distribution of the response. ``"gaussian"``: ``(v, z)`` jointly Gaussian, eqs. (9) and
-        (10); the others are only for bilinear structures. ``"clipped"``: ``z`` is a Gaussian variable
-        clipped at -1 and 1. ``"drift"``: the clipped closure plus the slow drift of the plastic
-        displacement, see the notes.
+        Assumed distribution of the response. ``"gaussian"``: ``(v, z)`` jointly Gaussian, eqs. (9)
+        and (10); the others are only for bilinear structures. ``"clipped"``: ``z`` is a Gaussian
+        variable clipped at -1 and 1. ``"drift"``: the clipped closure plus the slow drift of the
+        plastic displacement, see the notes.
     rtol : float
-        The iteration of a cell stops when the standard deviations of ``v`` and ``z`` change by at most
-        this share, and their correlation by as much.
+        The iteration of a cell stops when the standard deviations of ``v`` and ``z`` change by at
+        most this share, and their correlation by as much.
     max_iterations : int
-        Largest number of iterations, and of steps in intensity where the solution is followed. Cells
-        that need more are NaN with the status ``not_converged``, or ``shaking_too_strong`` if the
-        elastic standard deviation is more than a thousand times the yield displacement.
+        Largest number of iterations, and of steps in intensity where the solution is followed.
+        Cells that need more are NaN with the status ``not_converged``, or ``shaking_too_strong`` if
+        the elastic standard deviation is more than a thousand times the yield displacement.
 
     Returns
     -------
     xarray.Dataset
         Over the dimensions of the parameters: the standard deviations ``displacement_std`` [m],
         ``velocity_std`` [m/s], ``ductility_std`` [-] and ``z_std`` [-], the correlation
-        ``velocity_z_corr`` [-] of ``v`` and ``z``, the coefficients ``c_eq`` [-] and ``k_eq`` [1/s],
-        ``yield_displacement`` [m] (infinite if elastic), ``iterations``, ``residual`` [-], and
-        ``status`` (CF flags; ``elastic_limit`` if elastic); ``bias`` [-], the relative error of
+        ``velocity_z_corr`` [-] of ``v`` and ``z``, the coefficients ``c_eq`` [-] and ``k_eq``
+        [1/s], ``yield_displacement`` [m] (infinite if elastic), ``iterations``, ``residual`` [-],
+        and ``status`` (CF flags; ``elastic_limit`` if elastic); ``bias`` [-], the relative error of
         ``displacement_std`` against the drift closure; its expected error ``bias_error`` [-]; and
         ``caution``, a flag that is set where the bias exceeds 10 % or is unknown.
 
-        The closure ``"drift"`` adds ``drift_std`` [m], the standard deviation of the displacement by
-        the drift alone, and ``drift_time`` [s], its relaxation time (NaN without a drift): a motion of
-        duration ``t`` from rest reaches the share ``1 - exp(-2 t/drift_time)`` of its variance. The
-        known bias is already corrected, so that ``bias`` is 0; ``displacement_error`` [-] is the
-        expected relative error that remains, and ``caution`` is set where it exceeds 5 % or is unknown.
+        The closure ``"drift"`` adds ``drift_std`` [m], the standard deviation of the displacement
+        by the drift alone, and ``drift_time`` [s], its relaxation time (NaN without a drift): a
+        motion of duration ``t`` from rest reaches the share ``1 - exp(-2 t/drift_time)`` of its
+        variance. The known bias is already corrected, so that ``bias`` is 0; ``displacement_error``
+        [-] is the expected relative error that remains, and ``caution`` is set where it exceeds 5 %
+        or is unknown.
 
     Raises
     ------
@@ -151,24 +154,25 @@ def linearize(
 
     Notes
     -----
-    Linearization underestimates most displacements. Compared with nonlinear simulation on white noise
-    (R 1 to 9.6), ``displacement_std`` is too small by 15 to 51 % for hardening ratios of 0.02 and 0.05
-    and by 4 to 26 % for 0.2. On narrow-band ground, for a hardening ratio of 0.05 and R 2 to 6, it is
-    too small by 1 to 9 % at the period of the ground, and by a factor of up to thirty for structures
-    much stiffer than the ground. `correlate` by simulation does not have this error.
+    Linearization underestimates most displacements. Compared with nonlinear simulation on white
+    noise (R 1 to 9.6), ``displacement_std`` is too small by 15 to 51 % for hardening ratios of 0.02
+    and 0.05 and by 4 to 26 % for 0.2. On narrow-band ground, for a hardening ratio of 0.05 and R 2
+    to 6, it is too small by 1 to 9 % at the period of the ground, and by a factor of up to thirty
+    for structures much stiffer than the ground. `correlate` by simulation does not have this error.
 
     The bias is known for bilinear structures; that of other laws that yield is NaN.
 
-    The drift closure adds the variance of the plastic drift to that of the clipped closure. The drift is
-    a random walk in steps, one for each excursion into yielding, on which only the hardening acts as a
-    restoring force; ``docs/drift.md`` derives it. ``displacement_std`` and ``ductility_std`` are then
-    multiplied by a correction from a map of simulations on Kanai-Tajimi ground and white noise; on
-    Clough-Penzien ground it is that of the soil, and outside the map that of its boundary.
-    ``displacement_error`` grows with the differences of neighbouring points of the map, which are large
-    for stiff structures near the resonance after yield, ``T = sqrt(hardening) Tg``. ``velocity_std``,
-    ``z_std``, ``velocity_z_corr``, ``c_eq`` and ``k_eq`` are those of the clipped closure, without the
-    drift. In 500 random pairs on such grounds ``displacement_std`` was off by 0.9 % on average and by
-    more than 3 % in one case of twenty; without the map by 6 and 23 %, mostly for T < Tg/2.
+    The drift closure adds the variance of the plastic drift to that of the clipped closure. The
+    drift is a random walk in steps, one for each excursion into yielding, on which only the
+    hardening acts as a restoring force; ``docs/drift.md`` derives it. ``displacement_std`` and
+    ``ductility_std`` are then multiplied by a correction from a map of simulations on Kanai-Tajimi
+    ground and white noise; on Clough-Penzien ground it is that of the soil, and outside the map
+    that of its boundary. ``displacement_error`` grows with the differences of neighbouring points
+    of the map, which are large for stiff structures near the resonance after yield, ``T =
+    sqrt(hardening) Tg``. ``velocity_std``, ``z_std``, ``velocity_z_corr``, ``c_eq`` and ``k_eq``
+    are those of the clipped closure, without the drift. In 500 random pairs on such grounds
+    ``displacement_std`` was off by 0.9 % on average and by more than 3 % in one case of twenty;
+    without the map by 6 and 23 %, mostly for T < Tg/2.
 
     References
     ----------

@@ -32,8 +32,8 @@ def peak_response(
 ) -> xr.Dataset:
     """Peak displacement of a structure in a stationary motion of a given duration.
 
-    The structure is linearized. Its response is taken as Gaussian and as stationary from the start of
-    the motion, except for the plastic drift, which starts from rest.
+    The structure is linearized. Its response is taken as Gaussian and as stationary from the start
+    of the motion, except for the plastic drift, which starts from rest.
 
     Parameters
     ----------
@@ -53,12 +53,13 @@ def peak_response(
     -------
     xarray.Dataset
         Over the dimensions of the parameters: ``peak_mean`` and ``peak_std`` [m], the mean and the
-        standard deviation of the peak; ``peak_factor`` [-], ``peak_mean`` over ``displacement_std`` [m];
-        ``crossings`` [-], the mean number of zero crossings, upwards and downwards, in the duration;
-        ``bandwidth`` [-], ``sqrt(1 - l1^2/(l0 l2))`` with the spectral moments ``l0``, ``l1``, ``l2``;
-        ``status``; ``bias`` [-], the relative error of the stationary ``displacement_std``, as in
-        `linearize`; and the flag ``caution``, which is that of the bias, and at least 1 for yielding
-        structures with T < Tg/2, whose peaks are less accurate (see the notes).
+        standard deviation of the peak; ``peak_factor`` [-], ``peak_mean`` over ``displacement_std``
+        [m]; ``crossings`` [-], the mean number of zero crossings, upwards and downwards, in the
+        duration; ``bandwidth`` [-], ``sqrt(1 - l1^2/(l0 l2))`` with the spectral moments ``l0``,
+        ``l1``, ``l2``; ``status``; ``bias`` [-], the relative error of the stationary
+        ``displacement_std``, as in `linearize`; and the flag ``caution``, which is that of the
+        bias, and at least 1 for yielding structures with T < Tg/2, whose peaks are less accurate
+        (see the notes).
 
     Raises
     ------
@@ -70,17 +71,18 @@ def peak_response(
 
     Notes
     -----
-    For elastic oscillators with 20 to 100 cycles, the error of the mean peak, compared with simulation,
-    is -1 to +4 % (Vanmarcke), -1 to +5 % (Der Kiureghian) and +4 to +20 % (Davenport).
+    For elastic oscillators with 20 to 100 cycles, the error of the mean peak, compared with
+    simulation, is -1 to +4 % (Vanmarcke), -1 to +5 % (Der Kiureghian) and +4 to +20 % (Davenport).
 
-    With the drift closure, the slow plastic drift adds to the variance of the displacement, but not to
-    that of the velocity. For the peaks its variance is taken to grow from rest as
-    ``1 - exp(-t/drift_time)``, half as fast as it does by `linearize`, and its mean over the motion is
+    With the drift closure, the slow plastic drift adds to the variance of the displacement, but not
+    to that of the velocity. For the peaks its variance is taken to grow from rest as ``1 -
+    exp(-t/drift_time)``, half as fast as it does by `linearize`, and its mean over the motion is
     used. This factor was fitted to simulations.
 
-    With the Gaussian closure mean peaks of yielding structures are mostly too small, most of all for
-    structures much stiffer than the ground. Those with the drift closure are nearer to simulations from
-    rest, and can still be too small where ``caution`` is not 0. ``peak_std`` is too small.
+    With the Gaussian closure mean peaks of yielding structures are mostly too small, most of all
+    for structures much stiffer than the ground. Those with the drift closure are nearer to
+    simulations from rest, and can still be too small where ``caution`` is not 0. ``peak_std`` is
+    too small.
 
     References
     ----------
@@ -173,7 +175,8 @@ def peak_table(
     crossings = duration * np.sqrt(l2.where(moving) / l0) / np.pi
     bandwidth = xr.apply_ufunc(np.sqrt, (1 - l1**2 / (l0 * l2).where(moving)).clip(0))
     factors = [
-        cellwise(function, crossings, bandwidth, sides=sides)[0] for function in (model.mean, model.std)
+        cellwise(function, crossings, bandwidth, sides=sides)[0]
+        for function in (model.mean, model.std)
     ]
     sigma = np.sqrt(l0.where(moving))
     return xr.Dataset(

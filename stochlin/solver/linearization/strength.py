@@ -35,8 +35,8 @@ from stochlin.solver.tables.checks import Tolerance
 from stochlin.solver.tables.lazy import in_blocks
 
 TOLERANCE = Tolerance(1e-12, 200)
-# Largest relative error of the ductility that is found. Where the ductility jumps with R, a search ends
-# at the jump, with a larger error.
+# Largest relative error of the ductility that is found. Where the ductility jumps with R, a search
+# ends at the jump, with a larger error.
 REACHED = 1e-6
 SHOWN = ("displacement_std", "ductility_std", "yield_displacement")
 
@@ -61,8 +61,8 @@ def strength_for_ductility(
 ) -> xr.Dataset:
     """Strength for a given mean peak ductility.
 
-    The reduction factor ``R`` is the solution of ``p ductility_std = ductility``, with ``ductility_std``
-    by linearization.
+    The reduction factor ``R`` is the solution of ``p ductility_std = ductility``, with
+    ``ductility_std`` by linearization.
 
     Parameters
     ----------
@@ -73,19 +73,20 @@ def strength_for_ductility(
     ductility : float or array
         Mean peak ductility [-], positive; all parameters broadcast by dimension name.
     peak_factor : float or array, optional
-        Peak factor ``p`` [-] of the ductility and in the definition of ``R``. The default is that of the
-        structure.
+        Peak factor ``p`` [-] of the ductility and in the definition of ``R``. The default is that
+        of the structure.
     closure : str
         Closure of the linearization, as in `linearize`.
 
     Returns
     -------
     xarray.Dataset
-        Over the dimensions of the parameters: ``reduction_factor`` [-] and ``yield_displacement`` [m];
-        ``displacement_std`` [m], ``ductility_std`` [-] and ``ductility_peak`` [-] of a structure with
-        this strength; ``status``, which is ``not_converged`` where the search fails; ``bias`` [-], the
-        relative error of these displacements and ductilities from a map of simulations; and the flag
-        ``caution``, set where the bias exceeds 10 % or is unknown, both as in `linearize`.
+        Over the dimensions of the parameters: ``reduction_factor`` [-] and ``yield_displacement``
+        [m]; ``displacement_std`` [m], ``ductility_std`` [-] and ``ductility_peak`` [-] of a
+        structure with this strength; ``status``, which is ``not_converged`` where the search fails;
+        ``bias`` [-], the relative error of these displacements and ductilities from a map of
+        simulations; and the flag ``caution``, set where the bias exceeds 10 % or is unknown, both
+        as in `linearize`.
 
     Raises
     ------
@@ -98,20 +99,21 @@ def strength_for_ductility(
     Notes
     -----
     The ductility is about ``R`` for small ``R``, and proportional to ``R`` for large ``R``. In 400
-    random cases (T/Tg 0.05 to 10, damping 0.005 to 0.2, hardening 0.001 to 1, ground damping 0.01 to
-    0.9; 141 values of ``R`` from 0.01 to 1e5), it always increased with ``R``, with every closure of the
-    bilinear law except ``"drift"``, so that there is exactly one solution. With ``"drift"`` it decreased
-    by up to 10 % for 2 of 60 structures near the resonance of a narrow-band ground; there, several
-    strengths have the same ductility, and one of them is found.
+    random cases (T/Tg 0.05 to 10, damping 0.005 to 0.2, hardening 0.001 to 1, ground damping 0.01
+    to 0.9; 141 values of ``R`` from 0.01 to 1e5), it always increased with ``R``, with every
+    closure of the bilinear law except ``"drift"``, so that there is exactly one solution. With
+    ``"drift"`` it decreased by up to 10 % for 2 of 60 structures near the resonance of a
+    narrow-band ground; there, several strengths have the same ductility, and one of them is found.
 
-    The search fails if the linearization does not converge for the required ``R`` (some above 10 000;
-    with ``"clipped"`` also some where the ductility nearly jumps).
+    The search fails if the linearization does not converge for the required ``R`` (some above 10
+    000; with ``"clipped"`` also some where the ductility nearly jumps).
 
     The strength has the error of the linearized ductility. The Gaussian closure underestimates the
-    ductility, so that its strength is too small; with the drift closure the error is 0.9 % on average,
-    as in `linearize`. A structure with a period of 0.6 s (damping and hardening 0.05) and the strength
-    for a ductility of 4 by the drift closure has by nonlinear simulation a ductility of 4.0 on a
-    broad band (0.42 s, damping 0.6) and on a lake bed (2 s, 0.05); by the Gaussian closure 6.2 and 20.
+    ductility, so that its strength is too small; with the drift closure the error is 0.9 % on
+    average, as in `linearize`. A structure with a period of 0.6 s (damping and hardening 0.05) and
+    the strength for a ductility of 4 by the drift closure has by nonlinear simulation a ductility
+    of 4.0 on a broad band (0.42 s, damping 0.6) and on a lake bed (2 s, 0.05); by the Gaussian
+    closure 6.2 and 20.
 
     References
     ----------
@@ -128,7 +130,9 @@ def strength_for_ductility(
     """
     check_closure(structure, closure)
     if structure.hardening is None:
-        raise ValueError(f"{type(structure).__name__}: hardening is not given; what yields needs it")
+        raise ValueError(
+            f"{type(structure).__name__}: hardening is not given; what yields needs it"
+        )
     factor = structure.peak_factor if peak_factor is None else peak_factor
     strong = replace(structure, yield_displacement=None, reduction_factor=1.0, peak_factor=factor)
     strong.check_settles(type(structure).__name__)
@@ -162,7 +166,9 @@ def _with_strength(
     peak = yielding.arrays()["peak_factor"] * solved.ductility_std
     reached = np.abs(peak / target.arrays()["ductility"] - 1) < REACHED
     status = solved.status.where(reached, labels.NOT_CONVERGED).where(valid, labels.INVALID_INPUT)
-    table = solved[list(SHOWN)].assign(reduction_factor=reduction, ductility_peak=peak).where(reached)
+    table = (
+        solved[list(SHOWN)].assign(reduction_factor=reduction, ductility_peak=peak).where(reached)
+    )
     table["status"] = status.astype(np.int8)
     return table.assign(solved[list(JUDGED)]).assign(bias=solved.bias.where(reached))
 
@@ -171,8 +177,9 @@ def _with_strength(
 def reduction_factor(structure: Structure, ground: Ground) -> xr.Dataset:
     """Reduction factor ``R = p sigma_el / uy`` of a structure on a ground.
 
-    Here ``p`` is the peak factor of the structure, ``sigma_el`` the standard deviation of its elastic
-    displacement and ``uy`` its yield displacement. `linearize` gives the yield displacement for ``R``.
+    Here ``p`` is the peak factor of the structure, ``sigma_el`` the standard deviation of its
+    elastic displacement and ``uy`` its yield displacement. `linearize` gives the yield displacement
+    for ``R``.
 
     Parameters
     ----------
@@ -184,8 +191,8 @@ def reduction_factor(structure: Structure, ground: Ground) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        Over the dimensions of the parameters: ``reduction_factor`` [-], ``yield_displacement`` [m] and
-        ``status``.
+        Over the dimensions of the parameters: ``reduction_factor`` [-], ``yield_displacement`` [m]
+        and ``status``.
 
     Raises
     ------
@@ -226,7 +233,9 @@ def reduction_factor(structure: Structure, ground: Ground) -> xr.Dataset:
     )
 
 
-def _search(structure: Structure, ground: Ground, target: DuctilityTarget, closure: str) -> xr.DataArray:
+def _search(
+    structure: Structure, ground: Ground, target: DuctilityTarget, closure: str
+) -> xr.DataArray:
     """Reduction factor of every cell by Chandrupatla's method in a bracket; NaN where it fails."""
     table = flat({"structure": structure, "ground": ground, "target": target})
     cells = Oscillators.of(table)
@@ -247,7 +256,9 @@ def _search(structure: Structure, ground: Ground, target: DuctilityTarget, closu
     if wanted.size:
         index = np.arange(wanted.size, dtype=float)
         start = np.log(wanted)  # the solution if the structure stays elastic
-        around = elementwise.bracket_root(excess, start - 0.4, start + 0.4, args=(index,), maxiter=30)
+        around = elementwise.bracket_root(
+            excess, start - 0.4, start + 0.4, args=(index,), maxiter=30
+        )
         root = elementwise.find_root(excess, around.bracket, args=(index,), maxiter=60)
         result = np.where(root.success, np.exp(root.x), np.nan)
     return xr.DataArray(table.array(result))
@@ -263,7 +274,9 @@ def strength_in_metres(structure: AnyStructure, ground: Ground) -> Any:
     """The structure with its strength as a yield displacement [m] instead of a reduction factor."""
     if not (isinstance(structure, Structure) and structure.by_reduction_factor):
         return structure
-    uy = solved_together((structure,), ground).labelled(0, ["yield_displacement"])["yield_displacement"]
+    uy = solved_together((structure,), ground).labelled(0, ["yield_displacement"])[
+        "yield_displacement"
+    ]
     if not np.ndim(uy) and not 0 < float(uy) < np.inf:
         what = f"the elastic response of {structure.describe()} to {ground.describe()}"
         raise ArithmeticError(f"{what} cannot be computed; give less extreme parameters")

@@ -58,29 +58,30 @@ def transient_response(
     """Standard deviations of the response of a structure over time, by transient linearization.
 
     The structure is at rest at first. The coefficients of eqs. (9) and (10) by the Gaussian closure
-    change with the covariance ``X`` of the response. It obeys ``X' = A X + X A' + b b'``, with the state
-    matrix ``A`` of structure and ground, in which the forcing is proportional to the envelope, and the
-    white noise ``b`` of unit intensity.
+    change with the covariance ``X`` of the response. It obeys ``X' = A X + X A' + b b'``, with the
+    state matrix ``A`` of structure and ground, in which the forcing is proportional to the
+    envelope, and the white noise ``b`` of unit intensity.
 
     A law with memory has further states ``e`` besides ``z``, such as the dissipated energy. Its
-    coefficients are those of the law in which ``e`` has its mean, and the means grow with the response,
-    ``E[e]' = E[rate of e]``, from 0 on (Baber and Wen 1981).
+    coefficients are those of the law in which ``e`` has its mean, and the means grow with the
+    response, ``E[e]' = E[rate of e]``, from 0 on (Baber and Wen 1981).
 
     Parameters
     ----------
     structure : Bilinear, BoucWen, Hysteretic or BoucWenBaberNoori
-        The structure. Further states of its law keep their sign when the motion turns, as energies do.
+        The structure. Further states of its law keep their sign when the motion turns, as energies
+        do.
     ground : WhiteNoise, KanaiTajimi or CloughPenzien
         The ground; its parameters and those of the structure broadcast by dimension name.
     duration : float
         Duration of the motion [s], at least one period.
     envelope : AminAng, ShinozukaSato or GammaEnvelope, optional
-        Envelope ``m`` of the motion, whose evolutionary spectrum is ``m(t)^2 S(w)`` with that of the
-        ground, ``S`` (Priestley 1965); without it the motion is stationary from its start.
+        Envelope ``m`` of the motion, whose evolutionary spectrum is ``m(t)^2 S(w)`` with that of
+        the ground, ``S`` (Priestley 1965); without it the motion is stationary from its start.
     closure : {"gaussian", "drift"}
-        ``"drift"``: with the plastic drift, for bilinear structures. The response at each instant is the
-        stationary one at a level of shaking that follows the envelope with a lag, by eqs. (14) to (16)
-        of ``docs/drift.md``.
+        ``"drift"``: with the plastic drift, for bilinear structures. The response at each instant
+        is the stationary one at a level of shaking that follows the envelope with a lag, by eqs.
+        (14) to (16) of ``docs/drift.md``.
     points : int
         Number of instants of the result.
 
@@ -89,15 +90,16 @@ def transient_response(
     xarray.Dataset
         Over ``time`` [s] and the dimensions of the parameters: ``displacement_std`` [m],
         ``velocity_std`` [m/s], ``z_std`` [-] (0 if elastic), ``c_eq`` [-] and ``k_eq`` [1/s]; and
-        ``hysteretic_energy_per_mass`` [m^2/s^2], the mean work done on the hysteretic spring so far:
-        what it has dissipated, and the little that it stores. A law with memory adds ``state_mean``, the
-        means of its further states over ``state``, as the law measures them. Over ``time``: ``envelope``
-        [-], and ``permanent_set_left_out``, a flag that is 1 after the strong shaking.
-        Over the dimensions of the parameters: ``yield_displacement`` [m] and ``status``.
+        ``hysteretic_energy_per_mass`` [m^2/s^2], the mean work done on the hysteretic spring so
+        far: what it has dissipated, and the little that it stores. A law with memory adds
+        ``state_mean``, the means of its further states over ``state``, as the law measures them.
+        Over ``time``: ``envelope`` [-], and ``permanent_set_left_out``, a flag that is 1 after the
+        strong shaking. Over the dimensions of the parameters: ``yield_displacement`` [m] and
+        ``status``.
 
-        The closure ``"drift"`` adds ``drift_std`` [m], the standard deviation of the slow plastic drift
-        in ``displacement_std``, which at the end is that of the permanent displacement; there is no flag
-        ``permanent_set_left_out``.
+        The closure ``"drift"`` adds ``drift_std`` [m], the standard deviation of the slow plastic
+        drift in ``displacement_std``, which at the end is that of the permanent displacement; there
+        is no flag ``permanent_set_left_out``.
 
     Raises
     ------
@@ -111,9 +113,9 @@ def transient_response(
     Notes
     -----
     The integration has an error of some 1e-5 of the largest standard deviation. Strong shaking ends
-    when the envelope falls below half of its maximum for the last time. From then on the result does not
-    have the permanent displacement of yielding structures, because the linearized structure returns to
-    zero.
+    when the envelope falls below half of its maximum for the last time. From then on the result
+    does not have the permanent displacement of yielding structures, because the linearized
+    structure returns to zero.
 
     For structures that degrade the errors are largest with a hardening below 0.05 and a period of a
     third of that of the ground or less; `simulate` with a duration does not have them.
@@ -164,7 +166,9 @@ def _of_cells(
     status = status.where(status >= labels.NOT_CONVERGED, labels.CONVERGED)
     labels.raise_if_lone_failure(xr.Dataset({"status": status}), "transient_response")
     period = structure.arrays()["period"]
-    status = status.where((status >= labels.NOT_CONVERGED) | (period <= seconds), labels.INVALID_INPUT)
+    status = status.where(
+        (status >= labels.NOT_CONVERGED) | (period <= seconds), labels.INVALID_INPUT
+    )
     if status.ndim:  # other cells are left out like those with parameters out of range
         structure = replace(structure, period=period.where(status < labels.NOT_CONVERGED))
     cells = flat({"structure": structure, "ground": ground}, settled=False)

@@ -45,7 +45,9 @@ def check_course(duration: float | None, envelope: Envelope | None) -> float:
         return seconds
     values = np.asarray(envelope.at(np.linspace(0, seconds, SCANNED)), float)
     if not np.isfinite(values).all() or values.min() < 0:
-        what = f"envelope = {envelope.describe()} is {values[~(values >= 0)][0]:g} within the duration"
+        what = (
+            f"envelope = {envelope.describe()} is {values[~(values >= 0)][0]:g} within the duration"
+        )
         raise ValueError(f"{what}; allowed: finite values from 0 on")
     if not values.max() > 0:
         what = f"envelope = {envelope.describe()} is 0 during the whole duration = {seconds:g}"

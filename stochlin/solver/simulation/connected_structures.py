@@ -27,7 +27,8 @@ from stochlin.kernels.simulation.row_products import rows_of
 from stochlin.kernels.simulation.state import Elements
 from stochlin.models.systems import Assembly, StickModel
 
-# Least share of the mass in a mode that determines the time step. Higher modes are integrated stably.
+# Least share of the mass in a mode that determines the time step. Higher modes are integrated
+# stably.
 LEAST_SHARE = 0.01
 # Least static displacement of a mode that stays elastic, over the largest of a mode.
 LEAST_DISPLACEMENT = 1e-3
@@ -57,7 +58,9 @@ def unlinked_oscillators(system: Assembly) -> list[int]:
     """Numbers of the oscillators that no link ties, from 0."""
     tied = {floor for placed in system.placed_links for floor in (placed.floor, placed.other)}
     floors = zip(system.sticks, system.first[:-1], strict=True)
-    return [n for n, (stick, floor) in enumerate(floors) if stick.is_oscillator and floor not in tied]
+    return [
+        n for n, (stick, floor) in enumerate(floors) if stick.is_oscillator and floor not in tied
+    ]
 
 
 def oscillator_groups(sticks: Sequence[StickModel], watched: Array) -> list[SteppedGroup]:
@@ -79,8 +82,8 @@ def connected_groups(
 ) -> list[SteppedGroup]:
     """All structures of a system as masses with springs between them, also oscillators.
 
-    With uncertain parameters, ``samples`` are the structures of each motion. The time step is then short
-    enough for the stiffest sample of each structure.
+    With uncertain parameters, ``samples`` are the structures of each motion. The time step is then
+    short enough for the stiffest sample of each structure.
     """
     if samples:
         stiffest = (max(several, key=_stiffness) for several in zip(*samples, strict=True))
@@ -161,9 +164,10 @@ def _watched(system: Assembly, members: Array) -> Array:
 def elements_of(system: Assembly, members: Array, all_states: bool = False) -> tuple[Elements, Any]:
     """Masses and springs of the structures ``members`` (numbers from 0), and their laws in time steps.
 
-    The elements are those of the structures, the springs of the links, and then the dashpots with an
-    exponent. An element whose force does not depend on ``z``, since its hardening ratio is 1, is stepped
-    as a linear one, which is faster, but for ``all_states``: its ``z`` then follows its law.
+    The elements are those of the structures, the springs of the links, and then the dashpots with
+    an exponent. An element whose force does not depend on ``z``, since its hardening ratio is 1, is
+    stepped as a linear one, which is faster, but for ``all_states``: its ``z`` then follows its
+    law.
     """
     first = system.first_coordinate
     coordinates = numbers_of(first, members)
@@ -224,7 +228,9 @@ def shortest_mode(system: System, of_displacements: bool = False) -> float:
     if of_displacements:
         static = shares * periods**2
         strained = np.abs(system.extensions @ shapes)
-        yields = strained[system.couple > 0].max(axis=0, initial=0.0) > ROUNDING * strained.max(axis=0)
+        yields = strained[system.couple > 0].max(axis=0, initial=0.0) > ROUNDING * strained.max(
+            axis=0
+        )
         matter &= yields | (static >= LEAST_DISPLACEMENT * static.max())
     return float(periods[matter].min())
 
@@ -252,7 +258,9 @@ def row_of(system: Assembly, contacts: Contacts, all_states: bool = False) -> Bu
     others = elements.kind.size - n
     powers = np.array([placed.link.is_power_law for placed in placed_links], bool)
     dashpot = np.where(powers, n + len(placed_links) + np.cumsum(powers) - 1, -1)
-    constant = [0.0 if placed.link.is_power_law else placed.link.numbers[3] for placed in placed_links]
+    constant = [
+        0.0 if placed.link.is_power_law else placed.link.numbers[3] for placed in placed_links
+    ]
     shares = np.nan_to_num(system.shear_shares)  # shears that are not known are left out later
     parts = Parts(
         mass=storeys.mass,

@@ -30,19 +30,21 @@ from stochlin.solver.linearization.equivalent_systems import solved_together
 from stochlin.solver.simulation.connected_structures import SteppedGroup
 from stochlin.solver.tables.checks import Tolerance, check_work
 
-# The response is sampled this often in the shortest period. More samples would hardly make the estimated
-# variance more accurate.
+# The response is sampled this often in the shortest period. More samples would hardly make the
+# estimated variance more accurate.
 SAMPLES_PER_PERIOD = 2
 
 
 class SimulationRun(NamedTuple):
     """A simulation that is ready to run, of displacements that are watched (w,).
 
-    An oscillator has one, a building with storeys has one for each floor, and one for each mode that
-    yields.
+    An oscillator has one, a building with storeys has one for each floor, and one for each mode
+    that yields.
     """
 
-    ensemble: Ensemble  # all structures, grouped by the kind of their time steps, with ground and plan
+    ensemble: (
+        Ensemble  # all structures, grouped by the kind of their time steps, with ground and plan
+    )
     order: Array  # (w,) the row of each displacement in the ensemble
     scale: Array  # (w,) [m], the unit in which it is computed
     period: Array  # (w,) [s], the longest period of its structure
@@ -181,9 +183,9 @@ def seconds_of(run: SimulationRun, steps: float, distances: float = 0.0) -> floa
 def _root(matrix: Array, noise: Array, intensity: float) -> Array:
     """Symmetric square root of the stationary covariance of a filter.
 
-    Normal numbers times this matrix are initial states with which the ground motion is stationary from
-    its start. The symmetric root is unique. A root of eigenvectors is not, since their signs may change
-    with rounding errors.
+    Normal numbers times this matrix are initial states with which the ground motion is stationary
+    from its start. The symmetric root is unique. A root of eigenvectors is not, since their signs
+    may change with rounding errors.
     """
     if not len(noise):
         return np.zeros((0, 0))

@@ -109,7 +109,9 @@ def simulate_finite(
     run = moving.run
     system = moving.system
     functions = moving.functions
-    extremes = extremes_of(run, [*functions.values()], (duration, envelope), progress, links_of(system))
+    extremes = extremes_of(
+        run, [*functions.values()], (duration, envelope), progress, links_of(system)
+    )
     motions = _ended(moving, functions, extremes)
     check_response(system, ~np.isnan(motions.largest["floors"][0]))
     samples = columns_of(motions)
@@ -160,7 +162,9 @@ def extremes_of(
     middle = run.plan.dt * (np.arange(int(np.ceil(duration / run.plan.dt))) + 0.5)  # of the steps
     ensemble = run.with_plan(every=1, samples=BLOCK).ensemble
     watched = Links(run.rows(extensions), parameters)
-    return finite_extremes(ensemble, run.rows(matrix), envelope_at(envelope, middle), progress, watched)
+    return finite_extremes(
+        ensemble, run.rows(matrix), envelope_at(envelope, middle), progress, watched
+    )
 
 
 def _ended(
@@ -179,7 +183,9 @@ def _ended(
     largest[:, lost] = np.inf
     peaks = {"force": extremes.force, "stroke": extremes.stroke, "energy": extremes.energy}
     falls = fallen.any(axis=1, keepdims=True)
-    links = {name: np.where(falls, np.inf, each) for name, each in peaks.items() if system.placed_links}
+    links = {
+        name: np.where(falls, np.inf, each) for name, each in peaks.items() if system.placed_links
+    }
     ends_at = moving.run.watched(extremes.last)
     plastic = moving.run.watched(extremes.plastic)
     return EndedMotions(moving, blocks, fallen, links, ends_at, plastic)

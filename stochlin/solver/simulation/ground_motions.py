@@ -38,9 +38,9 @@ def simulated_motions(
 ) -> xr.DataArray:
     """Simulate ground motions, as records for `pound`, `respond`, `recorded_gap` or other programs.
 
-    Each motion is a stationary process with the spectrum of the ground, multiplied by the envelope. The
-    structures of `simulate` are subjected to the same motions if ``seed`` is the same and ``step`` is
-    the attribute ``step_s`` of its dataset.
+    Each motion is a stationary process with the spectrum of the ground, multiplied by the envelope.
+    The structures of `simulate` are subjected to the same motions if ``seed`` is the same and
+    ``step`` is the attribute ``step_s`` of its dataset.
 
     Parameters
     ----------
@@ -57,9 +57,9 @@ def simulated_motions(
     step : float
         Time step [s], positive. A value of white noise is its mean over a step.
     scatter : float
-        Standard deviation [-] of the logarithm of a random factor on each motion, as in `simulate`, with
-        the same factors for the same seed. By default it is that of the ground; a ground is fitted to a
-        spectrum or a record by motions without it.
+        Standard deviation [-] of the logarithm of a random factor on each motion, as in `simulate`,
+        with the same factors for the same seed. By default it is that of the ground; a ground is
+        fitted to a spectrum or a record by motions without it.
     progress : callable, optional
         Called with the share of the work that is done.
 
@@ -71,8 +71,8 @@ def simulated_motions(
     Raises
     ------
     ValueError, TypeError
-        If an argument is out of range or of the wrong kind, a parameter of the ground is an array, or
-        the motions would not fit into memory.
+        If an argument is out of range or of the wrong kind, a parameter of the ground is an array,
+        or the motions would not fit into memory.
 
     Examples
     --------

@@ -68,8 +68,8 @@ class PreparedStructures:
     ) -> PreparedStructures:
         """Structures by role for ``paths`` motions, or for as many as take a short time.
 
-        Raises if structures do not suit `simulate`, the duration is shorter than a period, or so many
-        ``times`` of the simulation would take too long.
+        Raises if structures do not suit `simulate`, the duration is shorter than a period, or so
+        many ``times`` of the simulation would take too long.
         """
         usual = median_of(ground)
         described = list(by_role.values())
@@ -128,8 +128,8 @@ class PreparedStructures:
 def enough_motions(simulated: Callable[[int], xr.Dataset], paths: int, most: int) -> xr.Dataset:
     """As many simulated motions as the first quantile needs, from ``paths`` to ``most``.
 
-    They are enough if the 95 % interval of the gap is no longer than `PRECISION` times the gap to both
-    sides. ``simulated`` are the motions for a number.
+    They are enough if the 95 % interval of the gap is no longer than `PRECISION` times the gap to
+    both sides. ``simulated`` are the motions for a number.
     """
     motions = simulated(paths)
     gap, lower, upper = required_gaps(motions)

@@ -64,9 +64,9 @@ def simulate(
     Parameters
     ----------
     structures : sequence of Bilinear, BoucWen, Hysteretic or ShearBuilding
-        The structures, with scalar parameters. A ``reduction_factor`` refers to the elastic response of
-        the structure without links. With a duration, parameters may be `Uncertain`; each motion then has
-        its own sample.
+        The structures, with scalar parameters. A ``reduction_factor`` refers to the elastic
+        response of the structure without links. With a duration, parameters may be `Uncertain`;
+        each motion then has its own sample.
     ground : WhiteNoise, KanaiTajimi or CloughPenzien
         The ground, with scalar parameters, or `Uncertain` ones with a duration.
     paths : int
@@ -76,24 +76,26 @@ def simulate(
     steps_per_period : int
         Time steps in the shortest period of structures and ground, at least 8.
     relaxation_times : float
-        Duration of each stationary motion after the burn-in, at least 1, in multiples of the longest
-        memory of structures and ground. The memory is ``1/(xi w)`` or the correlation time of the
-        plastic drift, which is measured in a short simulation. The burn-in takes five times the memory.
+        Duration of each stationary motion after the burn-in, at least 1, in multiples of the
+        longest memory of structures and ground. The memory is ``1/(xi w)`` or the correlation time
+        of the plastic drift, which is measured in a short simulation. The burn-in takes five times
+        the memory.
     duration : float, optional
         Duration of each motion [s], at least one period; without it the response is stationary.
     envelope : AminAng, ShinozukaSato or GammaEnvelope, optional
         Envelope of finite motions; without it they are stationary from their start.
     scatter : float
-        Standard deviation [-] of the natural logarithm of a random factor on the ground acceleration of
-        each finite motion, from 0 to 2. The factors have the median 1 and are independent. They
-        represent the scatter between earthquakes, which the PSD of a ground does not contain. The
-        motions are otherwise the same as without scatter. By default it is ``ground.scatter``: 0.3 of a
-        ground by `fit_ground` for a spectrum, 0.4 for a record, 0 of others.
+        Standard deviation [-] of the natural logarithm of a random factor on the ground
+        acceleration of each finite motion, from 0 to 2. The factors have the median 1 and are
+        independent. They represent the scatter between earthquakes, which the PSD of a ground does
+        not contain. The motions are otherwise the same as without scatter. By default it is
+        ``ground.scatter``: 0.3 of a ground by `fit_ground` for a spectrum, 0.4 for a record, 0 of
+        others.
     quantiles : sequence of float
         Probabilities of the quantiles of the separation in finite motions, between 0 and 1.
     link : Link or list of Link and None, optional
-        Links from each structure to the next, or between the structures that the ``structures`` of a
-        link name, which may be one structure; linked oscillators need a mass.
+        Links from each structure to the next, or between the structures that the ``structures`` of
+        a link name, which may be one structure; linked oscillators need a mass.
     start : Start, optional
         Displacements and velocities at the start of all finite motions, from rest by default.
     progress : callable, optional
@@ -104,56 +106,58 @@ def simulate(
     xarray.Dataset
         Without a duration, over ``structure``: ``displacement_std`` [m] with
         ``displacement_std_standard_error``; ``ductility_std`` [-]; ``drift`` [-], the change of the
-        variance from the first half of the run to the second in standard errors; ``drift_memory`` [s],
-        the relaxation time of the plastic drift, 0 if elastic; and ``status``, which
-        is ``not_converged`` if the drift exceeds 5, and ``not_resolved`` if the structure yields too
+        variance from the first half of the run to the second in standard errors; ``drift_memory``
+        [s], the relaxation time of the plastic drift, 0 if elastic; and ``status``, which is
+        ``not_converged`` if the drift exceeds 5, and ``not_resolved`` if the structure yields too
         rarely for the run (see the notes). Over (``structure``, ``structure_2``): ``rho`` [-] with
         ``rho_standard_error``.
 
         With a duration, over (``path``, ``structure``): ``peak_positive``, ``peak_negative`` and
-        ``peak``, the larger of both [m]. Over (``path``, ``structure``, ``structure_2``): ``separation``
-        [m], the peak of ``u_1 - u_2``, which is the gap without pounding for ``structure`` on the left
-        of ``structure_2``. Also their means with standard errors, and ``separation_quantile`` with its
-        95 % interval, ``_lower`` and ``_upper``. `exceedance` gives the probability of exceeding a gap
-        from the samples. With uncertain parameters also ``input_factor`` [-] over (``path``,
-        ``input``), the samples over the medians. With links also, over (``path``, ``link``) and as means
-        with standard errors: ``peak_link_force`` [N], means over steps, ``peak_link_stroke`` [m] and
-        ``link_energy`` [J], which the link dissipates in the motion.
+        ``peak``, the larger of both [m]. Over (``path``, ``structure``, ``structure_2``):
+        ``separation`` [m], the peak of ``u_1 - u_2``, which is the gap without pounding for
+        ``structure`` on the left of ``structure_2``. Also their means with standard errors, and
+        ``separation_quantile`` with its 95 % interval, ``_lower`` and ``_upper``. `exceedance`
+        gives the probability of exceeding a gap from the samples. With uncertain parameters also
+        ``input_factor`` [-] over (``path``, ``input``), the samples over the medians. With links
+        also, over (``path``, ``link``) and as means with standard errors: ``peak_link_force`` [N],
+        means over steps, ``peak_link_stroke`` [m] and ``link_energy`` [J], which the link
+        dissipates in the motion.
 
-        A structure whose stiffness after yielding is negative, by its ``hardening`` or by P-delta, falls
-        where its force at the largest ``z`` is zero again, or where a storey drifts by its height. Such
-        a motion exceeds any gap: its peaks, separations and links are infinite.
+        A structure whose stiffness after yielding is negative, by its ``hardening`` or by P-delta,
+        falls where its force at the largest ``z`` is zero again, or where a storey drifts by its
+        height. Such a motion exceeds any gap: its peaks, separations and links are infinite.
         ``collapse_probability`` [-] over ``structure``, with its 95 % interval, is their share.
 
-        With a building with storeys, displacements are over ``floor`` in place of ``structure``, and
-        ductilities over ``element``, the storeys; standard deviations and peaks of the drifts are added.
+        With a building with storeys, displacements are over ``floor`` in place of ``structure``,
+        and ductilities over ``element``, the storeys; standard deviations and peaks of the drifts
+        are added.
 
     Raises
     ------
     ValueError, TypeError
-        If there is no structure, a parameter is an array, an argument is of the wrong kind or out of
-        range, or the simulation would take too much memory or time.
+        If there is no structure, a parameter is an array, an argument is of the wrong kind or out
+        of range, or the simulation would take too much memory or time.
     ArithmeticError
         If the elastic response of a structure cannot be computed.
 
     Notes
     -----
-    The time steps are those of the trapezoidal rule. The bilinear law has an exact return map in them,
-    the states of other laws a rule of fourth order. For linear structures the second moments are exact
-    for any step. A law in sympy is compiled in a second or two. Storeys with the Bouc-Wen law take as
-    long as bilinear ones, with an exponent other than 1 three times, dashpots with an exponent ten times
-    as long. Standard errors come from the scatter between independent paths.
+    The time steps are those of the trapezoidal rule. The bilinear law has an exact return map in
+    them, the states of other laws a rule of fourth order. For linear structures the second moments
+    are exact for any step. A law in sympy is compiled in a second or two. Storeys with the Bouc-Wen
+    law take as long as bilinear ones, with an exponent other than 1 three times, dashpots with an
+    exponent ten times as long. Standard errors come from the scatter between independent paths.
 
-    The plastic drift of a structure that yields rarely takes very long to settle. The run is only as
-    long as all drifts require that settle within ten million steps of each motion. A structure whose
-    drift takes longer has the status ``not_resolved``, and so have structures that are linked to it. Its
-    numbers are those of the simulated motions, with the standard errors of these. They lack most of the
-    drift, so that the stationary standard deviation is larger, and ``rho`` is another one. A response is
-    stationary only after several ``drift_memory``, which no earthquake lasts if it is a minute or more.
-    It is measured where a drift determines the length of the run; else, and if it is not resolved, it is
-    that by linearization, which is 1.2 to 10 times as long. With fewer
-    ``relaxation_times`` more structures are resolved. A simulation that would take a quarter of an hour
-    or more is refused.
+    The plastic drift of a structure that yields rarely takes very long to settle. The run is only
+    as long as all drifts require that settle within ten million steps of each motion. A structure
+    whose drift takes longer has the status ``not_resolved``, and so have structures that are linked
+    to it. Its numbers are those of the simulated motions, with the standard errors of these. They
+    lack most of the drift, so that the stationary standard deviation is larger, and ``rho`` is
+    another one. A response is stationary only after several ``drift_memory``, which no earthquake
+    lasts if it is a minute or more. It is measured where a drift determines the length of the run;
+    else, and if it is not resolved, it is that by linearization, which is 1.2 to 10 times as long.
+    With fewer ``relaxation_times`` more structures are resolved. A simulation that would take a
+    quarter of an hour or more is refused.
 
     References
     ----------

@@ -38,7 +38,9 @@ def start_values(system: Assembly, start: Start) -> Array:
     if beyond.size:
         element = beyond[0]
         what = f"start: the drift of {system.springs[element]} is {extension[element]:g} m"
-        allowed = f"up to {strength[element]:g} m, at which it yields, or the {END_STATE} of a motion"
+        allowed = (
+            f"up to {strength[element]:g} m, at which it yields, or the {END_STATE} of a motion"
+        )
         raise ValueError(f"{what}; allowed: {allowed}")
     return values
 

@@ -1,9 +1,9 @@
 """Stationary simulation: burn-in and duration, second moments and their standard errors.
 
-The plastic drift ``u - z`` of a yielding structure has the longest memory, because only the hardening
-acts on it as a restoring force. Its autocorrelation is exponential. The time constant by linearization
-is ``1/(alpha k_eq)``, which is too long by a factor of 1.2 to 10; it is therefore measured in a short
-simulation.
+The plastic drift ``u - z`` of a yielding structure has the longest memory, because only the
+hardening acts on it as a restoring force. Its autocorrelation is exponential. The time constant by
+linearization is ``1/(alpha k_eq)``, which is too long by a factor of 1.2 to 10; it is therefore
+measured in a short simulation.
 """
 
 from __future__ import annotations
@@ -30,9 +30,11 @@ from stochlin.solver.tables.checks import check_work
 from stochlin.solver.tables.labels import ELEMENT
 
 ROUNDING = 1e-13  # relative size of a sum, over its terms, below which it is a rounding error
-NOT_STATIONARY = 5.0  # change of a variance, in standard errors, above which a run is not stationary
-# A drift is waited for if each motion then has at most this number of time steps. With 256 motions of
-# one structure this takes some ten seconds.
+NOT_STATIONARY = (
+    5.0  # change of a variance, in standard errors, above which a run is not stationary
+)
+# A drift is waited for if each motion then has at most this number of time steps. With 256 motions
+# of one structure this takes some ten seconds.
 MOST_STEPS = 1e7
 BURN_IN = 5.0  # burn-in over memory
 # Measurement of the time constant: groups of motions, burn-in and duration in time constants by
@@ -63,7 +65,9 @@ def stationary_moments(
     too_slow = MOST_STEPS * moving.run.plan.dt / (BURN_IN + relaxation_times)
     expected = moving.run.drift_time
     rare = expected > too_slow
-    run = with_length(moving.run._replace(drift_time=np.where(rare, 0.0, expected)), relaxation_times)
+    run = with_length(
+        moving.run._replace(drift_time=np.where(rare, 0.0, expected)), relaxation_times
+    )
     memory = np.where(rare, expected, run.drift_time)
     moments = simulate_moments(run, np.concatenate([moving.floors, moving.drifts]), progress)
     n = len(moving.floors)
@@ -88,14 +92,16 @@ def stationary_moments(
     if moving.system.has_storeys:
         columns["drift_std"] = ELEMENT, drifts
         columns["drift_std_standard_error"] = ELEMENT, moments.displacement_error[n:]
-    return xr.Dataset(columns, moving.coords | {f"{over}_2": moving.system.floors}, run_attributes(run))
+    return xr.Dataset(
+        columns, moving.coords | {f"{over}_2": moving.system.floors}, run_attributes(run)
+    )
 
 
 def with_length(run: SimulationRun, relaxation_times: float) -> SimulationRun:
     """The run with burn-in and duration, which are multiples of its memory.
 
-    If the memory is that of a plastic drift, the memories of all drifts are measured. Before that, a
-    ValueError is raised if the run, with the memory by linearization, would take too long.
+    If the memory is that of a plastic drift, the memories of all drifts are measured. Before that,
+    a ValueError is raised if the run, with the memory by linearization, would take too long.
     """
     expected = run.drift_time
     slowest = float(expected.max())
@@ -136,8 +142,8 @@ def expected_seconds(run: SimulationRun, relaxation_times: float) -> float:
 def _measure(run: SimulationRun, expected: float) -> Array:
     """Time constants [s] of the plastic drifts, on the safe side by two standard errors.
 
-    They are in the order of the ensemble, and infinite if a structure does not yield or its drift does
-    not decay within the measurement. The motions are independent of those of the run.
+    They are in the order of the ensemble, and infinite if a structure does not yield or its drift
+    does not decay within the measurement. The motions are independent of those of the run.
     """
     block = run.plan.block
     stride = max(1, int(LENGTH * expected / block / INSTANTS))
@@ -167,7 +173,9 @@ def _time_constant(history: Array) -> float:
     return np.inf
 
 
-def simulate_moments(run: SimulationRun, functions: Array, progress: Progress | None) -> MomentEstimates:
+def simulate_moments(
+    run: SimulationRun, functions: Array, progress: Progress | None
+) -> MomentEstimates:
     """Second moments with standard errors of linear functions (m, w) of all that is watched."""
     sums = stationary_sums(run.ensemble, run.rows(functions), progress)
     return _estimates(sums, run.plan.groups * LANES)
@@ -177,9 +185,9 @@ def simulate_moments(run: SimulationRun, functions: Array, progress: Progress | 
 def _estimates(sums: Sums, paths: int) -> MomentEstimates:
     """Second moments with standard errors, from sums over all motions.
 
-    The errors follow from the scatter between paths. That of ``rho`` is the standard error of the mean
-    of its influence function, ``g_12/(s_1 s_2) - rho/2 (g_11/s_1^2 + g_22/s_2^2)``, with the mean
-    products ``g_ij`` of the displacements in a path.
+    The errors follow from the scatter between paths. That of ``rho`` is the standard error of the
+    mean of its influence function, ``g_12/(s_1 s_2) - rho/2 (g_11/s_1^2 + g_22/s_2^2)``, with the
+    mean products ``g_ij`` of the displacements in a path.
     """
     mean = sums.moments / paths
     variance = np.diag(mean)

@@ -43,17 +43,17 @@ def exceedance(samples: xr.DataArray, gap: float | xr.DataArray) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        Over the dimensions of the samples except ``path``, and those of the gap: ``probability`` [-]
-        with its 95 % interval ``probability_lower`` and ``probability_upper`` by Clopper and Pearson,
-        which contains the true value with a probability of at least 95 %. They are NaN, with the status
-        ``invalid_input``, where the gap or a sample is NaN. ``status``.
+        Over the dimensions of the samples except ``path``, and those of the gap: ``probability``
+        [-] with its 95 % interval ``probability_lower`` and ``probability_upper`` by Clopper and
+        Pearson, which contains the true value with a probability of at least 95 %. They are NaN,
+        with the status ``invalid_input``, where the gap or a sample is NaN. ``status``.
 
     Raises
     ------
     ValueError, TypeError
-        If the samples have no dimension ``path`` or are none, the samples or the gap are not numbers, a
-        single gap or a sample of a single cell is NaN, or dimensions of the same name differ in
-        coordinates or length.
+        If the samples have no dimension ``path`` or are none, the samples or the gap are not
+        numbers, a single gap or a sample of a single cell is NaN, or dimensions of the same name
+        differ in coordinates or length.
 
     References
     ----------
@@ -69,7 +69,9 @@ def exceedance(samples: xr.DataArray, gap: float | xr.DataArray) -> xr.Dataset:
     if not isinstance(samples, xr.DataArray) or samples.dtype.kind not in "iuf":
         raise TypeError(f"samples = {brief(samples)}; allowed: an xarray.DataArray of numbers")
     if PATH not in samples.dims:
-        raise ValueError(f"samples has the dimensions {samples.dims}; allowed: one of them is '{PATH}'")
+        raise ValueError(
+            f"samples has the dimensions {samples.dims}; allowed: one of them is '{PATH}'"
+        )
     if not samples.size:
         raise ValueError("samples is empty; allowed: at least one number of metres")
     if not is_number(gap) and not (isinstance(gap, xr.DataArray) and gap.dtype.kind in "iuf"):
@@ -97,7 +99,9 @@ def pounding_shares(samples: xr.DataArray, gap: float | xr.DataArray) -> xr.Data
     """
     beyond = (samples > gap) | np.isposinf(samples)  # what falls exceeds any gap
     beyond = beyond.transpose(PATH, ...)
-    shares = xr.Dataset(share_columns("probability", beyond.dims[1:], beyond.values), {**beyond.coords})
+    shares = xr.Dataset(
+        share_columns("probability", beyond.dims[1:], beyond.values), {**beyond.coords}
+    )
     unknown = (samples.isnull() | xr.DataArray(gap).isnull()).any(PATH)
     return shares.where(~unknown) if unknown.any() else shares
 

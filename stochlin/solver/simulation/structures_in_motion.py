@@ -70,9 +70,9 @@ class Pair(NamedTuple):
 def meeting_heights(first: StickModel, second: StickModel) -> Array:
     """Heights [m] at which the relative displacement of two structures can be largest.
 
-    Displacements are linear between floors, so that these are the levels of all floors of both, up to
-    the lower roof. An oscillator has no height. Beside a building it is at the roof of the building; the
-    height for two oscillators is NaN.
+    Displacements are linear between floors, so that these are the levels of all floors of both, up
+    to the lower roof. An oscillator has no height. Beside a building it is at the roof of the
+    building; the height for two oscillators is NaN.
     """
     if first.is_oscillator or second.is_oscillator:
         other = second if first.is_oscillator else first
@@ -113,9 +113,13 @@ class StructuresInMotion(NamedTuple):
     system: Assembly
     groups: list[SteppedGroup]
     links: tuple[Link | None, ...]
-    limits: Array  # (w,) or (motions, w) [m], drifts at which structures fall; see `StickModel.limits`
+    limits: (
+        Array  # (w,) or (motions, w) [m], drifts at which structures fall; see `StickModel.limits`
+    )
     run: SimulationRun  # whose duration is still open
-    factors: Mapping[str, Mapping[str, Array]]  # by model and parameter: samples (motions,) over median
+    factors: Mapping[
+        str, Mapping[str, Array]
+    ]  # by model and parameter: samples (motions,) over median
     samples: Samples
     assemblies: Sequence[Assembly]  # the system alone, or its samples, one for each motion
 
@@ -190,7 +194,9 @@ class StructuresInMotion(NamedTuple):
         return {"input_factor": xr.DataArray(values, dims=(PATH, INPUT), coords={INPUT: inputs})}
 
 
-def checked_structures(structures: Sequence[AnyStructure], ground: Ground) -> dict[str, AnyStructure]:
+def checked_structures(
+    structures: Sequence[AnyStructure], ground: Ground
+) -> dict[str, AnyStructure]:
     """Medians of the structures by their roles; raises if these or the ground do not suit `simulate`."""
     if not isinstance(structures, Sequence):
         raise TypeError(f"structures = {brief(structures)}; allowed: a list of structures")
@@ -217,9 +223,9 @@ def structures_in_motion(
 ) -> StructuresInMotion:
     """Structures of a simulation; for a stationary one with relaxation times by linearization.
 
-    Of uncertain models, the system has the medians, and each motion a sample by Latin hypercube sampling
-    (McKay, Beckman and Conover 1979). A reduction factor refers to the median ground. Models whose
-    samples were ``made`` before have these. The ``options`` are those of `prepare`.
+    Of uncertain models, the system has the medians, and each motion a sample by Latin hypercube
+    sampling (McKay, Beckman and Conover 1979). A reduction factor refers to the median ground.
+    Models whose samples were ``made`` before have these. The ``options`` are those of `prepare`.
     """
     models = named_models(structures, ground)
     factors = _factors(models, whole_groups(paths), seed)
@@ -277,7 +283,9 @@ def _drift_times(
 def _factors(models: Mapping[str, Any], motions: int, seed: int) -> dict[str, dict[str, Array]]:
     random = np.random.default_rng([seed, STREAM])
     return {
-        role: {name: own.factor(_stratified(random, motions)) for name, own in model.uncertain.items()}
+        role: {
+            name: own.factor(_stratified(random, motions)) for name, own in model.uncertain.items()
+        }
         for role, model in models.items()
         if isinstance(model, UncertainModel)
     }

@@ -34,11 +34,11 @@ def over_cells(
 ) -> xr.Dataset:
     """Table of a ``function`` of scalar models, for every cell of models with arrays.
 
-    The arrays broadcast by dimension name. The function is called with the models of a cell by their
-    names. Models ``beside`` are passed on too, with those dimensions that the other models do not have.
-    Cells with parameters out of range, or that are not ``usable``, are NaN with the status of invalid
-    input, and those in which the function raises an ArithmeticError NaN and not converged. With dask
-    arrays the table is lazy and has the same numbers.
+    The arrays broadcast by dimension name. The function is called with the models of a cell by
+    their names. Models ``beside`` are passed on too, with those dimensions that the other models do
+    not have. Cells with parameters out of range, or that are not ``usable``, are NaN with the
+    status of invalid input, and those in which the function raises an ArithmeticError NaN and not
+    converged. With dask arrays the table is lazy and has the same numbers.
     """
     if not arrays_of(models):
         return function(**models, **beside)
@@ -56,7 +56,9 @@ def over_cells(
     return table.assign_attrs({role: model.describe() for role, model in models.items()})
 
 
-def together_or_alone(function: OfCell, models: Mapping[str, Model], usable: xr.DataArray) -> xr.Dataset:
+def together_or_alone(
+    function: OfCell, models: Mapping[str, Model], usable: xr.DataArray
+) -> xr.Dataset:
     """Table of a ``function`` of all cells together; if it cannot be, of every cell by `over_cells`."""
     table = _of_cell(function, models)
     return table if isinstance(table, xr.Dataset) else over_cells(function, models, usable)
@@ -142,7 +144,11 @@ def _one_by_one(
     for place in np.ndindex(shape.shape):
         where = dict(zip(shape.dims, place, strict=True))
         valid = bool(good.isel(where, missing_dims="ignore"))
-        cell = {role: model.isel(where) for role, model in {**models, **beside}.items()} if valid else {}
+        cell = (
+            {role: model.isel(where) for role, model in {**models, **beside}.items()}
+            if valid
+            else {}
+        )
         done.append(_of_cell(function, cell) if valid else None)
         if known is None and isinstance(done[-1], xr.Dataset):
             known = done[-1]
@@ -150,7 +156,9 @@ def _one_by_one(
     if known is None:
         raise next(filter(None, done), ValueError(NONE_VALID))  # type: ignore[misc]
     tables = [table if isinstance(table, xr.Dataset) else _blank(known, table) for table in done]
-    index = pd.MultiIndex.from_product([range(n) for n in shape.shape], names=list(map(str, shape.dims)))
+    index = pd.MultiIndex.from_product(
+        [range(n) for n in shape.shape], names=list(map(str, shape.dims))
+    )
     stacked = xr.concat(
         tables,
         CELL,

@@ -25,8 +25,8 @@ def check_scalars(model: Model, role: str, allowed: str) -> None:
 def check_duration(duration: Any, structures: Mapping[str, AnyStructure] | None = None) -> float:
     """The duration of a motion [s]; raises a ValueError if it is not positive or too short.
 
-    It must be at least the period of each of the ``structures``, which are by their roles. Arrays of
-    periods are not checked.
+    It must be at least the period of each of the ``structures``, which are by their roles. Arrays
+    of periods are not checked.
     """
     DURATION("duration", duration)
     for role, structure in (structures or {}).items():
@@ -65,9 +65,10 @@ def check_work(
 ) -> None:
     """Raise a ValueError if a calculation needs too much memory or time.
 
-    The message starts with ``what``, a subject with its verb such as "the table would take", and ends
-    with ``cure``, advice for a smaller calculation. ``numbers`` is how many are in memory at once, and
-    ``seconds`` what one core would take, within a factor of three; the work is spread over ``cores``.
+    The message starts with ``what``, a subject with its verb such as "the table would take", and
+    ends with ``cure``, advice for a smaller calculation. ``numbers`` is how many are in memory at
+    once, and ``seconds`` what one core would take, within a factor of three; the work is spread
+    over ``cores``.
     """
     gigabytes = BYTES * numbers / 1e9
     most = SHARE * _installed() / 1e9

@@ -25,10 +25,11 @@ def as_dictionary(dataset: xr.Dataset) -> dict[str, Any]:
     -------
     dict
         ``attributes``, those of the dataset, and ``variables``, with the coordinates among them, by
-        name. Each variable has ``dims``, the names of its dimensions; ``units``, ``"1"`` of ratios and
-        of texts; ``long_name``; and ``values``, lists in lists in the order of the dimensions, or a
-        single value without them. Values of flags, such as ``verdict`` and ``status``, are their words.
-        A value that is not there is None, and one without limit ``"Infinity"`` or ``"-Infinity"``.
+        name. Each variable has ``dims``, the names of its dimensions; ``units``, ``"1"`` of ratios
+        and of texts; ``long_name``; and ``values``, lists in lists in the order of the dimensions,
+        or a single value without them. Values of flags, such as ``verdict`` and ``status``, are
+        their words. A value that is not there is None, and one without limit ``"Infinity"`` or
+        ``"-Infinity"``.
 
     Raises
     ------
@@ -46,7 +47,9 @@ def as_dictionary(dataset: xr.Dataset) -> dict[str, Any]:
     >>> text = json.dumps(result, allow_nan=False)
     """
     if not isinstance(dataset, xr.Dataset):
-        raise TypeError(f"dataset = {brief(dataset)} is of the wrong kind; allowed: an xarray.Dataset")
+        raise TypeError(
+            f"dataset = {brief(dataset)} is of the wrong kind; allowed: an xarray.Dataset"
+        )
     names = {str(name): variable for name, variable in dataset.variables.items()}
     return {
         "attributes": {str(name): _plain(value) for name, value in dataset.attrs.items()},

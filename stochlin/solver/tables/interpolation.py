@@ -35,8 +35,8 @@ class Axis(NamedTuple):
 def smooth(points: Array) -> Axis:
     """An axis between whose points values are cubic, without kinks.
 
-    The slope at a point is that of the parabola through it and its two neighbours, and 0 at both ends of
-    the axis, beyond which values may be held.
+    The slope at a point is that of the parabola through it and its two neighbours, and 0 at both
+    ends of the axis, beyond which values may be held.
     """
     slopes = np.asarray(np.gradient(np.eye(points.size), points, axis=0))
     slopes[[0, -1]] = 0.0
@@ -65,7 +65,9 @@ class Grid(NamedTuple):
     ends: Array  # (2, axes, 1) first and last point of each axis
 
     @classmethod
-    def of(cls, axes: Sequence[Array], values: Array, between: Callable[[Array], Axis] = smooth) -> Grid:
+    def of(
+        cls, axes: Sequence[Array], values: Array, between: Callable[[Array], Axis] = smooth
+    ) -> Grid:
         """The grid of these axes; ``values`` have a dimension for each, and one for columns or none."""
         columns = np.asarray(values, float).reshape(*(points.size for points in axes), -1)
         ends = np.array([points[[0, -1]] for points in axes]).T[..., None]

@@ -47,7 +47,9 @@ CAUTION_DRIFT = (
     "narrow-band ground (ξg < 0.1), by 2 % and 0.03."
 )
 
-CONVERGED, ELASTIC_LIMIT, NOT_CONVERGED, INVALID_INPUT, NOT_PHYSICAL, TOO_STRONG, NOT_RESOLVED = range(7)
+CONVERGED, ELASTIC_LIMIT, NOT_CONVERGED, INVALID_INPUT, NOT_PHYSICAL, TOO_STRONG, NOT_RESOLVED = (
+    range(7)
+)
 STATUS_MEANINGS = (
     "converged",
     "elastic_limit",
@@ -58,7 +60,10 @@ STATUS_MEANINGS = (
     "not_resolved",
 )
 ENDS = "lower", "upper"
-VALUE_AND_ENDS = ("", *(f"_{end}" for end in ENDS))  # endings of the names of a number and its interval
+VALUE_AND_ENDS = (
+    "",
+    *(f"_{end}" for end in ENDS),
+)  # endings of the names of a number and its interval
 CAUTION = "caution"  # end of the names of the caution flags
 CAUTION_MEANINGS = ("within_10_percent", "off_by_more_than_10_percent", "outside_of_the_map")
 CURES = {
@@ -80,8 +85,8 @@ def axis(name: str, long_name: str, values: Any, units: str | None = "1") -> xr.
 def label(dataset: xr.Dataset, special: Variables = NONE, last: int = TOO_STRONG) -> xr.Dataset:
     """Add units and long names to the variables, and flags to ``status`` and the cautions.
 
-    They are those of `variables`, but for ``special`` names. ``last`` is the last status that there may
-    be.
+    They are those of `variables`, but for ``special`` names. ``last`` is the last status that there
+    may be.
     """
     every = dataset.variables
     for name in map(str, dataset.data_vars):
@@ -130,7 +135,9 @@ def named_models(
     structures: Iterable[Any], ground: Any = None, links: Iterable[Any] = ()
 ) -> dict[str, Any]:
     """Structures, ground and links by their names in the attributes, without those that are None."""
-    named = {f"structure_{n}": each for n, each in enumerate(structures, start=1)} | {"ground": ground}
+    named = {f"structure_{n}": each for n, each in enumerate(structures, start=1)} | {
+        "ground": ground
+    }
     named |= {f"link_{n}": each for n, each in enumerate(links, start=1)}
     return {name: each for name, each in named.items() if each is not None}
 
@@ -168,7 +175,11 @@ def floor_coordinates(system: Assembly) -> Coordinates:
     structures, numbers = _places(system)
     return {
         FLOOR: (FLOOR, system.floors, {"long_name": "floor (structure.floor)"}),
-        "floor_structure": (FLOOR, structures, {"units": "1", "long_name": "structure of the floor"}),
+        "floor_structure": (
+            FLOOR,
+            structures,
+            {"units": "1", "long_name": "structure of the floor"},
+        ),
         "floor_number": (FLOOR, numbers, {"units": "1", "long_name": "number of the floor"}),
         "level": (
             FLOOR,
@@ -190,9 +201,17 @@ def element_coordinates(system: Assembly, links: Sequence[str] = ()) -> Coordina
     numbers = np.append(numbers, np.zeros(modes.size + len(links), int))
     long_name = "structure of the element, 0 for links"
     return {
-        ELEMENT: (ELEMENT, [*system.watched, *links], {"long_name": "element (storey, mode or link)"}),
+        ELEMENT: (
+            ELEMENT,
+            [*system.watched, *links],
+            {"long_name": "element (storey, mode or link)"},
+        ),
         "element_structure": (ELEMENT, structures, {"units": "1", "long_name": long_name}),
-        "storey": (ELEMENT, numbers, {"units": "1", "long_name": "number of the storey, 0 for others"}),
+        "storey": (
+            ELEMENT,
+            numbers,
+            {"units": "1", "long_name": "number of the storey, 0 for others"},
+        ),
     }
 
 

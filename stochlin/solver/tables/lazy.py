@@ -32,7 +32,9 @@ def row_of(array: xr.DataArray, like: xr.DataArray) -> Array:
 
 def valid_cells(model: Model) -> Cells:
     """Whether the parameters of each cell are in range; True for scalars, which were checked before."""
-    return model.valid() if any(isinstance(x, xr.DataArray) for x in model.cells().values()) else True
+    return (
+        model.valid() if any(isinstance(x, xr.DataArray) for x in model.cells().values()) else True
+    )
 
 
 def cellwise(
@@ -46,10 +48,11 @@ def cellwise(
     Parameters
     ----------
     function : callable
-        Function of arrays, which returns an array, or a tuple of arrays for several ``kinds``. It is
-        called for slabs of large tables.
+        Function of arrays, which returns an array, or a tuple of arrays for several ``kinds``. It
+        is called for slabs of large tables.
     *arrays : Cells
-        Labelled arrays or numbers. If all are numbers, so are the results (arrays without dimensions).
+        Labelled arrays or numbers. If all are numbers, so are the results (arrays without
+        dimensions).
     kinds : sequence of dtypes
         Types of the results.
     **options
@@ -99,7 +102,8 @@ def in_blocks(
     Raises
     ------
     ValueError
-        If dimensions of the same name differ in coordinates or length, or have the name of a variable.
+        If dimensions of the same name differ in coordinates or length, or have the name of a
+        variable.
     """
     arrays = arrays_of(models)
     rest = {} if more is None else {"more": more}
@@ -110,7 +114,9 @@ def in_blocks(
         except (ValueError, KeyError) as error:  # xarray quotes a name that is there twice
             check_names(names, [name for name in names if repr(name) in str(error)])
             raise
-        labelled = (array.coords for array in arrays.values())  # another dimension may become a variable
+        labelled = (
+            array.coords for array in arrays.values()
+        )  # another dimension may become a variable
         check_names(names.difference(*labelled), table.variables)
         return table
     whole = xr.Dataset(arrays | dict(more or {})).chunk()
@@ -135,7 +141,9 @@ def in_blocks(
 def check_names(names: Iterable[Hashable], own: Iterable[Hashable]) -> None:
     """Raise a ValueError if a dimension or coordinate is named as what the result has of its own."""
     for name in {*own}.intersection(names):
-        raise ValueError(f"a dimension is named {name!r}, as a part of the result; give it another name")
+        raise ValueError(
+            f"a dimension is named {name!r}, as a part of the result; give it another name"
+        )
 
 
 def arrays_of(models: Mapping[str, Model]) -> dict[str, xr.DataArray]:
@@ -184,7 +192,10 @@ def _empty(variable: xr.DataArray, chunks: Mapping[Any, tuple[int, ...]]) -> xr.
 
 
 def _of_block(
-    whole: xr.Dataset, function: Callable[..., xr.Dataset], bare: Mapping[str, Model], more: list[Any]
+    whole: xr.Dataset,
+    function: Callable[..., xr.Dataset],
+    bare: Mapping[str, Model],
+    more: list[Any],
 ) -> xr.Dataset:
     """The table of one block; ``whole`` has its parameters, ``bare`` the models without them."""
     models = {

@@ -27,8 +27,12 @@ USUAL_DAMPING = 0.05  # which changes nothing that is shown
 @click.option("--direction", help="Direction of the gap, if the file has several: UX or UY.")
 @click.option("--points", help="Points whose displacements are the shapes, one a floor: 11,21,31.")
 @click.option("--tower", help="Tower, or diaphragm, if the file has several buildings: T1.")
-@click.option("--mass-units", help="Unit of the masses, if the file does not say it: kg, t, kN-s2/m.")
-@click.option("--length-units", help="Unit of the levels, if the file does not say it: m, cm, mm, ft.")
+@click.option(
+    "--mass-units", help="Unit of the masses, if the file does not say it: kg, t, kN-s2/m."
+)
+@click.option(
+    "--length-units", help="Unit of the levels, if the file does not say it: m, cm, mm, ft."
+)
 @click.option(
     "--pushover",
     type=FILE,
@@ -56,8 +60,9 @@ def building(
 ) -> None:
     """Show what files say of a building: periods, masses, shapes, strength, and what is assumed.
 
-    MODES is a file with the modes of a building: a table in plain form, or tables that ETABS exports
-    as .xlsx or .csv, in one file or in a folder. A case file takes it as modes = "tower.csv".
+    MODES is a file with the modes of a building: a table in plain form, or tables that ETABS
+    exports as .xlsx or .csv, in one file or in a folder. A case file takes it as modes =
+    "tower.csv".
 
     \b
     Examples:
@@ -69,7 +74,11 @@ def building(
     with bad_input():
         from stochlin.applications.buildings.mode_files.plain import EXAMPLE
         from stochlin.applications.buildings.modes import read_modes, with_masses
-        from stochlin.applications.buildings.pushover import bilinear_of, pushover_options, read_pushover
+        from stochlin.applications.buildings.pushover import (
+            bilinear_of,
+            pushover_options,
+            read_pushover,
+        )
         from stochlin.files.storage import FORMATS
         from stochlin.models.buildings.modal import ModalBuilding
         from stochlin.views.buildings.words import building_sections
@@ -78,7 +87,9 @@ def building(
             click.echo(EXAMPLE, nl=False)
             return
         if modes is None:
-            raise ValueError("MODES is missing; 'stochlin building --example > tower.csv' writes one")
+            raise ValueError(
+                "MODES is missing; 'stochlin building --example > tower.csv' writes one"
+            )
         check_target("--out", out, FORMATS, [modes, *([pushover] if pushover else [])])
         named = [name.strip() for name in points.split(",")] if points else ()
         table = read_modes(modes, points=named, **options)

@@ -38,7 +38,9 @@ def building_sections(
     taken = [*_assumed(table, building), *_strength(table, building, ideal)]
     return [
         ViewSection("", [TextBlock(head)]),
-        ViewSection("Modes", [_modes(table), TextBlock(f"Effective modal masses together: {whole}.")]),
+        ViewSection(
+            "Modes", [_modes(table), TextBlock(f"Effective modal masses together: {whole}.")]
+        ),
         ViewSection(moves, [_floors(table)]),
         ViewSection("Taken and assumed", [Items(taken)]),
     ]
@@ -102,7 +104,9 @@ def _assumed(table: xr.Dataset, building: ModalBuilding) -> Iterator[str]:
     yield "Only the motion along the gap is described; that across it is neglected."
 
 
-def _strength(table: xr.Dataset, building: ModalBuilding, ideal: xr.Dataset | None) -> Iterator[str]:
+def _strength(
+    table: xr.Dataset, building: ModalBuilding, ideal: xr.Dataset | None
+) -> Iterator[str]:
     """The strength of the first mode by a pushover curve, if there is one."""
     if ideal is None:
         yield "Strength: none, so that the building stays elastic. --pushover gives it."

@@ -38,7 +38,9 @@ PATHS = "Number of simulated motions, with --method simulation."
 @numbers_option("--ground-period", "Period of the ground [s].", "s")
 @numbers_option("--ground-damping", "Damping ratio of the ground.")
 @click.option("--method", default="linearization", show_default=True, help=METHODS)
-@click.option("--closure", default="gaussian", show_default=True, help="gaussian, clipped or drift.")
+@click.option(
+    "--closure", default="gaussian", show_default=True, help="gaussian, clipped or drift."
+)
 @click.option("--rule", default="iwan_1980", show_default=True, help=RULES)
 @click.option("--paths", type=click.IntRange(min=2), default=256, show_default=True, help=PATHS)
 @click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True)
@@ -49,8 +51,8 @@ def rho(out: Path | None, method: Any, **options: Any) -> None:
 
     A number is a value (0.5s), a list (0.5s,1s,2s) or a sweep start:stop:count, with :log for a
     geometric one (0.2s:4s:81:log). Periods have their unit, as in case files: 0.7s, 700ms. Both
-    structures have the same damping, hardening and strength; stochlin.correlate of the library takes
-    any two, of any hysteresis law, on any ground, also one that fit_ground fits to a record.
+    structures have the same damping, hardening and strength; stochlin.correlate of the library
+    takes any two, of any hysteresis law, on any ground, also one that fit_ground fits to a record.
 
     \b
     Examples:

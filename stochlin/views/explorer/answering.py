@@ -1,8 +1,8 @@
 """The process beside the page: it answers the questions that come in as lines of JSON.
 
-A question is a list of its name and its texts, and ``null`` the wish that the present one stops. A reply
-has the ``share`` of the work that is done, the ``answer``, or ``why`` there is none; an empty one says
-that the work has stopped.
+A question is a list of its name and its texts, and ``null`` the wish that the present one stops. A
+reply has the ``share`` of the work that is done, the ``answer``, or ``why`` there is none; an empty
+one says that the work has stopped.
 """
 
 from __future__ import annotations

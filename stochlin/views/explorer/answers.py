@@ -44,7 +44,9 @@ def gap_of(folder: str, name: str, text: str, progress: Progress) -> str:
     """The gap, its picture and the rules for a case of this text, as `stochlin gap` has them."""
     case, doubts = read_upload(folder, name, text)
     answer = gap_by_few_motions(case, progress)
-    of_few = f"From {PATHS} motions; 'stochlin gap' takes more for the saved case where it needs them."
+    of_few = (
+        f"From {PATHS} motions; 'stochlin gap' takes more for the saved case where it needs them."
+    )
     sections = [
         *first_sections(answer),
         *sections_with_inches(case, rules_sections(answer)),

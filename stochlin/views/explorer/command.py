@@ -12,9 +12,15 @@ from stochlin.views.shared.screen import COMMANDS, FILE, bad_input
 
 @COMMANDS.register("explore")
 @click.command()
-@click.option("--case", type=FILE, help="Start from a case file like that of 'stochlin gap --example'.")
 @click.option(
-    "--port", type=click.IntRange(1, 65535), default=8640, show_default=True, help="Port to listen on."
+    "--case", type=FILE, help="Start from a case file like that of 'stochlin gap --example'."
+)
+@click.option(
+    "--port",
+    type=click.IntRange(1, 65535),
+    default=8640,
+    show_default=True,
+    help="Port to listen on.",
 )
 @click.option(
     "--open/--no-open", "show", default=True, show_default=True, help="Open the page in a browser."

@@ -43,7 +43,9 @@ class EntryRow:
                 select.props["aria-label"] = name
                 return
             self._text = ui.input(value=entry.text, on_change=self._typed)
-            self._text.props(f'dense outlined debounce={TYPING} autocomplete=off data-entry="{place}"')
+            self._text.props(
+                f'dense outlined debounce={TYPING} autocomplete=off data-entry="{place}"'
+            )
             self._text.props["aria-label"] = name
             self._slider = ui.slider(min=-1, max=1, step=STEP, value=0, on_change=self._slid)
             self._slider.props(f'data-slider="{place}"').props["aria-label"] = f"{name}, slider"

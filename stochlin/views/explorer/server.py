@@ -37,8 +37,8 @@ class Guard:
     """Refuses requests for another host, from pages of another one, and with too much in them.
 
     Without it a page elsewhere could reach this one through the user's browser. Nor may one show it
-    within itself. What a browser checks before it sends files is checked here again, by the length that
-    a request states and by what comes.
+    within itself. What a browser checks before it sends files is checked here again, by the length
+    that a request states and by what comes.
     """
 
     def __init__(self, inner: Any) -> None:
@@ -116,7 +116,9 @@ def serve(start: Upload, port: int, show: bool) -> None:
 
     @ui.page("/")
     async def page() -> None:
-        await ui.context.client.connected(PATIENCE)  # what only loads the page is not worth the controls
+        await ui.context.client.connected(
+            PATIENCE
+        )  # what only loads the page is not worth the controls
         Page(start, worker)
 
     async def ready() -> None:

@@ -1,7 +1,7 @@
 """A process beside the page for calculations that take too long for a slider.
 
-Page and process exchange lines of JSON, which hold texts and numbers alone: whatever a case file holds,
-neither can do more to the other than to say something. `answering` is the other side.
+Page and process exchange lines of JSON, which hold texts and numbers alone: whatever a case file
+holds, neither can do more to the other than to say something. `answering` is the other side.
 """
 
 from __future__ import annotations
@@ -47,8 +47,8 @@ class Job:
 class Worker:
     """One process, which answers one question after the other.
 
-    A process that does not stop is killed, and the next question starts another one. ``module`` has a
-    mapping ``QUESTIONS`` of names to functions of texts and of ``progress``, which return a text.
+    A process that does not stop is killed, and the next question starts another one. ``module`` has
+    a mapping ``QUESTIONS`` of names to functions of texts and of ``progress``, which return a text.
     """
 
     def __init__(self, module: str) -> None:
@@ -76,7 +76,9 @@ class Worker:
                 await self.stop()
                 what = f"the process that computes has ended (exit code {self.process.returncode})"
                 LOG.exception("no answer")
-                raise NoAnswer(f"{what}; ask again, with fewer storeys or a shorter motion") from error
+                raise NoAnswer(
+                    f"{what}; ask again, with fewer storeys or a shorter motion"
+                ) from error
             except BaseException:  # also that the page ends
                 await self.stop()
                 raise

@@ -31,10 +31,16 @@ OPTIONS: dict[str, tuple[Any, Any, str]] = {
     "ground_dampings": (RATIOS, "0.05,0.6", "Damping of the model grounds: a panel for each."),
     "points": (POINTS, 161, "Number of periods along an axis."),
     "paths": (POINTS, 64, "Simulated motions; 32 times as many in Fig. 9."),
-    "simulated_points": (COUNT, None, "Simulated periods: 21 in Fig. 4, 41 in 5a, 11 in 9; 0 for none."),
+    "simulated_points": (
+        COUNT,
+        None,
+        "Simulated periods: 21 in Fig. 4, 41 in 5a, 11 in 9; 0 for none.",
+    ),
 }
 
-COMPARISON = "Draw a second picture of Figs. 4 and 5, with linearization, drift closure and simulation."
+COMPARISON = (
+    "Draw a second picture of Figs. 4 and 5, with linearization, drift closure and simulation."
+)
 
 
 @COMMANDS.register("charts")
@@ -46,7 +52,9 @@ COMPARISON = "Draw a second picture of Figs. 4 and 5, with linearization, drift 
 )
 @click.argument("name", required=False)
 @click.option("--comparison", is_flag=True, help=COMPARISON)
-@click.option("--record", type=click.Path(path_type=Path), help="File of a record for Figs. 1 and 2.")
+@click.option(
+    "--record", type=click.Path(path_type=Path), help="File of a record for Figs. 1 and 2."
+)
 @click.option("--units", help="Units of the record, such as g, if its file does not state them.")
 @click.option("--dt", type=SECONDS, help="Its time step [s], likewise.")
 @quiet_option
@@ -60,10 +68,9 @@ def charts(
 ) -> None:
     """Draw all design charts, or the one called NAME, and save the dataset of each beside it (.nc).
 
-    \b
-    Of a record or a simulated motion fig1 (pseudo energy radius), fig1b (energies), fig2 (critical gap);
-    fig3a, fig3b; with a panel for each ground fig4a, fig4b, fig4c, fig5a, fig5b; of contact elements
-    fig6, fig7, fig8; of the required gap fig9.
+    \b Of a record or a simulated motion fig1 (pseudo energy radius), fig1b (energies), fig2
+    (critical gap); fig3a, fig3b; with a panel for each ground fig4a, fig4b, fig4c, fig5a, fig5b; of
+    contact elements fig6, fig7, fig8; of the required gap fig9.
 
     \b
     Examples:

@@ -1,7 +1,7 @@
 """Figs. 6 to 8: loops, histories and restitution of contact elements.
 
-Two free bodies with the reduced mass ``m`` collide with the velocity ``v0``. With the scales
-``tau = (m v0^(1-n)/k)^(1/(n+1))`` of time, ``v0 tau`` of deformation and ``k (v0 tau)^n`` of force, the
+Two free bodies with the reduced mass ``m`` collide with the velocity ``v0``. With the scales ``tau
+= (m v0^(1-n)/k)^(1/(n+1))`` of time, ``v0 tau`` of deformation and ``k (v0 tau)^n`` of force, the
 motion does not depend on stiffness, mass and velocity; for linear elements ``tau = sqrt(m/k)``. The
 motion is integrated by a Runge-Kutta method of order 8.
 """

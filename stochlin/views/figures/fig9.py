@@ -64,7 +64,9 @@ def _draw_gaps(axes: Axes, panel: xr.Dataset) -> None:
     if f"{GAP}_simulated" in panel:
         simulated, *ends = (panel[f"{GAP}_simulated{end}"] for end in ("", "_lower", "_upper"))
         bars = [abs(end - simulated) for end in ends]
-        axes.errorbar(ratio, simulated, bars, fmt="o", color="0.1", mfc="w", label="simulated", **POINT)
+        axes.errorbar(
+            ratio, simulated, bars, fmt="o", color="0.1", mfc="w", label="simulated", **POINT
+        )
     axes.set(yscale="log", xlim=ENDS, xticks=TICKS)
     axes.xaxis.set_major_formatter("{x:g}")
     decade_ticks(axes.yaxis)

@@ -15,7 +15,18 @@ from stochlin.views.shared.style import CURVES, quantity
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-OF_RATIO = 0.5, 0.7, 0.8, 0.9, 1.0, 1.1, 1.25, 1.5, 2.0, 3.0  # levels, of which those below 1 are unsafe
+OF_RATIO = (
+    0.5,
+    0.7,
+    0.8,
+    0.9,
+    1.0,
+    1.1,
+    1.25,
+    1.5,
+    2.0,
+    3.0,
+)  # levels, of which those below 1 are unsafe
 TRACE: Any = {"color": "0.35", "lw": 0.7}
 PEAK: Any = {"color": "#8c2d04", "linestyle": (0, (6, 1.5))}
 
@@ -35,7 +46,9 @@ def draw_portrait(figure: Figure, dataset: xr.Dataset) -> None:
     plane.set(xlabel=quantity(states[0]), ylabel=quantity(states[1]))
     history.plot(dataset.time, radius, label=quantity(radius), color="0.1", lw=1.0)
     history.axhline(float(largest), label=quantity(largest), **PEAK)
-    history.set(xlim=(float(dataset.time[0]), float(dataset.time[-1])), ylim=(0, 1.06 * float(largest)))
+    history.set(
+        xlim=(float(dataset.time[0]), float(dataset.time[-1])), ylim=(0, 1.06 * float(largest))
+    )
     history.set(xlabel=quantity(dataset.time), ylabel=quantity(radius))
 
 
@@ -78,6 +91,8 @@ def _levels(highest: float) -> np.ndarray:
     from matplotlib.ticker import LogLocator
 
     lowest = highest / 1000
-    series = np.asarray(LogLocator(subs=(1, 2, 3, 5), numticks=10).tick_values(lowest, 10 * highest))
+    series = np.asarray(
+        LogLocator(subs=(1, 2, 3, 5), numticks=10).tick_values(lowest, 10 * highest)
+    )
     series = series[series >= lowest]
     return np.array([0.0, *series[: np.searchsorted(series, highest) + 1]])

@@ -31,8 +31,11 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from matplotlib.tri import Triangulation
 
-# Functions that draw the axes of a dataset into a figure, by its attribute ``chart`` or ``comparison``.
-PICTURES: Registry[Callable[[Figure, xr.Dataset], None]] = Registry("chart", "stochlin.views.figures")
+# Functions that draw the axes of a dataset into a figure, by its attribute ``chart`` or
+# ``comparison``.
+PICTURES: Registry[Callable[[Figure, xr.Dataset], None]] = Registry(
+    "chart", "stochlin.views.figures"
+)
 INCH = 0.0254  # in metres
 CENTIMETRES = 100.0  # in a metre
 WIDTH = 7.2  # inches, of a picture on the screen
@@ -47,7 +50,12 @@ PANEL = 2.7
 SMALL_PANEL = 1.75
 SQUARE = 3.1
 # Of a picture in print, where no text is below 7 points; on the screen it is 8 to 10.
-PRINT_STYLE: Any = {"font.size": 8, "axes.titlesize": 8, "axes.linewidth": 0.6, "lines.linewidth": 1.2}
+PRINT_STYLE: Any = {
+    "font.size": 8,
+    "axes.titlesize": 8,
+    "axes.linewidth": 0.6,
+    "lines.linewidth": 1.2,
+}
 SCREEN_STYLE: Any = {"axes.titlesize": 9, "legend.fontsize": 8}
 # characters
 NOTE_WIDTH = 120
@@ -58,7 +66,10 @@ APART = 0.06  # around panels
 HEAD = 0.5  # inches: of three lines above a panel
 ROOM = 0.065  # around a number on a line
 SYMBOLS = {"damping": r"$\xi$", "reduction_factor": "R"}
-MARKERS = "os^Dvp", "xxxxxx"  # of the simulated points of each curve, and of those in finite motions
+MARKERS = (
+    "os^Dvp",
+    "xxxxxx",
+)  # of the simulated points of each curve, and of those in finite motions
 THIN = 0.8  # line width of other results
 TWICE = 1.96  # half a 95 % interval, in standard errors
 POINT: Any = {"ms": 3.6, "mew": 0.8, "elinewidth": 0.8, "zorder": 4}
@@ -68,7 +79,9 @@ PLANES = {"rho": "linearized", "rho_drift": "drift closure", "rho_simulated": "s
 
 
 @styled(SCREEN_STYLE)
-def draw(dataset: xr.Dataset, *, comparison: bool = False, print_width: float | None = None) -> Figure:
+def draw(
+    dataset: xr.Dataset, *, comparison: bool = False, print_width: float | None = None
+) -> Figure:
     """Draw one chart dataset.
 
     Parameters
@@ -79,8 +92,9 @@ def draw(dataset: xr.Dataset, *, comparison: bool = False, print_width: float | 
     comparison : bool
         Whether to draw the second picture of the chart, with all methods beside one another.
     print_width : float, optional
-        Width [m] of the picture in print, such as 0.084 for one column and 0.174 for two. It then has no
-        title and no notes, and no text below 7 points. The default is a picture for the screen.
+        Width [m] of the picture in print, such as 0.084 for one column and 0.174 for two. It then
+        has no title and no notes, and no text below 7 points. The default is a picture for the
+        screen.
 
     Returns
     -------
@@ -90,7 +104,8 @@ def draw(dataset: xr.Dataset, *, comparison: bool = False, print_width: float | 
     Raises
     ------
     ValueError
-        If the dataset is no chart, has no finite numbers or no comparison, or the width is out of range.
+        If the dataset is no chart, has no finite numbers or no comparison, or the width is out of
+        range.
     """
     import matplotlib as mpl
     from matplotlib.figure import Figure
@@ -216,7 +231,9 @@ def draw_curves(figure: Figure, dataset: xr.Dataset) -> None:
             if points:  # on no point of the curve, but in the legend
                 style |= {"marker": markers[0], "markevery": [], "ms": POINT["ms"]}
             for values, marker, all_markers in zip(points, markers, MARKERS, strict=False):
-                draw_points(axes, dataset.sel({**place, **along}), values, marker, color, all_markers[0])
+                draw_points(
+                    axes, dataset.sel({**place, **along}), values, marker, color, all_markers[0]
+                )
             axes.plot(row[row.dims[-1]], row, **style)
             for name in beside:
                 other = dataset[name].sel({**place, **along})
@@ -251,7 +268,9 @@ def compare_curves(figure: Figure, dataset: xr.Dataset) -> None:
             else:
                 color, dash = next(looks)
                 curve = here[values.name]
-                axes.plot(curve[curve.dims[-1]], curve, label=curve_label(values), color=color, ls=dash)
+                axes.plot(
+                    curve[curve.dims[-1]], curve, label=curve_label(values), color=color, ls=dash
+                )
     set_axes(every, table, methods)
     figure.supylabel(quantity(table), size="medium")
     for axes in every:
@@ -272,14 +291,19 @@ def draw_points(
         part = values.where(where)
         if bool(part.notnull().any()):
             bars = TWICE * dataset[error].values
-            axes.errorbar(part[part.dims[-1]], part, bars, fmt=marker, color=color, mfc=inside, **POINT)
+            axes.errorbar(
+                part[part.dims[-1]], part, bars, fmt=marker, color=color, mfc=inside, **POINT
+            )
             axes.errorbar([], [], [], fmt=in_legend, color="0.1", mfc=inside, label=label, **POINT)
 
 
 def set_axes(every: Sequence[Axes], table: xr.DataArray, drawn: Sequence[xr.DataArray]) -> None:
     """Labels and ends of panels that share their axes."""
     across = table[table.dims[-1]]
-    low, high = min(float(array.min()) for array in drawn), max(float(array.max()) for array in drawn)
+    low, high = (
+        min(float(array.min()) for array in drawn),
+        max(float(array.max()) for array in drawn),
+    )
     for axes in every:
         label_axis(axes, "x", across)
         axes.set(ylabel=quantity(table), xlim=(float(across[0]), float(across[-1])))
@@ -334,8 +358,8 @@ def planes(
 ) -> None:
     """Filled contours of tables by their titles, on these levels, and the bar of their shades.
 
-    The shades are the upper part of cividis, where lightness grows with the value and black lines are
-    legible. The line of one level may be thick. The bar stands below a narrow picture.
+    The shades are the upper part of cividis, where lightness grows with the value and black lines
+    are legible. The line of one level may be thick. The bar stands below a narrow picture.
     """
     from matplotlib import colormaps
     from matplotlib.colors import BoundaryNorm, ListedColormap
@@ -348,7 +372,9 @@ def planes(
         label_axis(axes, "y", up)
         mesh = _triangles(across.values, up.values, table.values)
         filled = axes.tricontourf(*mesh, levels, cmap=shades, norm=BoundaryNorm(levels, shades.N))
-        below = levels < float(table.max()) - 1e-9  # at the very top a line would be dots along a ridge
+        below = (
+            levels < float(table.max()) - 1e-9
+        )  # at the very top a line would be dots along a ridge
         widths = np.where(levels[below] == thick, 1.5, 0.6)
         lines.append(axes.tricontour(*mesh, levels[below], colors="0.1", linewidths=widths))
         axes.set_title(title, loc="left")
@@ -382,7 +408,10 @@ def contour_levels(*tables: xr.DataArray) -> np.ndarray:
     """Levels for all tables: of rho tenths, from zero or the lowest value up to the highest."""
     from matplotlib.ticker import MaxNLocator
 
-    low, high = min(float(table.min()) for table in tables), max(float(table.max()) for table in tables)
+    low, high = (
+        min(float(table.min()) for table in tables),
+        max(float(table.max()) for table in tables),
+    )
     if not str(tables[0].name).startswith("rho"):
         return np.asarray(MaxNLocator(10).tick_values(low, high))
     first = min(0.0, np.floor(low * 10) / 10)
@@ -407,7 +436,8 @@ def _number(axes: Axes, lines: ContourSet) -> None:
         if len(inside) and np.ptp(inside, axis=0).max() > 2 * EDGE:
             others = np.concatenate([*each[:number], *each[number + 1 :], far])
             away = [
-                KDTree(points).query(inside)[0] for points in (others, np.concatenate([*spots, far]))
+                KDTree(points).query(inside)[0]
+                for points in (others, np.concatenate([*spots, far]))
             ]
             free = np.minimum(away[0], away[1] / 2)  # a number is longer than high
             if free.max() > room:

@@ -26,8 +26,8 @@ from stochlin.views.shared.screen import (
 def mitigate(case: Path, out: Path | None) -> None:
     """Compare links and added damping against pounding, and find the least that is sufficient.
 
-    CASE is a file like that of 'stochlin gap --example', with two buildings, the existing gap and the
-    measures to compare.
+    CASE is a file like that of 'stochlin gap --example', with two buildings, the existing gap and
+    the measures to compare.
 
     \b
     Examples:

@@ -54,7 +54,9 @@ def answer_sections(table: xr.Dataset, case: Case) -> list[ViewSection]:
     about = (floors(case), *left_out(case), _headline(table), *strength(table, case))
     sections = [
         opening(case, doubts(table)),
-        ViewSection("", texts([*about, with_uncertainty(case, "needed gaps and shares are those")])),
+        ViewSection(
+            "", texts([*about, with_uncertainty(case, "needed gaps and shares are those")])
+        ),
         ViewSection("", [_table(along(table, "measure"), _of_motions(table))]),
         *_devices(table),
         ViewSection("", [Items(_missing(table))]),
@@ -133,4 +135,6 @@ def _missing(table: xr.Dataset) -> list[str]:
 
 def _pair(row: xr.Dataset, name: str, form: str, scale: float = 1.0) -> str:
     values = [scale * float(row[f"{name}_{n}"]) for n in (1, 2)]
-    return " | ".join(form.format(value) for value in values) if np.isfinite(values).all() else MISSING
+    return (
+        " | ".join(form.format(value) for value in values) if np.isfinite(values).all() else MISSING
+    )

@@ -54,9 +54,10 @@ def pound(
     """Compute the impacts of neighbouring buildings in a recorded motion, or in many motions.
 
     CASE is a file like that of 'stochlin gap --example', with one record or more, the mass of every
-    building, the existing gaps, and the contacts between the buildings. Rows of more than two buildings,
-    one building alone, which has no gaps, and buildings described by their storeys are allowed. Two or
-    more records are shown together in one table with means and quantiles, and so are simulated motions.
+    building, the existing gaps, and the contacts between the buildings. Rows of more than two
+    buildings, one building alone, which has no gaps, and buildings described by their storeys are
+    allowed. Two or more records are shown together in one table with means and quantiles, and so
+    are simulated motions.
 
     \b
     Examples:

@@ -58,13 +58,14 @@ def draw_pound(dataset: xr.Dataset) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        Of one record over time: for each gap the displacements of both sides, of buildings with storeys
-        at the contact with the least clearance; forces of all impacts; energies. Impacts are marked. Of
-        one building alone: its displacement, of the roof if it has storeys, and energies.
+        Of one record over time: for each gap the displacements of both sides, of buildings with
+        storeys at the contact with the least clearance; forces of all impacts; energies. Impacts
+        are marked. Of one building alone: its displacement, of the roof if it has storeys, and
+        energies.
 
         Of many motions: the share of the motions with larger accelerations and displacements, with
-        pounding and without, of buildings with storeys the largest acceleration of all floors and the
-        displacement of the roof.
+        pounding and without, of buildings with storeys the largest acceleration of all floors and
+        the displacement of the roof.
 
     Raises
     ------
@@ -97,7 +98,9 @@ def _histories(dataset: xr.Dataset) -> Figure:
     return figure
 
 
-def _panels(dataset: xr.Dataset, rows: int, columns: int, height: float) -> tuple[Figure, list[Axes]]:
+def _panels(
+    dataset: xr.Dataset, rows: int, columns: int, height: float
+) -> tuple[Figure, list[Axes]]:
     """A picture with panels of this height, and below them the models and the gaps in words."""
     from matplotlib.figure import Figure
 
@@ -174,7 +177,9 @@ def _energies(axes: Axes, dataset: xr.Dataset) -> None:
     scale, unit = (MEGA, "MJ") if histories[0].max() >= MANY else (KILO, "kJ")
     for values, label, (color, dash) in zip(histories, LABELS, CURVES, strict=False):
         if label != CONTACTS or "contact" in dataset.dims:
-            axes.plot(dataset.time, scale * values, color=color, linestyle=dash, lw=1.2, label=label)
+            axes.plot(
+                dataset.time, scale * values, color=color, linestyle=dash, lw=1.2, label=label
+            )
     axes.set(ylim=(0, None), ylabel=f"energy [{unit}]")
 
 

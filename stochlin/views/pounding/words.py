@@ -64,9 +64,7 @@ OF_FLOORS = (
     "Displacements are those of the roof; accelerations and amplifications, those of the floor where "
     "they are largest."
 )
-JUMPS = (
-    "Velocities jump in impacts with this contact: accelerations and shears are those between impacts."
-)
+JUMPS = "Velocities jump in impacts with this contact: accelerations and shears are those between impacts."
 ERRORS = (
     "Mean: with its standard error. The 95 % intervals of the quantiles are in brackets; over: the "
     "motions are too few for the upper end of the interval."
@@ -87,7 +85,9 @@ def answer_sections(case: Case, table: xr.Dataset) -> list[ViewSection]:
     strongest = table[["peak_ground_acceleration"]].max()
     sections = [
         opening(case, doubts(strongest)),
-        ViewSection("", texts([floors(case), *left_out(case), at_medians(case), files_taken(case)])),
+        ViewSection(
+            "", texts([floors(case), *left_out(case), at_medians(case), files_taken(case)])
+        ),
         *(ViewSection("", texts(several)) for several in facts),
         _values(case, table),
     ]
@@ -198,7 +198,9 @@ def _values(case: Case, table: xr.Dataset) -> ViewSection:
             if meets and f"{stem}_alone{end}" in table:
                 rows.append(row("    alone", {"structure": n}, f"{stem}_alone", scale))
     by_ground = any(each.strength in ("reduction_factor", "ductility") for each in case.buildings)
-    notes = [STRENGTH.format(site_in_words(case))] * (single and by_ground) + [ERRORS] * (not single)
+    notes = [STRENGTH.format(site_in_words(case))] * (single and by_ground) + [ERRORS] * (
+        not single
+    )
     notes += [MEANINGS] * meets + [OF_FLOORS] * ("floor" in table.dims)
     jumps = meets and bool(table[f"hardest_force_between{end}"].isnull().any())
     text = " ".join([*notes, *[JUMPS] * jumps])

@@ -27,7 +27,9 @@ from stochlin.views.shared.screen import (
 @click.command()
 @click.argument("case", type=FILE)
 @click.option(
-    "--gap", type=QuantityType("m"), help="Gap, such as 8cm, instead of the existing gap of the file."
+    "--gap",
+    type=QuantityType("m"),
+    help="Gap, such as 8cm, instead of the existing gap of the file.",
 )
 @click.option("--out", type=FILE, help="Save the table as .nc or .csv.")
 @click.option("--picture", type=FILE, help="Draw the probability as .png, .svg or .pdf.")
@@ -35,7 +37,8 @@ from stochlin.views.shared.screen import (
 def probability(case: Path, gap: float | None, out: Path | None, picture: Path | None) -> None:
     """Compute the probability over time that two buildings pound in an earthquake of finite duration.
 
-    CASE is a file like that of 'stochlin gap --example'. As .csv, the table has a row for each instant.
+    CASE is a file like that of 'stochlin gap --example'. As .csv, the table has a row for each
+    instant.
 
     \b
     Examples:

@@ -34,7 +34,9 @@ def draw_pounding(dataset: xr.Dataset) -> Figure:
 
     if f"{STEM}_simulated" not in dataset or dataset[f"{STEM}_simulated"].dims:
         what = f"dataset has the dimensions {tuple(dataset.dims)}"
-        raise ValueError(f"{what}; allowed: a simulated probability of one pair and one gap over time")
+        raise ValueError(
+            f"{what}; allowed: a simulated probability of one pair and one gap over time"
+        )
     caption = filled(roles_in_words(dataset.attrs), WIDTH, "    ")
     foot = FOOT + LINE * (caption.count("\n") + 1)
     height = foot + PANEL + HEAD

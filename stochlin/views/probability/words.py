@@ -26,7 +26,9 @@ if TYPE_CHECKING:
 
     from stochlin.applications.cases.reading.case import Case
 
-OFF = 0.1  # of a confidence by formula above the interval of the simulated one, of which a line warns
+OFF = (
+    0.1  # of a confidence by formula above the interval of the simulated one, of which a line warns
+)
 ROWS = 11  # instants that are printed
 STEM = "confidence_of_no_pounding"
 FORMULAS = {"clustered crossings": STEM, "independent crossings": f"{STEM}_poisson"}
@@ -46,13 +48,18 @@ def answer_sections(table: xr.Dataset, case: Case, gap: float) -> list[ViewSecti
     formulas = {head: name for head, name in FORMULAS.items() if name in table}
     step = max(1, (table.sizes["time"] - 1) // (ROWS - 1))
     rows = [
-        [f"{float(instant.time):.2f}", *(f"{float(instant[name]):.4f}" for name in formulas.values())]
+        [
+            f"{float(instant.time):.2f}",
+            *(f"{float(instant[name]):.4f}" for name in formulas.values()),
+        ]
         for instant in along(table, "time")[::step]
     ]
     comment = table.attrs.get("comment", "").replace("α", "hardening").replace("≤", "<=")
     sections = [
         opening(case, doubts(table)),
-        ViewSection("", texts([*about, with_uncertainty(case, "the simulated confidence is that")])),
+        ViewSection(
+            "", texts([*about, with_uncertainty(case, "the simulated confidence is that")])
+        ),
         ViewSection("", texts([_simulated(table), _wanted(table)])),
         ViewSection(
             "By formula, the confidence of no pounding up to each time",

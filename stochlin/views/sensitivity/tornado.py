@@ -104,7 +104,11 @@ def blocks(table: xr.Dataset, names: Mapping[str, str] = NAMES) -> list[Block]:
     )
     text = f"Change of the {quantity} with each input at the ends of its range; lines: standard errors."
     draw = partial(draw_sensitivity, table, names, caption=False)
-    return [*texts(sentences), listed, Picture(f"Influence of each input on the {quantity}", text, draw)]
+    return [
+        *texts(sentences),
+        listed,
+        Picture(f"Influence of each input on the {quantity}", text, draw),
+    ]
 
 
 def _asked(table: xr.Dataset) -> str:
@@ -130,8 +134,8 @@ def draw_sensitivity(
     Returns
     -------
     matplotlib.figure.Figure
-        How the gap changes with each input at the low and at the high end of its range, with standard
-        errors. Uncertain inputs come first, below them known inputs, 10 % to either side.
+        How the gap changes with each input at the low and at the high end of its range, with
+        standard errors. Uncertain inputs come first, below them known inputs, 10 % to either side.
         Inputs without influence on the gap are left out, and so are the smallest of more than 14.
 
     Raises
@@ -156,7 +160,9 @@ def draw_sensitivity(
     for end, (face, hatch, shift) in ENDS.items():
         at_end = CENTIMETRES * drawn.sel(end=end)
         style = EDGE | {"color": face, "hatch": hatch, "label": f"input {end}"}
-        axes.barh(place + shift, at_end.gap_change, 0.36, xerr=at_end.gap_change_standard_error, **style)
+        axes.barh(
+            place + shift, at_end.gap_change, 0.36, xerr=at_end.gap_change_standard_error, **style
+        )
     reach = CENTIMETRES * (np.abs(drawn.gap_change) + drawn.gap_change_standard_error)
     right = max(1e-9, float(reach.max())) if shown else 1e-9
     axes.axvline(0, color="#1b1b1b", lw=0.8, zorder=4)

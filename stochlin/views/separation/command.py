@@ -38,7 +38,9 @@ MORE = "'--details' adds the shaking, drifts, all other rules and the notes on t
     ".pdf, and save the data beside the picture.",
 )
 @click.option(
-    "--details", is_flag=True, help="Also print the shaking, drifts, all other rules and notes on them."
+    "--details",
+    is_flag=True,
+    help="Also print the shaking, drifts, all other rules and notes on them.",
 )
 @click.option(
     "--example",
@@ -48,7 +50,9 @@ MORE = "'--details' adds the shaking, drifts, all other rules and the notes on t
     help="Print a case file to start from, and stop; with 'full' all its keys.",
 )
 @click.option(
-    "--example-record", is_flag=True, help="Print a synthetic record to try, a PEER AT2 file, and stop."
+    "--example-record",
+    is_flag=True,
+    help="Print a synthetic record to try, a PEER AT2 file, and stop.",
 )
 @quiet_option
 def gap(
@@ -62,8 +66,8 @@ def gap(
 ) -> None:
     """Compute the gap that two buildings need, by simulation, by formulas and by your building codes.
 
-    CASE is a file that describes the site, the motion and the buildings. With one building, the command
-    computes its set-back from the property line.
+    CASE is a file that describes the site, the motion and the buildings. With one building, the
+    command computes its set-back from the property line.
 
     \b
     Examples:

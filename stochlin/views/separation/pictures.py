@@ -45,7 +45,11 @@ WIDTH = 4.6  # inches: a phone shows it at three quarters of its size
 PANEL = 3.4  # inches: of a panel with its axis and legend
 LINE = 0.17  # of a line of text
 CAPTION = 66  # characters
-FORMULAS = ("eq_3_linearized", "linearization", "srss")  # beside the simulation, where they are known
+FORMULAS = (
+    "eq_3_linearized",
+    "linearization",
+    "srss",
+)  # beside the simulation, where they are known
 GREY = "0.75"
 CENTIMETRES = 100.0
 FACADE = 1.55  # inches: of a building
@@ -88,7 +92,9 @@ def distribution_figure(answer: CaseAnswer) -> Figure:
     if np.isfinite(high):
         axes.axvspan(low, high, color=GREY, lw=0, zorder=1.5)
     axes.axvline(gap, color="0.1", lw=1.2, ls=(0, (4, 2)), label="answer, 95 % interval")
-    axes.axhline(answer.case.wanted.confidence, color="0.3", lw=0.9, ls=(0, (1, 1)), label="required")
+    axes.axhline(
+        answer.case.wanted.confidence, color="0.3", lw=0.9, ls=(0, (1, 1)), label="required"
+    )
     axes.set_yticks(np.arange(0, 1.01, 0.2), [f"{p:.0f} %" for p in np.arange(0, 101, 20)])
     axes.set(xlim=(0, 1.04 * right or 1), ylim=(0, 1.02))
     axes.set(xlabel=f"{about.gap} [cm]", ylabel=about.good)
@@ -111,8 +117,8 @@ def draw_heights(dataset: xr.Dataset, caption: bool = True) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        The gap that is needed at each height, by simulation with its 95 % interval and by formulas, and
-        the height that governs.
+        The gap that is needed at each height, by simulation with its 95 % interval and by formulas,
+        and the height that governs.
 
     Raises
     ------
@@ -121,7 +127,9 @@ def draw_heights(dataset: xr.Dataset, caption: bool = True) -> Figure:
     """
     if dataset.sizes.get("height", 0) < 2 or set(dataset.gap.dims) != {"rule"}:
         what = f"dataset has the dimensions {dict(dataset.sizes)}"
-        raise ValueError(f"{what}; allowed: the separation of one pair that meets at several heights")
+        raise ValueError(
+            f"{what}; allowed: the separation of one pair that meets at several heights"
+        )
     text = caption_of(dataset, CAPTION) if caption else ""
     figure, axes = _panel(LINE * len(text.splitlines()))
     _gaps(axes, dataset)
@@ -282,7 +290,12 @@ def _draw_buildings(axes: Axes, answer: CaseAnswer, ends: tuple[float, float]) -
         away = faces[n] + displaced if n == 0 else faces[n] - displaced
         size = f"{length(displaced[-1] / CENTIMETRES)}{meeting_level(answer)}"
         label = f"{plain(building.name, NAME)}: {with_inches(case, size)}"
-        style: Any = {"color": CURVES[n + 1][0], "ls": (0, (4, 1.5)), "marker": "os"[n], "label": label}
+        style: Any = {
+            "color": CURVES[n + 1][0],
+            "ls": (0, (4, 1.5)),
+            "marker": "os"[n],
+            "label": label,
+        }
         axes.plot(away, levels, lw=1.4, ms=3, zorder=4, clip_on=False, **style)
     if case.alone:
         axes.plot([apart, apart], [0, heights[0]], color=EDGE, lw=1.2, ls=(0, (8, 2, 1, 2)))
@@ -364,7 +377,9 @@ def _draw_shares(axes: Axes, answer: CaseAnswer) -> None:
     axes.plot(ends, [0, 0], color=EDGE, lw=2.5, solid_capstyle="butt")
     required = 100 * answer.case.wanted.confidence
     axes.plot([required, required], [-0.6, 0.6], color=EDGE, lw=1.2, ls=(0, (3, 1.5)))
-    axes.text(required, -0.62, f"required {confidence(answer.case)}", ha="right", va="top", size=SIZE)
+    axes.text(
+        required, -0.62, f"required {confidence(answer.case)}", ha="right", va="top", size=SIZE
+    )
     which = "required" if now is None else "existing"
     title = f"{about.good.capitalize()}, {which} {about.gap}: {share_of(table)}"
     axes.text(-2.5, 0.62, title, va="bottom", size=SIZE)

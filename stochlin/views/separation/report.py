@@ -11,7 +11,15 @@ from stochlin.applications.cases.shaking import doubts
 from stochlin.views.sensitivity import tornado
 from stochlin.views.separation import pictures, words
 from stochlin.views.separation.risk import risk_blocks
-from stochlin.views.shared.blocks import Block, Items, Picture, TableBlock, TextBlock, ViewSection, texts
+from stochlin.views.shared.blocks import (
+    Block,
+    Items,
+    Picture,
+    TableBlock,
+    TextBlock,
+    ViewSection,
+    texts,
+)
 from stochlin.views.shared.inches import sections_with_inches
 from stochlin.views.shared.page import page
 from stochlin.views.shared.words import centimetres, doubt, over_records, with_uncertainty
@@ -30,7 +38,9 @@ def first_sections(answer: CaseAnswer) -> list[ViewSection]:
         ViewSection("", [doubt(answer.case.doubts)], on_screen=False),  # printed as warnings there
         ViewSection("", [doubt(doubts(answer.shaking))]),
         ViewSection("", [TextBlock(answer.case.title, "title")], on_screen=False),
-        ViewSection("", [replace(first, look="answer"), pictures.elevation_picture(answer), *others]),
+        ViewSection(
+            "", [replace(first, look="answer"), pictures.elevation_picture(answer), *others]
+        ),
         ViewSection("", texts(words.taken(answer.case))),
         ViewSection("", texts(words.cautions(answer))),
     ]
@@ -55,7 +65,9 @@ def answer_sections(answer: CaseAnswer) -> list[ViewSection]:
         *words.rules_sections(answer),
         ViewSection("Pictures", _pictures(answer), on_screen=False, columns=True),
         ViewSection("Influence of the inputs", influence),
-        ViewSection("Method", [Items(words.method(case)), words.assumptions(answer)], on_screen=False),
+        ViewSection(
+            "Method", [Items(words.method(case)), words.assumptions(answer)], on_screen=False
+        ),
         ViewSection("The case", words.case_file(case), on_screen=False),
         ViewSection("", [TextBlock(words.signed(answer), "signed")], on_screen=False),
     ]
@@ -77,7 +89,9 @@ def _pictures(answer: CaseAnswer) -> list[Picture]:
     about = words.subject_of(answer.case)
     drawn = []
     if answer.separation.sizes.get("height", 0) > 1:
-        caption = "One gap for all heights is larger: different motions need it at different heights."
+        caption = (
+            "One gap for all heights is larger: different motions need it at different heights."
+        )
         draw = partial(pictures.draw_heights, answer.table(), caption=False)
         drawn.append(Picture(f"The {about.gap} over the height", caption, draw))
     draw = partial(pictures.distribution_figure, answer)

@@ -35,7 +35,14 @@ def risk_blocks(answer: CaseAnswer) -> list[Block]:
     table = answer.risk
     if table is None:
         return []
-    heads = ("gap", "[cm]", "per year", "once in", f"in {table.attrs['risk_years']:g} years", "interval")
+    heads = (
+        "gap",
+        "[cm]",
+        "per year",
+        "once in",
+        f"in {table.attrs['risk_years']:g} years",
+        "interval",
+    )
     note = (
         f"From {table.attrs['risk_paths']} motions at each of {table.sizes['risk_intensity']} "
         f"intensities of the hazard; the intervals are those of their sampling, 95{SPACE}%, and include "
@@ -56,7 +63,9 @@ def _row(answer: CaseAnswer, risk: xr.Dataset) -> tuple[str, ...]:
     if risk.risk_of.item() == "target":
         ends = with_interval(risk, "risk_required_gap")[1:]
         gap = f"{gap} ({' to '.join(map(centimetres, ends))})"
-    share, low, high = (per_cent(value, 1) for value in with_interval(risk, "risk_probability_in_years"))
+    share, low, high = (
+        per_cent(value, 1) for value in with_interval(risk, "risk_probability_in_years")
+    )
     return names[str(risk.risk_of.item())], gap, *_frequency(risk), share, f"{low} to {high}"
 
 

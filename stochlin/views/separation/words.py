@@ -12,7 +12,15 @@ from stochlin.applications.cases.separation import WITH_SCATTER
 from stochlin.applications.separation.separation import COMBINED
 from stochlin.models.grounds import OF_SPECTRUM
 from stochlin.models.rules.codes import CODE_RULES
-from stochlin.views.shared.blocks import Block, Items, Row, TableBlock, TextBlock, ViewSection, texts
+from stochlin.views.shared.blocks import (
+    Block,
+    Items,
+    Row,
+    TableBlock,
+    TextBlock,
+    ViewSection,
+    texts,
+)
 from stochlin.views.shared.words import (
     SPACE,
     along,
@@ -88,9 +96,7 @@ COMBINATIONS = {
     "fixed": "a fixed distance, without displacements",
 }
 ON_ONE = ", since both buildings stand on one property"
-ON_TWO = (
-    ", since the buildings stand on two properties (on one, write same_property = true in [separation])"
-)
+ON_TWO = ", since the buildings stand on two properties (on one, write same_property = true in [separation])"
 OF_R = "R is three standard deviations of the stationary elastic displacement over that at yield."
 SIGNED = "Date, prepared by, checked by:"
 OF_TWO = "needs a second building"  # the reason why a rule is not available
@@ -149,7 +155,9 @@ def first_lines(answer: CaseAnswer) -> list[str]:
         stand = about.stand.format(gap=length(required))
         lines = [f"{names} {stand}. 95{SPACE}% interval of sampling: {needed(answer)}."]
     else:
-        falls = f"in more than {per_cent(1 - case.wanted.confidence)} of the motions a building falls"
+        falls = (
+            f"in more than {per_cent(1 - case.wanted.confidence)} of the motions a building falls"
+        )
         lines = [f"No {about.gap} is enough for {names}: {falls}."]
     lines.append(of_earthquakes(answer))
     if answer.existing is not None:
@@ -223,7 +231,10 @@ def of_each(table: xr.Dataset, name: str) -> list[float]:
 def names_of(answer: CaseAnswer) -> dict[str, str]:
     """The names of the models of the case."""
     buildings = enumerate(answer.case.buildings, start=1)
-    return {**{f"structure_{n}": building.name for n, building in buildings}, "ground": "the ground"}
+    return {
+        **{f"structure_{n}": building.name for n, building in buildings},
+        "ground": "the ground",
+    }
 
 
 def cautions(answer: CaseAnswer) -> list[str]:
@@ -266,7 +277,9 @@ def _without_storeys(answer: CaseAnswer) -> str:
     both = answer.case.buildings
     for building, other in zip(both, both[::-1], strict=True):
         if "height" in answer.separation.dims and not building.has_storeys:
-            height = f", although it is {building.height:.4g}{SPACE}m high" if building.height else ""
+            height = (
+                f", although it is {building.height:.4g}{SPACE}m high" if building.height else ""
+            )
             return (
                 f"{building.name} is described without storeys: its displacement is compared with that "
                 f"of the roof of {other.name}, {other.height:.4g}{SPACE}m up{height}."
@@ -277,7 +290,9 @@ def _without_storeys(answer: CaseAnswer) -> str:
 def _ductilities(table: xr.Dataset) -> str:
     """Mean peak ductilities of the buildings."""
     values = of_each(table, "ductility")
-    shown = ["none (elastic)" if np.isnan(v) else f"{v:.1f}".replace("inf", "infinite") for v in values]
+    shown = [
+        "none (elastic)" if np.isnan(v) else f"{v:.1f}".replace("inf", "infinite") for v in values
+    ]
     return f"Mean peak ductility: {' and '.join(shown)}."
 
 
@@ -313,8 +328,12 @@ def _storeys(answer: CaseAnswer) -> str:
     for number, building in enumerate(answer.case.buildings, start=1):
         if not building.has_storeys or np.isinf(table[f"peak_mean_{number}"]):
             continue
-        own = table.isel(element=(table.element_structure.values == number) & (table.storey.values > 0))
-        yields = bool((own.ductility > 0).any())  # not of a building by its modes, of which modes yield
+        own = table.isel(
+            element=(table.element_structure.values == number) & (table.storey.values > 0)
+        )
+        yields = bool(
+            (own.ductility > 0).any()
+        )  # not of a building by its modes, of which modes yield
         worst = own.ductility if yields else own.peak_drift_mean
         row = own.isel(element=int(worst.argmax("element")))
         drift = float(row.peak_drift_mean)
@@ -357,7 +376,9 @@ def _strength(limits: xr.Dataset, table: xr.Dataset) -> list[tuple[str, ...]]:
         return rows
     of_building = f"_{yielding + 1}"
     now = factors[yielding]
-    value, low, high = (now / x for x in with_interval(limits, "largest_reduction_factor", of_building))
+    value, low, high = (
+        now / x for x in with_interval(limits, "largest_reduction_factor", of_building)
+    )
     rows.append(_limit(what, "at least", value, high, low))
     least = with_interval(limits, "least_reduction_factor", of_building)
     if least[0] > 0:
@@ -455,7 +476,9 @@ def _line(answer: CaseAnswer, group: str, row: xr.Dataset) -> RuleLine:
     verdict = row.verdict.attrs["flag_meanings"].split()[int(row.verdict)].replace("_", " ")
     error = per_cent(float(row.error), sign="+") if group else ""
     share = per_cent(float(row.no_pounding_probability), 1)
-    texts = {name: str(row[name].item()) for name in ("mark", "assumptions", "reference", "missing")}
+    texts = {
+        name: str(row[name].item()) for name in ("mark", "assumptions", "reference", "missing")
+    }
     mark = texts["mark"].removesuffix(SURE)
     if stem != rule:
         texts["assumptions"] = stated(answer.case, CODE_RULES[stem])
@@ -504,7 +527,9 @@ def rules_table(answer: CaseAnswer, shown: list[RuleLine]) -> TableBlock:
     """A row for each rule that has a gap: on the screen by its name in files, on a page by its title."""
     about = subject_of(answer.case)
     heads = ("rule", f"{about.gap} [cm]", "error", about.column, "verdict", "mark")
-    table_rows = [Row(row.cells, row.label, row.group, row.verdict) for row in shown if not row.missing]
+    table_rows = [
+        Row(row.cells, row.label, row.group, row.verdict) for row in shown if not row.missing
+    ]
     return TableBlock(heads, table_rows, words=heads[4:])
 
 

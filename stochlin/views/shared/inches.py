@@ -67,7 +67,9 @@ def _of_block(case: Case, block: Block) -> Block:
 def _of_table(case: Case, table: TableBlock) -> TableBlock:
     """A table with a column in inches after each in centimetres, and such rows after these rows."""
     heads = [
-        twice for head in table.heads for twice in _twice(head, head, head.replace(IN_CM, IN_INCHES))
+        twice
+        for head in table.heads
+        for twice in _twice(head, head, head.replace(IN_CM, IN_INCHES))
     ]
     rows: list[Row] = []
     group: list[Row] = []  # in inches, below those in centimetres

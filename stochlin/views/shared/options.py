@@ -57,16 +57,24 @@ class OptionList(QuantityType):
         sweep = SWEEP.fullmatch(value)
         if not sweep:
             unit = "" if self.units == "1" else "s"
-            allowed = f"start:stop:count[:log], such as 0.2{unit}:2{unit}:19, with 2 to 999999 values"
+            allowed = (
+                f"start:stop:count[:log], such as 0.2{unit}:2{unit}:19, with 2 to 999999 values"
+            )
             self.fail(f"{brief(value)} is no sweep; allowed: {allowed}", param, ctx)
         low = in_si(sweep["start"])
         high = in_si(sweep["stop"])
         if sweep["log"] and not low * high > 0:
-            self.fail(f"{value!r} is geometric and includes 0; allowed: both ends above 0", param, ctx)
-        return (np.geomspace if sweep["log"] else np.linspace)(low, high, int(sweep["count"])).tolist()
+            self.fail(
+                f"{value!r} is geometric and includes 0; allowed: both ends above 0", param, ctx
+            )
+        return (np.geomspace if sweep["log"] else np.linspace)(
+            low, high, int(sweep["count"])
+        ).tolist()
 
 
-def numbers_option(name: str, help_text: str, units: str = "1", **more: Any) -> Callable[[Any], Any]:
+def numbers_option(
+    name: str, help_text: str, units: str = "1", **more: Any
+) -> Callable[[Any], Any]:
     """An option that takes a number, a list or a sweep, with these units."""
     shown: dict[str, Any] = {"metavar": "NUMBERS", "show_default": True, "help": help_text}
     return click.option(name, type=OptionList(units), **shown, **more)

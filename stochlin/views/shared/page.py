@@ -26,8 +26,8 @@ def page(
 ) -> str:
     """HTML with pictures and style within; ``as_given`` are names without symbols, the user's.
 
-    The template ``"sections.html"`` is that of the sections alone, for another page that has the style;
-    their ids begin with the prefix.
+    The template ``"sections.html"`` is that of the sections alone, for another page that has the
+    style; their ids begin with the prefix.
     """
     from jinja2 import Environment, PackageLoader, StrictUndefined
     from markupsafe import Markup

@@ -19,7 +19,9 @@ STEPS = 1000  # of a bar
 FIRST = 1.0  # s, in which no time is foretold
 MINUTE = 60.0  # s
 QUIET = "stochlin.quiet"  # whether no progress is shown, among what click keeps for a command
-COMPILING = "compiling for this machine, once: up to half a minute ('stochlin warmup' does it for all)"
+COMPILING = (
+    "compiling for this machine, once: up to half a minute ('stochlin warmup' does it for all)"
+)
 
 
 def quiet_option(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -29,7 +31,9 @@ def quiet_option(command: Callable[..., Any]) -> Callable[..., Any]:
         context.meta[QUIET] = value
 
     text = "Show neither progress nor that code is compiled."
-    return click.option("--quiet", is_flag=True, expose_value=False, callback=take, help=text)(command)
+    return click.option("--quiet", is_flag=True, expose_value=False, callback=take, help=text)(
+        command
+    )
 
 
 class TimeLeft:
@@ -78,7 +82,11 @@ def progress_bar(
     left = TimeLeft()
     with ExitStack() as shown:
         bar = click.progressbar(
-            length=STEPS, label=label, file=sys.stderr, show_eta=False, item_show_func=lambda text: text
+            length=STEPS,
+            label=label,
+            file=sys.stderr,
+            show_eta=False,
+            item_show_func=lambda text: text,
         )
 
         def progress(share: float) -> None:

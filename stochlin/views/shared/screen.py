@@ -75,7 +75,8 @@ codecs.register_error(SPELLED, _spelled)
 def bad_input(**called: str) -> Iterator[None]:
     """Show an error of the input in one sentence with exit status 2, failed work with status 1.
 
-    Arguments that an error names are written as options, by the names in ``called`` if these differ.
+    Arguments that an error names are written as options, by the names in ``called`` if these
+    differ.
     """
     try:
         yield
@@ -135,7 +136,9 @@ def check_target(
         of_tables = source.is_dir() and path.suffix.lower() == CSV  # a folder whose tables are read
         written = target.parent if of_tables else target
         if target.exists() and source.exists() and written.samefile(source):
-            raise ValueError(f"{option} {path} would overwrite the input {source}; give another name")
+            raise ValueError(
+                f"{option} {path} would overwrite the input {source}; give another name"
+            )
 
 
 def data_target(

@@ -24,7 +24,8 @@ if TYPE_CHECKING:
     from matplotlib.axis import Axis
     from matplotlib.figure import Figure
 
-# Of every picture while it is drawn, and of nothing else; after STYLE.clear() the user's style holds.
+# Of every picture while it is drawn, and of nothing else; after STYLE.clear() the user's style
+# holds.
 STYLE: Any = {
     "font.size": 9,
     "axes.titlesize": 10,
@@ -141,7 +142,9 @@ def save(figure: Figure, path: str | os.PathLike[str], dpi: float | None = None)
 
     suffix = os.path.splitext(path)[1].lower()
     if suffix not in PICTURES:
-        raise ValueError(f"path = {brief(os.fspath(path))}; allowed: an ending of {', '.join(PICTURES)}")
+        raise ValueError(
+            f"path = {brief(os.fspath(path))}; allowed: an ending of {', '.join(PICTURES)}"
+        )
     with mpl.rc_context(STYLE), whole_file(path) as temporary:
         _fix_layout(figure, dpi or PRINT)
         figure.savefig(temporary, dpi=dpi or PRINT, metadata=PICTURES[suffix])

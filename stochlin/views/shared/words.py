@@ -175,7 +175,9 @@ def in_g(acceleration: float) -> str:
 
 def shaking(table: xr.Dataset, case: Case) -> str:
     """The strength of the motions of an answer, in measures that engineers use."""
-    accelerations = [float(table[f"spectral_acceleration_{n}"]) for n, _ in enumerate(case.periods, 1)]
+    accelerations = [
+        float(table[f"spectral_acceleration_{n}"]) for n, _ in enumerate(case.periods, 1)
+    ]
     at_median = " at median strength" if case.site.scatter else ""
     begin = f"The shaking, mean of the motions{at_median}:"
     spectral = _spectral(case, accelerations)
@@ -260,7 +262,9 @@ def yielding_modes(case: Case) -> str:
     return " ".join(
         YIELDS.format(
             building=building.name,
-            share=per_cent(building.structure.effective_masses()[0] / building.structure.masses.sum()),
+            share=per_cent(
+                building.structure.effective_masses()[0] / building.structure.masses.sum()
+            ),
             displacement=length(float(building.structure.oscillator().yield_displacement)),
         )
         for building in case.buildings

@@ -33,7 +33,9 @@ BAND_IN_WORDS = f"{BAND[0]:g} to {BAND[1]:g} times the periods of the buildings"
 
 
 @styled(AS_GIVEN | {"font.size": 10})
-def draw_spectrum(dataset: xr.Dataset, caption: bool = True, periods: Sequence[float] = ()) -> Figure:
+def draw_spectrum(
+    dataset: xr.Dataset, caption: bool = True, periods: Sequence[float] = ()
+) -> Figure:
     """Draw the result of `stochlin.simulated_spectrum`.
 
     Parameters
@@ -43,14 +45,14 @@ def draw_spectrum(dataset: xr.Dataset, caption: bool = True, periods: Sequence[f
     caption : bool
         Whether to describe below the chart the ground, duration, envelope and fit of the motions.
     periods : sequence of float
-        Periods of buildings [s], which are marked. The fit is then described for their band, from 0.2 of
-        the shortest to 1.5 of the longest.
+        Periods of buildings [s], which are marked. The fit is then described for their band, from
+        0.2 of the shortest to 1.5 of the longest.
 
     Returns
     -------
     matplotlib.figure.Figure
-        The response spectra over the period: the target, if there is one, and of the simulated motions
-        the mean and the range from 16 to 84 %.
+        The response spectra over the period: the target, if there is one, and of the simulated
+        motions the mean and the range from 16 to 84 %.
 
     Raises
     ------
@@ -62,14 +64,20 @@ def draw_spectrum(dataset: xr.Dataset, caption: bool = True, periods: Sequence[f
     known = "pseudo_acceleration_quantile" in dataset and "duration_s" in dataset.attrs
     if not known or dataset.sizes["period"] < 2:
         what = f"dataset has the dimensions {dict(dataset.sizes)}"
-        raise ValueError(f"{what}; allowed: what simulated_spectrum returns, of two periods or more")
+        raise ValueError(
+            f"{what}; allowed: what simulated_spectrum returns, of two periods or more"
+        )
     text = filled(_caption(dataset, periods), CAPTION) if caption else ""
     figure = Figure((WIDTH, HEIGHT + LINE * text.count("\n")), layout="constrained")
     axes = figure.add_subplot()
     period = np.asarray(dataset.period)
     _spectra(axes, dataset)
     for number, mark in enumerate(periods, start=1):
-        look: Any = {"color": CURVES[2][0], "lw": 1.0, "linestyle": (0, (1, 1)) if number == 1 else "-."}
+        look: Any = {
+            "color": CURVES[2][0],
+            "lw": 1.0,
+            "linestyle": (0, (1, 1)) if number == 1 else "-.",
+        }
         axes.axvline(mark, label=f"building {number}", **look)
     axes.set(xscale="log", xlim=(period[0], period[-1]), xlabel="period [s]")
     decade_ticks(axes.xaxis)
@@ -108,7 +116,8 @@ def _caption(dataset: xr.Dataset, periods: Sequence[float]) -> list[str]:
 def fit_in_words(dataset: xr.Dataset, periods: Sequence[float] = ()) -> list[str]:
     """Sentences about what `simulated_spectrum` returned; none without a target.
 
-    With the ``periods`` of buildings [s], the fit is that in their band, if the spectrum reaches it.
+    With the ``periods`` of buildings [s], the fit is that in their band, if the spectrum reaches
+    it.
     """
     if "target" not in dataset:
         return []

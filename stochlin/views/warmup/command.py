@@ -20,11 +20,11 @@ if TYPE_CHECKING:
 def warmup() -> None:
     """Compile everything now, so that no command has to wait for it.
 
-    The time steps of stochlin are compiled for this machine when they are first needed, which takes from
-    seconds to a minute, and kept on the disk: in the folder of the program, in the user's cache folder
-    if that cannot be written, or in the folder that the environment variable NUMBA_CACHE_DIR names. They
-    are compiled again after an update of stochlin or numba, and for another kind of processor. Where no
-    folder can be written, the command ends with exit status 1.
+    The time steps of stochlin are compiled for this machine when they are first needed, which takes
+    from seconds to a minute, and kept on the disk: in the folder of the program, in the user's
+    cache folder if that cannot be written, or in the folder that the environment variable
+    NUMBA_CACHE_DIR names. They are compiled again after an update of stochlin or numba, and for
+    another kind of processor. Where no folder can be written, the command ends with exit status 1.
 
     In the recipe of a container, put this command directly after the installation.
 

@@ -51,7 +51,8 @@ while True:  # in ductility mu, its rate v, and z: z' = -c v - k z
     if k == 0:  # elastic: z is mu, as long as nothing slips
         A[2] = [0, 1, -1e-6]
     before, X = X, solve_continuous_lyapunov(A, -np.diag([0, 2 * pi * S0 / uy**2, 0]))
-    # v - s = -c v - k z in the least squares: (1 + c) E[v v] + k E[v z] = E[s v], and likewise with z.
+    # v - s = -c v - k z in the least squares: (1 + c) E[v v] + k E[v z] = E[s v], and likewise with
+    # z.
     c_next, k = np.linalg.solve(X[1:, 1:], slip(X))
     c, changes = c_next - 1, changes + 1
     if np.abs(X - before).max() < 1e-13 * np.abs(X).max() or changes > 2000:

@@ -27,6 +27,8 @@ chain = sl.ShearBuilding(  # its first mode is 0.3, 0.65, 1 with 0.6 s
     yield_drifts=0.01,
 )
 ground = sl.named_ground("firm")
-sl.linearize_system([wall, chain], ground).drop_dims(["state", "iteration"]).to_netcdf("linearized.nc")
+sl.linearize_system([wall, chain], ground).drop_dims(["state", "iteration"]).to_netcdf(
+    "linearized.nc"
+)
 table = sl.simulate([wall, chain], ground, duration=12.0, paths=128)
 table.drop_dims("path").to_netcdf("simulated.nc")

@@ -20,7 +20,12 @@ laws = {
     "clough": sl.ModifiedClough(**strong),
     "flag": sl.Flag(**strong),
     "backbone": sl.ModifiedClough(
-        **strong, cracking=0.4, uncracked_stiffness=2.5, cap_ductility=1.5, softening=0.4, residual=0.2
+        **strong,
+        cracking=0.4,
+        uncracked_stiffness=2.5,
+        cap_ductility=1.5,
+        softening=0.4,
+        residual=0.2,
     ),
 }
 history = [0.05, -0.05, 0.03]

@@ -32,7 +32,9 @@ site = {"floors_align": True, "same_property": True}
 codes = ["eurocode_8", "asce_7"]
 applied = sl.code_gaps(*reduced, **behaviour, deflection_1=2.5, deflection_2=4.5, **site)
 combined = sl.code_gaps(0.083, 0.065, **site).gap.sel(rule=codes)
-combined = combined.drop_vars("assumptions").assign_attrs(long_name="combination of simulated peaks")
+combined = combined.drop_vars("assumptions").assign_attrs(
+    long_name="combination of simulated peaks"
+)
 table = applied.sel(rule=codes).assign(combination=combined)
 table.gap.attrs["long_name"] = "gap of the code as applied"
 table.to_netcdf("answer.nc")

@@ -30,7 +30,9 @@ def rho(one, other):
 
 
 def combined(terms):
-    return sqrt(sum(a * c * rho(w[i], w[j]) for i, a in enumerate(terms) for j, c in enumerate(terms)))
+    return sqrt(
+        sum(a * c * rho(w[i], w[j]) for i, a in enumerate(terms) for j, c in enumerate(terms))
+    )
 
 
 columns = []

@@ -29,7 +29,10 @@ def covariance(one, other):
     """Even in w, so twice the half; the peaks are told."""
     return sum(
         quad(
-            lambda w: 2 * (response(w, *one) * response(w, *other).conjugate()).real, a, c, epsrel=1e-11
+            lambda w: 2 * (response(w, *one) * response(w, *other).conjugate()).real,
+            a,
+            c,
+            epsrel=1e-11,
         )[0]
         for a, c in [(0, 5), (5, 7), (7, 9), (9, 60), (60, float("inf"))]
     )

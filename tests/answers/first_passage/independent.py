@@ -23,7 +23,8 @@ power, times, rates, stds = np.eye(4), [0.0], [0.0], [0.0]
 for n in range(1, round(20 / STEP) + 1):
     power = power @ step
     (dd, dv), (_, vv) = d @ (stationary - power @ stationary @ power.T) @ d.T
-    # Rice: of crossings upwards at d = gap, where the velocity has this mean and standard deviation.
+    # Rice: of crossings upwards at d = gap, where the velocity has this mean and standard
+    # deviation.
     mean, std = dv / dd * gap, sqrt(max(vv - dv**2 / dd, 1e-30))
     flux = std * norm.pdf(mean / std) + mean * norm.cdf(mean / std)
     rates.append(flux * norm.pdf(gap / sqrt(dd)) / sqrt(dd))

@@ -15,7 +15,10 @@ frame = sl.ShearBuilding(
 table = sl.simulate([frame], sl.WhiteNoise(0.02), paths=32768, duration=15.0)
 
 largest = {"drift": table.peak_drift.max("element"), "roof": table.peak.isel(floor=-1, drop=True)}
-drifts, roofs = [0.023, 0.027, 0.032, 0.035, 0.0395, 0.0445], [0.097, 0.114, 0.133, 0.145, 0.162, 0.182]
+drifts, roofs = (
+    [0.023, 0.027, 0.032, 0.035, 0.0395, 0.0445],
+    [0.097, 0.114, 0.133, 0.145, 0.162, 0.182],
+)
 parts = []
 for name, limits in (("drift", drifts), ("roof", roofs)):
     passed = sl.exceedance(largest[name], xr.DataArray(limits, coords={name: limits}))

@@ -51,8 +51,22 @@ for name in limits:
 NUMBERS = {f"own_{name}": values for name, values in own.items()}
 NUMBERS |= {f"{name}_apart": values for name, values in apart.items()}
 NUMBERS |= {f"{name}_limits": values for name, values in limits.items()}
-NUMBERS |= {"m": m / 1000, "k": k / 1e6, "xi": xi, "alpha": alpha, "n": n, "uy": 1000 * uy, "S0": S0}
-NUMBERS |= {"end": end, "modes": modes, "paths": paths, "step": 1000 * step, "own_step": 1000 * own_step}
+NUMBERS |= {
+    "m": m / 1000,
+    "k": k / 1e6,
+    "xi": xi,
+    "alpha": alpha,
+    "n": n,
+    "uy": 1000 * uy,
+    "S0": S0,
+}
+NUMBERS |= {
+    "end": end,
+    "modes": modes,
+    "paths": paths,
+    "step": 1000 * step,
+    "own_step": 1000 * own_step,
+}
 NUMBERS |= {"band": 0.5 / step, "own_band": 0.5 / own_step}
 w, (a0, a1) = np.sqrt(squares), frame.factors()
 NUMBERS["ratios"] = a0 / (2 * w) + a1 * w / 2

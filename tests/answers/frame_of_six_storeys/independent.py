@@ -13,5 +13,15 @@ uy = np.array([12, 12, 11, 10, 9, 8]) / 1000
 beta = gamma = 1 / (2 * uy[:, None] ** n)
 limits = np.array([[27, 21, 22, 24, 23.1, 16.8], [34, 26, 27, 28, 27, 18.5]])
 
-ANSWERS, NUMBERS = answers_and_numbers(Frame(m, k, xi, alpha, n, beta, gamma), 2 * pi * S0, end, limits)
-NUMBERS |= {"m": m / 1000, "k": k / 1e6, "xi": xi, "alpha": alpha, "n": n, "uy": 1000 * uy, "S0": S0}
+ANSWERS, NUMBERS = answers_and_numbers(
+    Frame(m, k, xi, alpha, n, beta, gamma), 2 * pi * S0, end, limits
+)
+NUMBERS |= {
+    "m": m / 1000,
+    "k": k / 1e6,
+    "xi": xi,
+    "alpha": alpha,
+    "n": n,
+    "uy": 1000 * uy,
+    "S0": S0,
+}

@@ -5,7 +5,8 @@ from runge_kutta import Frame, answers_and_numbers
 
 PROGRAM = "Runge-Kutta, numpy"
 
-# The published frame: columns of a storey, their sides, Young's modulus; its Bouc-Wen law, with A = 1.
+# The published frame: columns of a storey, their sides, Young's modulus; its Bouc-Wen law, with A =
+# 1.
 storeys, number, E, side, h = 10, 3, 3e10, np.array([0.5, *[0.4] * 9]), np.array([4.0, *[3.0] * 9])
 m, xi, alpha, A, n, beta, gamma, D, end = 2.6e5, 0.05, 0.04, 1.0, 1, 15.0, 150.0, 0.0072, 10.0
 modes = 1, 2

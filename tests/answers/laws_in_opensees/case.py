@@ -22,7 +22,9 @@ laws = {
     "unloading": sl.ModifiedClough(**level, **capped),
     "cap": sl.ModifiedClough(**level, **capped, unloading_exponent=0.0),
 }
-loops = [sl.hysteresis_loop(law, turns, refine=400).force_per_mass[400::400] for law in laws.values()]
+loops = [
+    sl.hysteresis_loop(law, turns, refine=400).force_per_mass[400::400] for law in laws.values()
+]
 force = xr.concat(loops, "law").rename(point="turn").assign_coords(law=list(laws))
 histories = [sl.respond(law, motion, refine=16).displacement for law in laws.values()]
 answer = xr.Dataset(

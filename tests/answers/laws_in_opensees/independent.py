@@ -24,12 +24,23 @@ def backbone(*points):
 
 beta, gamma, n, shape = 0.6, 0.4, 1.5, [1.0, 0.15, 0.9]  # the last are A, q and zeta_s
 decay, p, psi, d_psi, lam = [0.02, 0.05], 1.0, 0.2, 0.01, 0.4
-# OpenSees measures energies with the factor (1 - alpha) of the force, and in units of force and length
+# OpenSees measures energies with the factor (1 - alpha) of the force, and in units of force and
+# length
 energy, worn = (1 - alpha) * k * uy**2, uy**-n
 YIELD, CAP, LEFT = (1.0, 1.0), (1 + ALMOST, 2.5), (0.4, 4.5)
 MATERIALS = {
     "flag": ["SelfCentering", k, alpha * k, k * uy, 0.7, 0, 0, 0],
-    "decay": ["BoucWen", alpha, k, n, gamma * worn, beta * worn, 1.0, 0.0, *(d / energy for d in decay)],
+    "decay": [
+        "BoucWen",
+        alpha,
+        k,
+        n,
+        gamma * worn,
+        beta * worn,
+        1.0,
+        0.0,
+        *(d / energy for d in decay),
+    ],
     "pinching": [
         *("BWBN", alpha, k, n, gamma * worn, beta * worn, *shape),
         *(p / energy, psi * uy, d_psi * uy / energy, lam, 1e-10, 100),

@@ -7,7 +7,10 @@ measures = {
     "dampers": sl.Measure(added_damping_1=0.1, added_damping_2=0.1),
     "link": sl.Measure(link=sl.Link(damping_constant=4e5)),
     "fluid": sl.Measure(
-        link=[sl.Link(0.0, 2e5, damping_exponent=0.5, structures=(s, s), floors=(1, 0)) for s in (1, 2)]
+        link=[
+            sl.Link(0.0, 2e5, damping_exponent=0.5, structures=(s, s), floors=(1, 0))
+            for s in (1, 2)
+        ]
     ),
 }
 firm = sl.named_ground("firm", intensity=0.002)

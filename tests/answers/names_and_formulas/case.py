@@ -12,7 +12,10 @@ for name in ground_names():
     print(sl.named_ground(name))
 for name in sl.rules.effective_rule_names(unverified=True):
     rule = sl.rules.effective_rule(name)
-    print(name, f"{float(rule.period_ratio(4.0, 0.05)):.9g} {float(rule.damping(4.0, 0.05, 0.05)):.9g}")
+    print(
+        name,
+        f"{float(rule.period_ratio(4.0, 0.05)):.9g} {float(rule.damping(4.0, 0.05, 0.05)):.9g}",
+    )
 of_site = {"storeys_1": 8, "storeys_2": 5, "design_pga": 2.5}
 for name in sl.rules.code_rule_names():
     rule = sl.rules.code_rule(name)
@@ -35,4 +38,6 @@ record = sl.read_record("record.at2")
 print(record.attrs["dt"], record.sizes["time"], f"{float(abs(record).max()):.9g}")
 case = sl.read_case("case.toml")
 structures = [building.structure for building in case.buildings]
-print(*structures, case.site.ground, case.site.course.envelope, gap_of(case), case.contact, sep="\n")
+print(
+    *structures, case.site.ground, case.site.course.envelope, gap_of(case), case.contact, sep="\n"
+)

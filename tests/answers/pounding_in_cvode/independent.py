@@ -56,7 +56,13 @@ def events(t, y, out):
 events.terminal = [True] * 6
 events.direction = [-1, -1, -1, 0, 0, -1]
 solver = CVODE(
-    rates, method="Adams", rtol=1e-13, atol=1e-16, eventsfn=events, num_events=6, max_num_steps=100_000
+    rates,
+    method="Adams",
+    rtol=1e-13,
+    atol=1e-16,
+    eventsfn=events,
+    num_events=6,
+    max_num_steps=100_000,
 )
 
 y, peak, now = np.zeros(7), np.zeros(2), 0.0

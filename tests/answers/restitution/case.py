@@ -4,7 +4,11 @@ import xarray as xr
 
 import stochlin as sl
 
-elements = {"Kelvin": sl.Kelvin, "NoTensionKelvin": sl.NoTensionKelvin, "ImpactKelvin": sl.ImpactKelvin}
+elements = {
+    "Kelvin": sl.Kelvin,
+    "NoTensionKelvin": sl.NoTensionKelvin,
+    "ImpactKelvin": sl.ImpactKelvin,
+}
 elements |= {"Jankowski": sl.Jankowski, "HertzDamp": sl.HertzDamp}
 needed = [
     kind.damping_factor(0.65) if kind is sl.HertzDamp else kind.damping_ratio(0.65)

@@ -46,6 +46,8 @@ def left(name, x):
 
 
 ANSWERS = {
-    "damping": [brentq(lambda x, name=name: left(name, x) - e, 0.01, 2.0, xtol=1e-13) for name in FORCES]
+    "damping": [
+        brentq(lambda x, name=name: left(name, x) - e, 0.01, 2.0, xtol=1e-13) for name in FORCES
+    ]
 }
 NUMBERS = {"e": e}

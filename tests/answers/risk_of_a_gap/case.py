@@ -6,7 +6,9 @@ ONE, TWO = (sl.Bilinear(T, 0.05, 0.05, reduction_factor=3) for T in (0.6, 1.0))
 HAZARD = sl.HazardCurve([0.5, 1.0, 2.0, 4.0, 8.0], [0.02, 5e-3, 1e-3, 1.5e-4, 1e-5])
 COMMON = {"envelope": SHAPE, "paths": 64}
 
-sl.pounding_risk(ONE, TWO, GROUND, 0.06, HAZARD, 12.0, **COMMON).to_netcdf("risk.nc", engine="scipy")
+sl.pounding_risk(ONE, TWO, GROUND, 0.06, HAZARD, 12.0, **COMMON).to_netcdf(
+    "risk.nc", engine="scipy"
+)
 sl.required_gap(ONE, TWO, GROUND, HAZARD, 12.0, risk="10 % in 50 years", **COMMON).to_netcdf(
     "gap.nc", engine="scipy"
 )

@@ -13,7 +13,9 @@ sl.asce_7(G, 0.6 * G, 8.0)[some].to_netcdf("asce_7.nc")
 code = sl.eurocode_8(0.25 * G, "B")
 code[some].to_netcdf("eurocode_8.nc")
 periods = np.round(0.05 * np.arange(81), 2)
-rows = [f"{t:g},{a / G:.6f}" for t, a in zip(periods, code.interp(period=periods).values, strict=True)]
+rows = [
+    f"{t:g},{a / G:.6f}" for t, a in zip(periods, code.interp(period=periods).values, strict=True)
+]
 Path("site.csv").write_text("T [s],Sa [g]\n" + "\n".join(rows) + "\n", encoding="utf-8")
 target = sl.read_spectrum("site.csv", elastic=True)
 Path("site.csv").unlink()

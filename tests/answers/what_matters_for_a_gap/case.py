@@ -7,6 +7,8 @@ GROUND = sl.KanaiTajimi(0.4, 0.6, 0.01)
 table = sl.sensitivity(FIRST, SECOND, GROUND, 12.0, paths=64)
 names = ["gap", "gap_of_medians", "gap_change"]
 errors = [f"{name}_standard_error" for name in names[1:]]
-kept = table[names + errors].isel(input=[0, 3, 7]).reset_coords(drop=True).drop_vars(["input", "end"])
+kept = (
+    table[names + errors].isel(input=[0, 3, 7]).reset_coords(drop=True).drop_vars(["input", "end"])
+)
 kept.attrs = {}
 kept.to_netcdf("matters.nc", engine="scipy")

@@ -5,8 +5,12 @@ import xarray as xr
 
 import stochlin as sl
 
-strength = xr.DataArray([1.0, 2.0, 4.0, 6.0], dims="factor", coords={"factor": [1.0, 2.0, 4.0, 6.0]})
-period = xr.DataArray([0.3, 1.0, -1.0, 3.0], dims="period", coords={"period": [0.3, 1.0, -1.0, 3.0]})
+strength = xr.DataArray(
+    [1.0, 2.0, 4.0, 6.0], dims="factor", coords={"factor": [1.0, 2.0, 4.0, 6.0]}
+)
+period = xr.DataArray(
+    [0.3, 1.0, -1.0, 3.0], dims="period", coords={"period": [0.3, 1.0, -1.0, 3.0]}
+)
 building = sl.Bilinear(period, 0.05, 0.1, reduction_factor=strength)
 ground = sl.CloughPenzien(0.5, 0.6, 5.0, 0.6, intensity=0.01)
 for closure in ("gaussian", "clipped", "drift"):

@@ -9,4 +9,11 @@ from stochlin.applications.buildings.mode_files.modes_of_file import (
     check_seconds,
 )
 
-__all__ = ["MODE_NUMBERS", "OF_FREQUENCY", "AskedModes", "ModesOfFile", "check_moving", "check_seconds"]
+__all__ = [
+    "MODE_NUMBERS",
+    "OF_FREQUENCY",
+    "AskedModes",
+    "ModesOfFile",
+    "check_moving",
+    "check_seconds",
+]

@@ -69,13 +69,14 @@ class ModalCase(NamedTuple):
 def read(content: Mapping[str, Table], choice: AskedModes) -> ModesOfFile:
     """The modes of tables of ETABS: a line ``TABLE:  name``, titles, units, and rows.
 
-    Needed are Modal Participating Mass Ratios, Story Definitions, Mass Summary by Story or by Diaphragm
-    or Centers Of Mass And Rigidity, Diaphragm Center Of Mass Displacements and, for ``points``, Joint
-    Displacements. Their order does not matter, and others are left alone. Where the line with the name
-    is missing, the name of the sheet or of the file says which table it is.
+    Needed are Modal Participating Mass Ratios, Story Definitions, Mass Summary by Story or by
+    Diaphragm or Centers Of Mass And Rigidity, Diaphragm Center Of Mass Displacements and, for
+    ``points``, Joint Displacements. Their order does not matter, and others are left alone. Where
+    the line with the name is missing, the name of the sheet or of the file says which table it is.
 
-    The participation factor of a mode is its effective mass over the sum of mass times displacement of
-    the whole model. It holds for floors that turn, for several towers, and for any scale of the shapes.
+    The participation factor of a mode is its effective mass over the sum of mass times displacement
+    of the whole model. It holds for floors that turn, for several towers, and for any scale of the
+    shapes.
 
     References
     ----------
@@ -90,7 +91,9 @@ def read(content: Mapping[str, Table], choice: AskedModes) -> ModesOfFile:
     axis = _axis(ratios, choice.direction)
     check_one_kind(ratios, ratios.column("case"), "load case")
     column = ratios.column("period")
-    check_seconds(ratios.said_of(column).unit, ratios.sheet.where(ratios.units or ratios.titles, column))
+    check_seconds(
+        ratios.said_of(column).unit, ratios.sheet.where(ratios.units or ratios.titles, column)
+    )
     periods = keyed(ratios, [MODE], "period", "period", PERIODS)
     shares = keyed(ratios, [MODE], axis.lower(), axis, SHARE)
     moving = shares[shares >= LEAST_SHARE]
@@ -125,7 +128,9 @@ def _axis(ratios: Table, direction: str | None) -> str:
     axis = direction or (known[0] if len(known) == 1 else "missing")
     if axis not in known:
         there = f"table {RATIOS} has modes along {' and '.join(known)}"
-        raise ValueError(f"direction is {axis}: {there}; give that of the gap, direction={AXES[0]!r}")
+        raise ValueError(
+            f"direction is {axis}: {there}; give that of the gap, direction={AXES[0]!r}"
+        )
     return axis
 
 
@@ -164,12 +169,16 @@ def _chosen(places: pd.Index, heights: Table, weights: Table, tower: str | None)
     if tower is not None and tower not in known:
         raise ValueError(f"tower = {brief(tower)} is not in the tables; allowed: {listed(known)}")
     by_name = "tower" in places.names or not heights.texts("story").duplicated().any()
-    choices = towers if by_name else [*places.unique("diaphragm")] if "diaphragm" in places.names else []
+    choices = (
+        towers if by_name else [*places.unique("diaphragm")] if "diaphragm" in places.names else []
+    )
     chosen = places.get_level_values("story").isin(_of_tower(heights, tower).texts("story"))
     here = np.any([group == tower for group in groups], axis=0)
     if tower is not None and not np.any(here) and not by_name:
         what = f"does not say which masses are those of {brief(tower)}"
-        raise weights.error(f"{what}; name a diaphragm as tower=, of {listed(choices) or OF_DIAPHRAGMS}")
+        raise weights.error(
+            f"{what}; name a diaphragm as tower=, of {listed(choices) or OF_DIAPHRAGMS}"
+        )
     if np.any(here):
         chosen &= here
     twice = places[chosen].get_level_values("story").duplicated(keep=False)

@@ -24,7 +24,17 @@ BASES = "Tower and Base Story Definitions"
 SUMMARY = "Mass Summary by Diaphragm"
 HEIGHTS = "Story Definitions"
 STORY_DATA = "Story Data"
-TABLES = RATIOS, OF_JOINTS, OF_CENTRES, OF_STORIES, OF_DIAPHRAGMS, SUMMARY, BASES, HEIGHTS, STORY_DATA
+TABLES = (
+    RATIOS,
+    OF_JOINTS,
+    OF_CENTRES,
+    OF_STORIES,
+    OF_DIAPHRAGMS,
+    SUMMARY,
+    BASES,
+    HEIGHTS,
+    STORY_DATA,
+)
 # Names of columns that differ between the versions of the program.
 ALIKE = {
     **dict.fromkeys(("outputcase", "loadcase", "loadcasecombo"), "case"),
@@ -76,7 +86,9 @@ def _of_sheet(sheet: Sheet) -> str:
     """
     file, _, title = sheet.name.partition(", sheet ")
     if title:
-        return next((name for name in TABLES if spelled(name).startswith(spelled(title) or " ")), "")
+        return next(
+            (name for name in TABLES if spelled(name).startswith(spelled(title) or " ")), ""
+        )
     stem = spelled(PurePath(file).stem)
     return next((name for name in TABLES if stem.endswith(spelled(name))), "")
 
@@ -84,7 +96,9 @@ def _of_sheet(sheet: Sheet) -> str:
 def needed_tables(tables: Mapping[str, Table], *groups: Sequence[str]) -> list[Table]:
     """A table of each group of names; a ValueError names all groups of which the file has none."""
     there = {key: table for key, table in tables.items() if len(table.rows)}
-    chosen = [[there[spelled(name)] for name in names if spelled(name) in there] for names in groups]
+    chosen = [
+        [there[spelled(name)] for name in names if spelled(name) in there] for names in groups
+    ]
     missing = [" or ".join(names) for names, known in zip(groups, chosen, strict=True) if not known]
     if missing:
         known = listed(table.name.removeprefix("table ") for table in there.values()) or "none"

@@ -13,7 +13,9 @@ from stochlin.models.parameters import Range
 from stochlin.models.units import size_of
 
 MODE_NUMBERS = Range(1, 1e9, include_lower=True, include_upper=True)
-STILL = 0.01  # share of the largest displacements below which a mode does not move along the direction
+STILL = (
+    0.01  # share of the largest displacements below which a mode does not move along the direction
+)
 
 
 class AskedModes(NamedTuple):
@@ -29,9 +31,9 @@ class AskedModes(NamedTuple):
 class ModesOfFile(NamedTuple):
     """The modes in a file, in SI; modes in the order of the file, floors in any order.
 
-    ``participation`` and ``modal_masses`` are along the direction, if the file has them. ``left_out``
-    are the numbers of modes that do not move along it, and ``turning`` of those that turn in plan, where
-    the shapes are not those of points that the caller names.
+    ``participation`` and ``modal_masses`` are along the direction, if the file has them.
+    ``left_out`` are the numbers of modes that do not move along it, and ``turning`` of those that
+    turn in plan, where the shapes are not those of points that the caller names.
     """
 
     modes: Sequence[int]  # numbers in the file
@@ -53,7 +55,9 @@ def check_moving(modes: Sequence[int], moved: Array, where: str, most: float = 0
     sizes = np.abs(moved)
     if still := [*np.asarray(modes)[~(sizes > STILL * max(most, *sizes))]]:
         what = f"{where}: mode {listed(still)} hardly moves along the direction, where it has mass"
-        raise ValueError(f"{what}; allowed: shapes of the same analysis and direction as the masses")
+        raise ValueError(
+            f"{what}; allowed: shapes of the same analysis and direction as the masses"
+        )
 
 
 def check_seconds(unit: str, where: str) -> None:

@@ -32,7 +32,9 @@ KNOWN = PERIOD, FACTOR, MODAL_MASS  # lines above the floors
 FIRST = 2  # column of the first mode, from 0: before it are level and mass
 EXAMPLE = files(__package__).joinpath("example_modes.csv").read_text(encoding="utf-8")
 HEADER = "a line 'mode,,1,2', the plain form"
-FLOORS = "titles 'level [m]', 'mass [kg]' and 'shape' for each mode, and below a line for each floor"
+FLOORS = (
+    "titles 'level [m]', 'mass [kg]' and 'shape' for each mode, and below a line for each floor"
+)
 
 
 def sheets_in(sheets: Sequence[Sheet]) -> list[Sheet]:
@@ -57,7 +59,9 @@ def read(content: Sheet, choice: AskedModes) -> ModesOfFile:
     """
     for argument in ("direction", "points", "tower"):
         if value := getattr(choice, argument):
-            what = f"{argument} = {brief(value)} has no meaning for {content.name}, which has {HEADER}"
+            what = (
+                f"{argument} = {brief(value)} has no meaning for {content.name}, which has {HEADER}"
+            )
             raise ValueError(f"{what}; leave it out")
     names = content.cells[0].map(lambda title: with_unit(title)[0])
     titles = next(iter(names.index[names == LEVEL]), names.index[-1])
@@ -73,7 +77,9 @@ def read(content: Sheet, choice: AskedModes) -> ModesOfFile:
 
     numbers = over_modes([first], "mode number", MODE_NUMBERS)[0]
     if (np.diff(numbers, prepend=0) < 1).any() or (numbers % 1).any():
-        raise content.error(first, None, "mode numbers are not 1, 2 and so on; allowed: increasing ones")
+        raise content.error(
+            first, None, "mode numbers are not 1, 2 and so on; allowed: increasing ones"
+        )
     lines = _lines(content, names[head])
     if PERIOD not in lines:
         last = [first, *head][-1]
@@ -106,12 +112,16 @@ def _lines(sheet: Sheet, names: pd.Series) -> dict[str, int]:
     lines: dict[str, int] = {}
     for line, name in names.items():
         if name not in KNOWN or name in lines:
-            what = "is there twice" if name in lines else f"is not known; allowed: {', '.join(KNOWN)}"
+            what = (
+                "is there twice" if name in lines else f"is not known; allowed: {', '.join(KNOWN)}"
+            )
             if name not in KNOWN and name.startswith(("freq", "omega", "circ", "ang")):
                 what += f"; in 'period [s]' {OF_FREQUENCY}"
             raise sheet.error(line, 0, f"{brief(sheet.cells.at[line, 0])} {what}")
         lines[name] = line
     if (FACTOR in lines) != (MODAL_MASS in lines):
         there, other = (FACTOR, MODAL_MASS) if FACTOR in lines else (MODAL_MASS, FACTOR)
-        raise sheet.error(lines[there], 0, f"{there} is given without {other}; allowed: both or neither")
+        raise sheet.error(
+            lines[there], 0, f"{there} is given without {other}; allowed: both or neither"
+        )
     return lines

@@ -75,7 +75,9 @@ class OfBuilding(Form):
     """Keys of every building; ``more`` are the parameters of its hysteresis law."""
 
     goes_with: ClassVar[Any] = tuple((strength, "hardening") for strength in WITH_HARDENING)
-    of_law: ClassVar[Mapping[str, Any]] = {"single": "alone"}  # one number for all elements, or a list
+    of_law: ClassVar[Mapping[str, Any]] = {
+        "single": "alone"
+    }  # one number for all elements, or a list
 
     name: str = key(TEXT, "Name in results", "")
     law: str = key(Word(laws_in_numbers), "Hysteresis law", "bilinear")
@@ -126,7 +128,10 @@ OF_PUSHOVER = ("pushover_units", "pushover_columns")
 class WithFloors(OfBuilding):
     """Keys of every building whose floors are known."""
 
-    goes_with: ClassVar[Any] = (*OfBuilding.goes_with, *((name, "pushover") for name in OF_PUSHOVER))
+    goes_with: ClassVar[Any] = (
+        *OfBuilding.goes_with,
+        *((name, "pushover") for name in OF_PUSHOVER),
+    )
 
     storeys: int | None = key(Integer(1, MOST_STOREYS), "Storeys", None)
     pushover: str = key(TEXT, "File of its pushover curve", "")
@@ -146,7 +151,9 @@ class WithFloors(OfBuilding):
         called = dict.fromkeys(("length_units", "force_units"), "pushover_units")
         called |= dict.fromkeys(("displacement_column", "force_column"), "pushover_columns")
         with self.table.naming("pushover", **called), self.table.asking("pushover"):
-            curve = read_pushover(path, **pushover_options(self.pushover_units, self.pushover_columns))
+            curve = read_pushover(
+                path, **pushover_options(self.pushover_units, self.pushover_columns)
+            )
             ideal = bilinear_of(curve, hardening=self.hardening)
             median_of(structure).with_pushover(ideal)  # with its warnings
         return applied(partial(_pushed, ideal=ideal), structure)
@@ -167,7 +174,9 @@ class Storeyed(WithFloors):
     storey_height: float | None = of(
         RegularBuilding, "storey_height", "Storey height", None, uncertain=False
     )
-    heights: Any = of(ShearBuilding, "heights", "Heights of storeys", None, uncertain=False, single="")
+    heights: Any = of(
+        ShearBuilding, "heights", "Heights of storeys", None, uncertain=False, single=""
+    )
     dampers: Any = of(ShearBuilding, "dampers", default=None, single="alone")
     p_delta: bool = key(TRUTH, "Weight softens storeys (P-delta)", False)
     damping_modes: Any = key(TWO_MODES, "Two modes with the damping ratio", None)
@@ -182,7 +191,9 @@ class Regular(Storeyed):
     """A building with equal floors, by a few numbers."""
 
     goes_with: ClassVar[Any] = (*Storeyed.goes_with, ("storey_height", "storeys"))
-    one_of: ClassVar[Any] = OF_HEIGHTS | {STRENGTH: ("base_shear_coefficient", "pushover", "elastic")}
+    one_of: ClassVar[Any] = OF_HEIGHTS | {
+        STRENGTH: ("base_shear_coefficient", "pushover", "elastic")
+    }
 
     period: Any = of(RegularBuilding, "period")
     floor_mass: Any = of(RegularBuilding, "mass")
@@ -213,7 +224,9 @@ class Singly(Storeyed):
         """The building."""
         heights = self.heights or [self.storey_height] * np.size(median_of(self.masses))
         names = "masses", "stiffnesses", "yield_drifts"
-        return self.table.made(ShearBuilding, heights=heights, **self.given(*names), **self.shared())
+        return self.table.made(
+            ShearBuilding, heights=heights, **self.given(*names), **self.shared()
+        )
 
 
 class ByModes(WithFloors):
@@ -224,7 +237,9 @@ class ByModes(WithFloors):
 
     damping: Any = of(ModalBuilding, "damping", single="alone")
     hardening: Any = of(ModalBuilding, "hardening", default=None, single="alone")
-    yield_displacements: Any = of(ModalBuilding, "yield_displacements", default=None, single="alone")
+    yield_displacements: Any = of(
+        ModalBuilding, "yield_displacements", default=None, single="alone"
+    )
     base_shear_coefficient: Any = of(RegularBuilding, "base_shear_coefficient", default=None)
     reduction_factor: Any = of(Bilinear, "reduction_factor", default=None, uncertain=False)
     modes: str = key(TEXT, "File of its modes")
@@ -240,7 +255,9 @@ class ByModes(WithFloors):
         path = self.table.path("modes")
         options = self.given("direction", "points", "tower", "mass_units", "length_units")
         with self.table.naming("modes", "cannot be read: "), warnings.catch_warnings():
-            warnings.simplefilter("ignore", DoubtfulInput)  # the building of these modes is asked about
+            warnings.simplefilter(
+                "ignore", DoubtfulInput
+            )  # the building of these modes is asked about
             return read_modes(path, **options)
 
     def described(self) -> Any:
@@ -332,7 +349,9 @@ class Building:
         target = self.structure, site.ground, self.form.ductility
         with self.form.table.naming("ductility", "has no strength: "):
             factor = float(strength_for_ductility(*target, closure=closure).reduction_factor)
-        return replace(self, sampled=applied(partial(replace, reduction_factor=factor), self.sampled))
+        return replace(
+            self, sampled=applied(partial(replace, reduction_factor=factor), self.sampled)
+        )
 
     def _weaker_mode(self, site: CaseSite) -> Callable[[Any], Any]:
         """What lets mode 1 yield at its elastic displacement on a ground over the reduction factor."""
@@ -382,6 +401,8 @@ def slabs_of_row(buildings: Sequence[Building]) -> tuple[SlabOnColumn, ...]:
             other = 1 - side
             storey = int(np.searchsorted(levels[other], level)) + 1
             place = f"storey {storey} of {pair[other].name}"
-            words = f"floor {floor} of {pair[side].name}, at {level:g} m, meets the columns in {place}"
+            words = (
+                f"floor {floor} of {pair[side].name}, at {level:g} m, meets the columns in {place}"
+            )
             slabs.append(SlabOnColumn(number + other, level, words))
     return tuple(slabs)

@@ -109,7 +109,9 @@ class Wanted(Form):
     floors_align: bool = key(TRUTH, "Floors at the same levels", False)
     same_property: bool = key(TRUTH, "On one property", False)
     same_system: bool = key(TRUTH, "Same structural system", False)
-    codes: list[str] = key(ListOf(TEXT, "listed"), "Building codes that you apply, or countries", ())
+    codes: list[str] = key(
+        ListOf(TEXT, "listed"), "Building codes that you apply, or countries", ()
+    )
     zone: str | None = key(Word(tuple(ZONES)), "Zone of Mexico City", None)
     design_pga: float | None = key(PEAK, "Peak ground acceleration of the design", None)
     numbers: Numbers = key(Inner((Numbers,)), "Numbers of rules", Numbers(table=NO_TABLE))
@@ -118,7 +120,9 @@ class Wanted(Form):
         """Raise a ValueError for a wrong number of gaps, or a risk that the hazard does not reach."""
         count = max(len(buildings) - 1, 1)
         if len(self.existing) not in (0, count):
-            what = f"does not fit the number of buildings, {len(buildings)}; allowed: {count} in all"
+            what = (
+                f"does not fit the number of buildings, {len(buildings)}; allowed: {count} in all"
+            )
             raise self.table.error("existing", what)
         if self.risk is not None:
             if site.hazard is None:
@@ -167,15 +171,21 @@ class Wanted(Form):
         """The rules of a code or a country that can be applied."""
         rules = rules_of(name)
         if not rules:
-            countries = sorted({country for rule in CODE_RULES.values() for country in rule.countries})
+            countries = sorted(
+                {country for rule in CODE_RULES.values() for country in rule.countries}
+            )
             known = [*CODE_RULES, *countries]
             said = other_code(name) or hint(name, known)
-            listed = CODE_RULES if said else known  # with the nearest name, the countries are not needed
+            listed = (
+                CODE_RULES if said else known
+            )  # with the nearest name, the countries are not needed
             what = f"has {plain(name)!r}, which is not known; {said}allowed: {', '.join(listed)}"
             raise self.table.error("codes", f"{what}, or {OWN_RULE}")
         for rule in rules:
             if rule.takes_peaks() and not rule.multiplies:
-                raise self.table.error("codes", f"has {rule.name}, which states no factor; leave it out")
+                raise self.table.error(
+                    "codes", f"has {rule.name}, which states no factor; leave it out"
+                )
             if rule.name not in (*code_rule_names(), *self.numbers.more):
                 what = f"has {rule.name}, but its number is missing"
                 raise self.table.error("codes", f"{what}, as numbers = {{ {rule.name} = 0.02 }}")
@@ -209,7 +219,9 @@ def missing_of(building: Building, rule: CodeRule, has_spectrum: bool) -> str:
 class Simulated(Form):
     """The table [simulation]."""
 
-    paths: int | None = key(Integer(FEWEST_PATHS), "Simulated motions; else as many as needed", None)
+    paths: int | None = key(
+        Integer(FEWEST_PATHS), "Simulated motions; else as many as needed", None
+    )
     seed: int = key(Integer(0), "Seed of the motions", 0)
 
     @property
@@ -235,7 +247,9 @@ class OfContact(Form):
         for name, argument in arguments.items():
             ratio = WithUnit("1", RESTITUTION if name == "restitution" else DAMPING)
             known = key_of(kind, name) if name in kind.parameter_names() else Key(ratio, "")
-            keys[name] = known._replace(default=MISSING if argument.default is argument.empty else None)
+            keys[name] = known._replace(
+                default=MISSING if argument.default is argument.empty else None
+            )
         if "stiffness" in keys and "exponent" in keys:
             exponent = table.values.get("exponent", arguments["exponent"].default)
             keys["stiffness"] = _in_units(keys["stiffness"], f"N/m^{exponent}")
@@ -253,7 +267,9 @@ class OfWall(Form):
 
     gap: float = key(GAP, "Gap to the building")
     fixed: str = key(Word((GROUND, SPACE)), "What it is fixed to", GROUND)
-    levels: list[float] = key(ListOf(HEIGHT, "listed"), "Levels that it touches; else all floors", ())
+    levels: list[float] = key(
+        ListOf(HEIGHT, "listed"), "Levels that it touches; else all floors", ()
+    )
 
     def wall(self) -> Wall:
         """The wall."""
@@ -275,7 +291,9 @@ class OfLink(Form):
     def link(self, **ends: Any) -> Link:
         """The link with these ends."""
         if not {"stiffness", "damping_constant"} & self.more.keys():
-            raise self.table.error("", "is a link that does nothing; give stiffness or damping_constant")
+            raise self.table.error(
+                "", "is a link that does nothing; give stiffness or damping_constant"
+            )
         return self.table.made(Link, **self.more, **ends)
 
 
@@ -377,8 +395,8 @@ class WholeCase(Form):
 class Case:
     """What a case file says, in SI units.
 
-    ``described`` are the buildings as the file has them, and ``buildings`` have the strength that gives
-    them their ductility on the ground. ``codes`` are the rules that the engineer applies.
+    ``described`` are the buildings as the file has them, and ``buildings`` have the strength that
+    gives them their ductility on the ground. ``codes`` are the rules that the engineer applies.
     """
 
     whole: WholeCase
@@ -456,39 +474,40 @@ def read_case(path: str | os.PathLike[str] | dict[str, Any]) -> Case:
     Parameters
     ----------
     path : str, path or dict
-        Path of the case file, TOML as ``stochlin gap --example`` prints it. Values with a unit are texts
-        such as ``"0.8 s"``; paths of other files are relative to it. Nothing in the file is evaluated as
-        code. A dictionary has the same tables and keys, and names no files, for it may be another's.
+        Path of the case file, TOML as ``stochlin gap --example`` prints it. Values with a unit are
+        texts such as ``"0.8 s"``; paths of other files are relative to it. Nothing in the file is
+        evaluated as code. A dictionary has the same tables and keys, and names no files, for it may
+        be another's.
 
     Returns
     -------
     Case
-        What the file says. Of its parts ``site`` has ``ground``, ``spectrum``, ``records``, ``hazard``,
-        ``scatter`` [-] and ``course``, the duration [s] and the envelope; each of its ``buildings`` has
-        its ``structure``, which is an argument of the functions, and ``sampled`` with its uncertain
-        parameters; ``wanted`` has the ``existing`` gaps [m], the ``confidence`` [-] and the ``risk``;
-        ``simulated`` the ``paths`` and the ``seed``; ``contact`` and ``measures`` are arguments of
-        `pound` and `mitigate`.
+        What the file says. Of its parts ``site`` has ``ground``, ``spectrum``, ``records``,
+        ``hazard``, ``scatter`` [-] and ``course``, the duration [s] and the envelope; each of its
+        ``buildings`` has its ``structure``, which is an argument of the functions, and ``sampled``
+        with its uncertain parameters; ``wanted`` has the ``existing`` gaps [m], the ``confidence``
+        [-] and the ``risk``; ``simulated`` the ``paths`` and the ``seed``; ``contact`` and
+        ``measures`` are arguments of `pound` and `mitigate`.
 
     Raises
     ------
     OSError
         If the file cannot be read.
     ValueError
-        If the file is not valid TOML, or a dictionary names a file; if a key is unknown or missing, a
-        unit is missing or unknown, or a value is not a number or out of range; if a building has no
-        strength or two, or keys of both an oscillator and a building with storeys; if there are too many
-        or too few gaps, or a link ties a floor that does not exist; if there are too many or too few
-        displacements of a design, or a code to be applied lacks one of its factors; or if a record
-        cannot be read or fitted. The message
-        names the file, the line, the key and what is allowed.
+        If the file is not valid TOML, or a dictionary names a file; if a key is unknown or missing,
+        a unit is missing or unknown, or a value is not a number or out of range; if a building has
+        no strength or two, or keys of both an oscillator and a building with storeys; if there are
+        too many or too few gaps, or a link ties a floor that does not exist; if there are too many
+        or too few displacements of a design, or a code to be applied lacks one of its factors; or
+        if a record cannot be read or fitted. The message names the file, the line, the key and what
+        is allowed.
 
     Warns
     -----
     UserWarning
         If a value is allowed, and no building, motion or gap has it, such as a gap above 1 m or a
-        confidence below 0.5, which are asked about in Python as well; if a motion ends before its strong
-        part; or if floors are stated to align and do not.
+        confidence below 0.5, which are asked about in Python as well; if a motion ends before its
+        strong part; or if floors are stated to align and do not.
 
     Examples
     --------
@@ -533,7 +552,9 @@ def check_together(buildings: Sequence[Building], site: CaseSite) -> None:
         ratio = float(abs(record).max()) / pga
         if text := PLAUSIBLE["peak over that of the site"].doubt(ratio):
             what = f"the peak of {name} is {ratio:.3g} times that of the site; {text}"
-            site.form.table.warn("records" if site.form.records else "suite", f"is doubtful: {what}")
+            site.form.table.warn(
+                "records" if site.form.records else "suite", f"is doubtful: {what}"
+            )
 
 
 def case_of(table: TomlTable) -> Case:
@@ -545,7 +566,9 @@ def case_of(table: TomlTable) -> Case:
             case = _case_of(table)
     finally:  # also where the file is refused
         for warning in caught:
-            warnings.warn_explicit(warning.message, warning.category, warning.filename, warning.lineno)
+            warnings.warn_explicit(
+                warning.message, warning.category, warning.filename, warning.lineno
+            )
     return replace(case, doubts=tuple(str(warning.message) for warning in caught))
 
 

@@ -128,7 +128,9 @@ class WithUnit:
     def _check_written(self, number: float, unit: str) -> None:
         """Raise a ValueError that says how to write what stands in place of a unit, if it is known."""
         if (other := _HYPHEN.fullmatch(unit)) and self.uncertain:
-            raise ValueError(f'has a hyphen between two ends; write "{number:g} to {other[1].strip()}"')
+            raise ValueError(
+                f'has a hyphen between two ends; write "{number:g} to {other[1].strip()}"'
+            )
         if (part := _FRACTION.fullmatch(unit)) and int(part[2]):
             decimals = f"{number + int(part[1]) / int(part[2]):.12g} {part[3]}"
             raise ValueError(f'has a fraction; write "{decimals}"')
@@ -202,7 +204,9 @@ class _ColumnNumber(Integer):
 
 def text_or(other: Any, words: str) -> Kind:
     """A text, or what another kind accepts."""
-    return Kind(lambda value, warn: (TEXT if isinstance(value, str) else other).read(value, warn), words)
+    return Kind(
+        lambda value, warn: (TEXT if isinstance(value, str) else other).read(value, warn), words
+    )
 
 
 TEXT = Kind(_text, "a text")
@@ -245,21 +249,29 @@ class ListOf:
     @property
     def words(self) -> str:
         """What is accepted, in words."""
-        return f"a list{'' if self.length is None else f' of {self.length}'}, each {self.kind.words}"
+        return (
+            f"a list{'' if self.length is None else f' of {self.length}'}, each {self.kind.words}"
+        )
 
     def read(self, written: Any, warn: Warn) -> Any:
         """The values in a list; one uncertain value if they are uncertain."""
         if not isinstance(written, list) and self.single:
             value = self.kind.read(written, warn)
             return value if self.single == "alone" else [value]
-        if not isinstance(written, list) or not written or len(written) != (self.length or len(written)):
+        if (
+            not isinstance(written, list)
+            or not written
+            or len(written) != (self.length or len(written))
+        ):
             raise ValueError(f"is no such list; allowed: {self.words}")
         values = [self._value(place, each, warn) for place, each in enumerate(written, 1)]
         spreads = {isinstance(x, Uncertain) and (x.kind, round(x.spread, 6)) for x in values}
         if spreads == {False}:
             return values
         if len(spreads) > 1:
-            raise ValueError("has numbers with different spreads; allowed: one spread for all of them")
+            raise ValueError(
+                "has numbers with different spreads; allowed: one spread for all of them"
+            )
         return replace(values[0], median=np.array([value.median for value in values]))
 
     def _value(self, place: int, written: Any, warn: Warn) -> Any:
@@ -293,7 +305,9 @@ def key(kind: Any, about: str, default: Any = MISSING) -> Any:
     return field(default=default, metadata={"key": Key(kind, about, default)})
 
 
-def key_of(model: type[Model], name: str, uncertain: bool = False, single: str | None = None) -> Key:
+def key_of(
+    model: type[Model], name: str, uncertain: bool = False, single: str | None = None
+) -> Key:
     """A parameter of a model as a key: a number, or as in `ListOf` with ``single``."""
     parameter = model.__dataclass_fields__[name]
     quantity = WithUnit(model.units(name), model.allowed(name), model.limits()[name], uncertain)
@@ -301,7 +315,9 @@ def key_of(model: type[Model], name: str, uncertain: bool = False, single: str |
     return Key(kind, parameter.metadata["long_name"].capitalize(), parameter.default)
 
 
-def of(model: type[Model], name: str, about: str = "", default: Any = MISSING, **options: Any) -> Any:
+def of(
+    model: type[Model], name: str, about: str = "", default: Any = MISSING, **options: Any
+) -> Any:
     """Declare a key that is a parameter of a model, by default one that may be uncertain."""
     known = key_of(model, name, **{"uncertain": True, **options})
     return key(known.kind, about or known.about, default)

@@ -62,7 +62,9 @@ class Reading(Form):
     units: str | None = key(TEXT, "Unit of the accelerations", None)
     dt: float | None = key(TIME, "Time step", None)
     column: str | int | None = key(COLUMN, "Column of the accelerations", None)
-    time_column: str | int | None = key(COLUMN, "Column of the times, in place of the time step", None)
+    time_column: str | int | None = key(
+        COLUMN, "Column of the times, in place of the time step", None
+    )
     component: str | int | None = key(COMPONENT, "Component, by its name or number from 1", None)
     wrapped: bool = key(TRUTH, "Read all numbers as one series, written in rows", False)
     skip: int = key(Integer(0), "Number of lines at the beginning that are left out", 0)
@@ -166,9 +168,13 @@ class OfFile(OfHazard):
     units: str | None = key(Word(INTENSITIES["pga"].spellings), "Unit in the file", None)
     site: int | None = key(Integer(1), "Number of the site in a file of OpenQuake", None)
     coordinates: list[float] | None = key(PLACE, "Its longitude and latitude, in its place", None)
-    investigation_time: float | None = key(YEARS, "Time in which probabilities of the file hold", None)
+    investigation_time: float | None = key(
+        YEARS, "Time in which probabilities of the file hold", None
+    )
     column: str | int | None = key(COLUMN, "Column of the intensities", None)
-    frequency_column: str | int | None = key(COLUMN, "Column of the frequencies, or probabilities", None)
+    frequency_column: str | int | None = key(
+        COLUMN, "Column of the frequencies, or probabilities", None
+    )
 
     def hazard(self) -> Hazard:
         """The curve of the file."""

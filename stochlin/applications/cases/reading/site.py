@@ -158,7 +158,9 @@ class Scaled(OfSite):
         period = self.sa_period
         if self.return_period is not None:
             if hazard is None:
-                raise self.table.error("return_period", "needs a hazard; allowed: with [site.hazard]")
+                raise self.table.error(
+                    "return_period", "needs a hazard; allowed: with [site.hazard]"
+                )
             with self.table.naming("return_period", "is not in the hazard: "):
                 strength = {hazard.measure: float(hazard.intensity(self.return_period))}
             period = hazard.period
@@ -170,7 +172,9 @@ class ByParameters(Scaled):
 
     one_of: ClassVar[Any] = {"strength of the shaking": STRENGTHS}
 
-    ground: str = key(Word(lambda: [*ground_names(), *GROUNDS, FITTED]), "Name or kind of the ground")
+    ground: str = key(
+        Word(lambda: [*ground_names(), *GROUNDS, FITTED]), "Name or kind of the ground"
+    )
     intensity: Any = of(WhiteNoise, "intensity", "Intensity S0", None)
 
     @classmethod
@@ -183,7 +187,9 @@ class ByParameters(Scaled):
         """The ground, which may be uncertain; of intensity 1 if it is scaled."""
         values = {"intensity": 1.0 if self.intensity is None else self.intensity, **self.more}
         kind = GROUNDS.get(self.ground)
-        return self.table.asked(self.table.made(kind or partial(named_ground, self.ground), **values))
+        return self.table.asked(
+            self.table.made(kind or partial(named_ground, self.ground), **values)
+        )
 
 
 class OfRecord(Scaled):
@@ -277,11 +283,17 @@ class SpectrumFile(Spectrum):
         path = self.table.path("spectrum")
         if not path.exists():
             known = f"{hint(path.name, CODES)}allowed: {', '.join(CODES)}, or such a file"
-            raise self.table.error("spectrum", f"is neither a code nor a file beside this one; {known}")
+            raise self.table.error(
+                "spectrum", f"is neither a code nor a file beside this one; {known}"
+            )
         if not (self.elastic or self.divided_by):
             lines = "the line elastic = true, or divided_by = 4 if it is divided by R or q = 4"
-            raise self.table.error("spectrum", f"does not say whether it is elastic; allowed: {lines}")
-        options = self.given("units", "period_column", "column", "site", "between", "damping", "elastic")
+            raise self.table.error(
+                "spectrum", f"does not say whether it is elastic; allowed: {lines}"
+            )
+        options = self.given(
+            "units", "period_column", "column", "site", "between", "damping", "elastic"
+        )
         if self.divided_by:
             of_table = isinstance(self.divided_by, Divisors)
             divisor = self.divided_by.table_of_factors() if of_table else self.divided_by
@@ -309,8 +321,8 @@ def _form_of(table: TomlTable, with_motion: bool) -> Any:
 class CaseSite:
     """Ground and motions of a case; what has to be fitted or scaled is so when it is first needed.
 
-    ``described`` is the ground of the file, None if it is fitted, and ``goal`` has the wanted strength
-    as arguments of `scale_ground`.
+    ``described`` is the ground of the file, None if it is fitted, and ``goal`` has the wanted
+    strength as arguments of `scale_ground`.
     """
 
     form: Any
@@ -359,7 +371,9 @@ class CaseSite:
     @property
     def scatter(self) -> float:
         """Scatter of the strength between motions [-], of the file or by default."""
-        return float(self.usual_scatter.scatter if self.motion.scatter is None else self.motion.scatter)
+        return float(
+            self.usual_scatter.scatter if self.motion.scatter is None else self.motion.scatter
+        )
 
     @property
     def leaves_out_scatter(self) -> bool:
@@ -405,7 +419,9 @@ class CaseSite:
             ground = fit_ground(record, self.form.model)
         ratio = energy_ratio(record, ground, envelope, duration)
         if not LIKE[0] <= ratio <= LIKE[1]:
-            of_record = f"times the energy of the record; for equal energy write envelope = {FITTED!r}"
+            of_record = (
+                f"times the energy of the record; for equal energy write envelope = {FITTED!r}"
+            )
             what = f"and the duration give motions with {ratio:.2g} {of_record}, without a duration"
             self.motion.table.warn("envelope", what)
         return ground
@@ -418,7 +434,9 @@ def read_site(table: TomlTable, of_motion: TomlTable) -> CaseSite:
     form = _form_of(table, with_motion)
     least = getattr(motion, "components", 1)
     if getattr(form, "ground", "") == FITTED and len(form.records) < least:
-        raise table.error("ground", f"needs a record to be fitted to; allowed: {least} [[site.records]]")
+        raise table.error(
+            "ground", f"needs a record to be fitted to; allowed: {least} [[site.records]]"
+        )
     spectrum = form.target() if "spectrum" in table else None
     records = read_records_of(form.records, form.suite, spectrum)
     hazard = form.hazard and form.hazard.hazard()

@@ -10,7 +10,15 @@ from dataclasses import MISSING, dataclass, field, replace
 from pathlib import Path
 from typing import Any, ClassVar, TypeVar, dataclass_transform
 
-from stochlin.applications.cases.reading.kinds import TEXT, Inner, Key, ListOf, WithUnit, Word, keys_of
+from stochlin.applications.cases.reading.kinds import (
+    TEXT,
+    Inner,
+    Key,
+    ListOf,
+    WithUnit,
+    Word,
+    keys_of,
+)
 from stochlin.files.inputs import input_path
 from stochlin.files.toml import read_toml
 from stochlin.messages import (
@@ -82,7 +90,9 @@ class TomlTable:
         line = next((lines[place] for place in places if place in lines), None)
         where = self.source.name if line is None else f"{self.source.name}, line {line}"
         shown = name in self and not isinstance(self.values[name], dict)
-        subject = f"{self.called(name)} = {brief(self.values[name])}" if shown else self.called(name)
+        subject = (
+            f"{self.called(name)} = {brief(self.values[name])}" if shown else self.called(name)
+        )
         return ValueError(f"{where}: {subject} {what}".replace(":  ", ": "))
 
     def warn(self, name: str, what: str) -> None:
@@ -90,10 +100,13 @@ class TomlTable:
         warnings.warn(str(self.error(name, what)), DoubtfulInput, stacklevel=2)
 
     @contextmanager
-    def naming(self, name: str | None, what: str = "cannot be used: ", **called: str) -> Iterator[None]:
+    def naming(
+        self, name: str | None, what: str = "cannot be used: ", **called: str
+    ) -> Iterator[None]:
         """Add the file, the line and the key, or the one that it names, to errors inside the context.
 
-        Arguments that an error asks for are written as keys, by the names in ``called`` if these differ.
+        Arguments that an error asks for are written as keys, by the names in ``called`` if these
+        differ.
         """
         try:
             yield
@@ -102,7 +115,9 @@ class TomlTable:
             text = as_written(sentence(error, LONGEST_MESSAGE), names, self._as_key)
             if name is None:
                 about = text.partition(";")[0]
-                name = next((n for n in self.values if re.search(rf"\b{re.escape(n)}\b", about)), "")
+                name = next(
+                    (n for n in self.values if re.search(rf"\b{re.escape(n)}\b", about)), ""
+                )
             raise self.error(name, f"{what}{text}") from error
 
     def _as_key(self, name: str, value: str | None) -> str:
@@ -138,7 +153,9 @@ class TomlTable:
             values = values[n]
         if not isinstance(values, dict):
             below = f"a line [{self.called(name)}], keys below it"
-            raise self.error(name, f"is no table; allowed: {_as_table(name, values, forms) or below}")
+            raise self.error(
+                name, f"is no table; allowed: {_as_table(name, values, forms) or below}"
+            )
         return replace(self, values=values, place=(*self.place, name, *number))
 
     def paths(self, name: str, texts: Sequence[str]) -> list[Path]:
@@ -161,7 +178,9 @@ class TomlTable:
                 table = self.table(name, forms=kind.forms)
                 return table if kind.later else table.read(*kind.forms)
             if not isinstance(self.values[name], list):
-                raise self.error(name, f"is no list of tables; allowed: lines [[{self.called(name)}]]")
+                raise self.error(
+                    name, f"is no list of tables; allowed: lines [[{self.called(name)}]]"
+                )
             places = range(len(self.values[name]))
             return [self.table(name, n, forms=kind.forms).read(*kind.forms) for n in places]
         with self.naming(name, ""):
@@ -185,11 +204,15 @@ class TomlTable:
         missing = [n for n, each in keys.items() if each.default is MISSING and n not in self]
         if missing:
             also = f" (and also {listed(missing[1:])})" if missing[1:] else ""
-            raise self.error(missing[0], f"is missing{also}; allowed: {keys[missing[0]].kind.words}")
+            raise self.error(
+                missing[0], f"is missing{also}; allowed: {keys[missing[0]].kind.words}"
+            )
         values = {n: self.value(n, each.kind) for n, each in keys.items() if n in self}
         more = {n: values.pop(n) for n in [*values] if n not in keys_of(form)}
         kinds = {n: each.kind for n, each in keys.items()}
-        lengths = {n: (kind.length or 0) if isinstance(kind, ListOf) else 0 for n, kind in kinds.items()}
+        lengths = {
+            n: (kind.length or 0) if isinstance(kind, ListOf) else 0 for n, kind in kinds.items()
+        }
         return form(table=replace(self, keys=lengths), more=more, **values)
 
     @unquestioned()
@@ -228,7 +251,9 @@ class TomlTable:
                 raise self.error("", f"has no {what}{allowed}")
         for name, other in form.goes_with:
             if name in chosen and other not in chosen:
-                raise self.error(name, f"needs {other}, which is missing; allowed: both, or neither")
+                raise self.error(
+                    name, f"needs {other}, which is missing; allowed: both, or neither"
+                )
 
 
 @dataclass_transform(frozen_default=True, kw_only_default=True)

@@ -23,10 +23,16 @@ _NUMBER = r"((?:\d+\.?\d*|\.\d+)(?:[ED][-+]?\d+)?)"
 _IN_ANY_ORDER = re.compile(
     rf"(?=.*?\bNPTS\b[\s=:]*{_NUMBER})(?=.*?\bDT\b[\s=:]*{_NUMBER}[\s(]*([A-Z]*))", re.IGNORECASE
 )
-_NUMBERS_FIRST = re.compile(rf"^\s*{_NUMBER}[\s,]+{_NUMBER}[\s,]+NPTS\W+DT[\s(]*([A-Z]*)", re.IGNORECASE)
+_NUMBERS_FIRST = re.compile(
+    rf"^\s*{_NUMBER}[\s,]+{_NUMBER}[\s,]+NPTS\W+DT[\s(]*([A-Z]*)", re.IGNORECASE
+)
 # "UNITS OF G.", "UNITS OF (CM/SEC/SEC)", "UNITS: G'S"
-_UNITS = re.compile(r"\bUNITS?(?:\s+OF)?[\s:=(\[]+([A-Z]+\d?(?:(?:/|\^|\*\*)[A-Z\d]+)*)", re.IGNORECASE)
-_OF_PEER = re.compile(r"STRONG.MOTION", re.IGNORECASE)  # first line of a file whose second is a title
+_UNITS = re.compile(
+    r"\bUNITS?(?:\s+OF)?[\s:=(\[]+([A-Z]+\d?(?:(?:/|\^|\*\*)[A-Z\d]+)*)", re.IGNORECASE
+)
+_OF_PEER = re.compile(
+    r"STRONG.MOTION", re.IGNORECASE
+)  # first line of a file whose second is a title
 _EXAMPLES = "'NPTS= 5372, DT= .0100 SEC' or '4096 0.0100 NPTS, DT', the time step in SEC or MSEC"
 
 

@@ -1,15 +1,16 @@
 """CSMIP Volume 2 and COSMOS V1 and V2: channels one after the other, each below a header of its own.
 
-Shakal, A. F. and Huang, M. J. (1985), Standard tape format for CSMIP strong-motion data tapes, Report
-OSMS 85-03, California Division of Mines and Geology; files ``.V2``. COSMOS (2001), Strong Motion Data
-Format, version 1.20, Consortium of Organizations for Strong-Motion Observation Systems; files ``.V2c``.
-Both are delivered by https://www.strongmotioncenter.org.
+Shakal, A. F. and Huang, M. J. (1985), Standard tape format for CSMIP strong-motion data tapes,
+Report OSMS 85-03, California Division of Mines and Geology; files ``.V2``. COSMOS (2001), Strong
+Motion Data Format, version 1.20, Consortium of Organizations for Strong-Motion Observation Systems;
+files ``.V2c``. Both are delivered by https://www.strongmotioncenter.org.
 
 Accelerations stand below lines such as ``15050 points of accel data equally spaced at .020 sec, in
 cm/sec2. (8f10.6)`` of CSMIP, and ``42000 acceleration pts, approx 210 secs,
 units=cm/sec2(04),Format=(8F10.5)`` of COSMOS. There real value 62 is the time step [ms] and 63 the
-length [s]; -999 is what is not known. The earthquake is known by its origin time, or else by the line
-``Rcrd of Tue Dec 20, 2022 02:34:01.0 PST``, the time of the first sample, or the number of the record.
+length [s]; -999 is what is not known. The earthquake is known by its origin time, or else by the
+line ``Rcrd of Tue Dec 20, 2022 02:34:01.0 PST``, the time of the first sample, or the number of the
+record.
 """
 
 from __future__ import annotations
@@ -28,7 +29,8 @@ _CHANNEL = re.compile(
     r"|\s*sta cha\w*\s*:?\s*[^:]*:\s*([^(:]*?)\s*\(",
     re.IGNORECASE,
 )
-# Of the header above a channel: what identifies the earthquake, by rank, the station, and the channel.
+# Of the header above a channel: what identifies the earthquake, by rank, the station, and the
+# channel.
 _EVENTS = [
     re.compile(pattern, re.IGNORECASE)
     for pattern in (
@@ -38,7 +40,9 @@ _EVENTS = [
         r"(?:^\s*corrected accelerogram|rcrdid:)\s*(\w+-\w+-\d{5}\.\d+|\d{6,}\.\w+\.\w+)",
     )
 ]
-_STATION = re.compile(r"^\s*stat(?:io)?n no\b.*\bcode:\s*(\S+)|^\s*station no\.?\s*(\S+)", re.IGNORECASE)
+_STATION = re.compile(
+    r"^\s*stat(?:io)?n no\b.*\bcode:\s*(\S+)|^\s*station no\.?\s*(\S+)", re.IGNORECASE
+)
 _SCNL = re.compile(r"<SCNL>\w*\.(\w+)")
 _REALS = re.compile(r"\s*\d+\s+real-header values follow on\s+(\d{1,6})\s+lines", re.IGNORECASE)
 _DATA = re.compile(

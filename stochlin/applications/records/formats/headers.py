@@ -2,13 +2,13 @@
 
 National Research Institute for Earth Science and Disaster Resilience, About K-NET ASCII format,
 http://www.kyoshin.bosai.go.jp/kyoshin/man/knetform_en.html: 17 lines, with labels of 18 characters.
-Counts times the scale factor, ``3920(gal)/6182761``, are in gal, and there are as many of them as the
-sampling frequency times the duration. They have an offset: the mean of the whole record is subtracted,
-as the network does for the largest acceleration in the header.
+Counts times the scale factor, ``3920(gal)/6182761``, are in gal, and there are as many of them as
+the sampling frequency times the duration. They have an offset: the mean of the whole record is
+subtracted, as the network does for the largest acceleration in the header.
 
-Luzi, L. et al. (2016), The Engineering Strong-Motion Database, Seismol. Res. Lett. 87, 987-997; format
-DYNA 1.2 of https://esm-db.eu: 64 lines ``KEY: value``. The mean of a record with ``BASELINE NOT
-REMOVED`` is subtracted.
+Luzi, L. et al. (2016), The Engineering Strong-Motion Database, Seismol. Res. Lett. 87, 987-997;
+format DYNA 1.2 of https://esm-db.eu: 64 lines ``KEY: value``. The mean of a record with ``BASELINE
+NOT REMOVED`` is subtracted.
 """
 
 from __future__ import annotations
@@ -54,7 +54,9 @@ class _Header(NamedTuple):
     def line(self, key: str, example: str) -> tuple[int, str]:
         """Number and text of the line of this key; a ValueError if there is none."""
         if key not in self.lines:
-            raise ValueError(f"{self.file.name} has no line {key!r}; allowed: a header with {example!r}")
+            raise ValueError(
+                f"{self.file.name} has no line {key!r}; allowed: a header with {example!r}"
+            )
         return self.lines[key]
 
     def positive(self, key: str, example: str) -> float:

@@ -39,7 +39,9 @@ class RecordFile(NamedTuple):
 
     def wrong(self, number: int, allowed: str) -> ValueError:
         """The error that a line is not what is allowed there."""
-        line = self.lines[number - 1].strip() if number <= len(self.lines) else "the end of the file"
+        line = (
+            self.lines[number - 1].strip() if number <= len(self.lines) else "the end of the file"
+        )
         return ValueError(f"{self.name}, line {number}: {brief(line)}; allowed there: {allowed}")
 
     def counted(self, first: int, last: int, count: int, stated: int, width: int = 0) -> Array:
@@ -67,7 +69,9 @@ class RecordFile(NamedTuple):
             values = np.array(text.split(), float)
             if np.isfinite(values).all() and "_" not in text:
                 return values
-        fields = [(n, field) for n, line in enumerate(lines, first) for field in _fields(line, width)]
+        fields = [
+            (n, field) for n, line in enumerate(lines, first) for field in _fields(line, width)
+        ]
         for n, field in fields:
             if number_in(field) is None:
                 raise self.wrong(n, f"finite numbers, such as -0.5E-3, and not {brief(field)}")
@@ -83,9 +87,9 @@ class RecordFile(NamedTuple):
 class Format:
     """A format of record files.
 
-    ``header`` is searched in the first `HEADER_LINES` lines with text, as they are written and without
-    comments, and ``read`` gives the components, none if it sees no accelerations. Of a folder of
-    records, files with these ``endings``, a regular expression, are read.
+    ``header`` is searched in the first `HEADER_LINES` lines with text, as they are written and
+    without comments, and ``read`` gives the components, none if it sees no accelerations. Of a
+    folder of records, files with these ``endings``, a regular expression, are read.
     """
 
     title: str  # with its article
@@ -96,11 +100,18 @@ class Format:
     def __post_init__(self) -> None:
         if any(map(self.header.search, NO_HEADERS)):
             what = f"{self.title}: the header {brief(self.header.pattern)} is in every file"
-            raise ValueError(f"{what}; allowed: a pattern that only files of this format begin with")
+            raise ValueError(
+                f"{what}; allowed: a pattern that only files of this format begin with"
+            )
 
 
 HEADER_LINES = 8
-NO_HEADERS = "", "0.1", "0.0, 0.1\n0.02, 0.3", "time acceleration\n0.0 0.1"  # first lines of other files
+NO_HEADERS = (
+    "",
+    "0.1",
+    "0.0, 0.1\n0.02, 0.3",
+    "time acceleration\n0.0 0.1",
+)  # first lines of other files
 FORMATS: Registry[Format] = Registry("format of records", "stochlin.applications.records.formats")
 
 

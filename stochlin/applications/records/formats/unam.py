@@ -1,9 +1,9 @@
 """Standard accelerogram file of the Mexican networks, as of UNAM and RACM: a column for each channel.
 
-Instituto de Ingenieria, UNAM, Archivo estandar de aceleracion, version 2.0, 109 lines of header, as in
-Alcantara, L. et al. (1997), Base Mexicana de Datos de Sismos Fuertes. Values of all channels stand in
-one line of the header, ``/0.005/0.005/0.005``. Accelerations are read as they are written, without
-correction of the baseline.
+Instituto de Ingenieria, UNAM, Archivo estandar de aceleracion, version 2.0, 109 lines of header, as
+in Alcantara, L. et al. (1997), Base Mexicana de Datos de Sismos Fuertes. Values of all channels
+stand in one line of the header, ``/0.005/0.005/0.005``. Accelerations are read as they are written,
+without correction of the baseline.
 """
 
 from __future__ import annotations
@@ -35,7 +35,9 @@ def _read(file: RecordFile) -> list[Series]:
     heads = file.lines[title : title + _MOST_HEADS]
     start = max((n for n, line in enumerate(heads, title + 1) if _RULE.match(line)), default=0)
     if not start:
-        raise ValueError(f"{file.name} has no data; allowed: below 'DATOS DE ACELERACION' and '------'")
+        raise ValueError(
+            f"{file.name} has no data; allowed: below 'DATOS DE ACELERACION' and '------'"
+        )
     header = RecordFile(file.name, file.lines[:title])
     names = _values(header, *_NAMES)[1]
     steps = _numbers(header, _INTERVAL, len(names))
@@ -73,7 +75,9 @@ def _values(header: RecordFile, key: str, example: str) -> tuple[int, list[str]]
     lines = {n: line for n, line in enumerate(header.lines, 1) if re.match(rf"\s*{key}", line)}
     texts = "/".join(line.partition(":")[2] for line in lines.values()).split("/")
     if not (values := [text.strip() for text in texts if text.strip()]):
-        raise ValueError(f"{header.name} has no line {example!r}; allowed: a value for each channel")
+        raise ValueError(
+            f"{header.name} has no line {example!r}; allowed: a value for each channel"
+        )
     return min(lines), values
 
 
@@ -81,7 +85,9 @@ def _numbers(header: RecordFile, of: tuple[str, str], channels: int) -> list[flo
     number, texts = _values(header, *of)
     values = [number_in(text) or 0.0 for text in texts]
     if len(values) != channels or not all(0 < value < 1e9 for value in values):
-        raise header.wrong(number, f"a positive number for each of {channels} channels, as in {of[1]!r}")
+        raise header.wrong(
+            number, f"a positive number for each of {channels} channels, as in {of[1]!r}"
+        )
     return values
 
 

@@ -49,8 +49,8 @@ def annual_frequencies(probabilities: Array, years: float) -> Array:
 def points_of(ordinate: Ordinate) -> Ordinate:
     """The points of a curve that state a frequency of their own.
 
-    Left out are intensities at the end that are never exceeded, those that are always exceeded, whose
-    frequency is infinite, and of intensities with the same frequency all but the largest.
+    Left out are intensities at the end that are never exceeded, those that are always exceeded,
+    whose frequency is infinite, and of intensities with the same frequency all but the largest.
     """
     frequencies = ordinate.frequencies
     kept = (np.cumsum(frequencies[::-1] != 0)[::-1] > 0) & (frequencies != np.inf)

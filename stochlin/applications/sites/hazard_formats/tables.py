@@ -1,11 +1,11 @@
 """Hazard curves in tables: columns of one curve, or sites as OpenQuake and nshmp-haz write them.
 
-GEM, OpenQuake Engine manual, Outputs from classical PSHA, ``hazard_curve-mean-PGA_17.csv``: a comment
-with ``investigation_time=50.0, imt='PGA'``, the columns ``lon,lat,depth,poe-0.005,...``, whose names
-have the intensities, in g for ``PGA`` and ``SA``, and a row for each site with the probabilities that
-they are exceeded in the investigation time [yr]. U.S. Geological Survey, nshmp-haz, ``PGA/total.csv``:
-the columns ``name,lon,lat,0.0025,...``, whose names have the intensities [g], and annual frequencies of
-exceedance, in a folder named by the measure.
+GEM, OpenQuake Engine manual, Outputs from classical PSHA, ``hazard_curve-mean-PGA_17.csv``: a
+comment with ``investigation_time=50.0, imt='PGA'``, the columns ``lon,lat,depth,poe-0.005,...``,
+whose names have the intensities, in g for ``PGA`` and ``SA``, and a row for each site with the
+probabilities that they are exceeded in the investigation time [yr]. U.S. Geological Survey,
+nshmp-haz, ``PGA/total.csv``: the columns ``name,lon,lat,0.0025,...``, whose names have the
+intensities [g], and annual frequencies of exceedance, in a folder named by the measure.
 """
 
 from __future__ import annotations
@@ -52,7 +52,9 @@ _LEVELS: dict[str, tuple[Quantity, ...]] = {
 _SITES = re.compile(rf"({'|'.join(_ALONG)}|custom_site_id|imt)\b", re.IGNORECASE)
 _YEARS = re.compile(r"investigation_time\s*=\s*([\d.eE+-]+)")
 _MEASURE = re.compile(r"\bimt\s*=\s*[\"']*([A-Za-z]\w*(?:\([^)]*\))?)")
-_PER_YEARS = re.compile(r"(?:\bper|1\s*/|\bin)\s*(\d+)\s*-?\s*(?:y|a\b|a[nñ]|j|sene)", re.IGNORECASE)
+_PER_YEARS = re.compile(
+    r"(?:\bper|1\s*/|\bin)\s*(\d+)\s*-?\s*(?:y|a\b|a[nñ]|j|sene)", re.IGNORECASE
+)
 SHARE = Range(upper=1.0, include_lower=True, include_upper=True)
 _LEVEL = "poe-"
 _NEAR = 0.01  # degrees, about 1 km: largest distance of a site that is named by its coordinates
@@ -117,7 +119,9 @@ def _check_years(table: Table, title: str, years: float) -> None:
     """Raise a ValueError if the title of probabilities states another time in which they hold."""
     for stated in _PER_YEARS.findall(title):
         if not np.isclose(float(stated), years, rtol=1e-6):
-            raise table.error(f"has {brief(title)}, which investigation_time = {years:g} contradicts")
+            raise table.error(
+                f"has {brief(title)}, which investigation_time = {years:g} contradicts"
+            )
 
 
 def _check_per_year(table: Table, title: str) -> None:
@@ -162,7 +166,9 @@ def _years(table: Table, comments: str, known: float | None) -> float:
     if not years:
         raise table.error("does not state the time of its probabilities; give investigation_time=")
     if known is not None and not np.isclose(years, known, rtol=1e-9):
-        raise table.error(f"states {years:g} years, which investigation_time = {known:g} contradicts")
+        raise table.error(
+            f"states {years:g} years, which investigation_time = {known:g} contradicts"
+        )
     return years
 
 
@@ -185,9 +191,13 @@ def _chosen(name: str, coordinates: Sequence[Sequence[float]], site: Site | None
     if site is None:
         raise ValueError(f"site is missing: {known}; give its number")
     if not isinstance(site, (list, tuple)) or len(site) != 2 or not all(map(is_number, site)):
-        raise ValueError(f"site = {brief(site)} is unknown: {known}; give its number or coordinates")
+        raise ValueError(
+            f"site = {brief(site)} is unknown: {known}; give its number or coordinates"
+        )
     away: Array = np.abs(np.array(coordinates, float) - np.array(site, float)).max(axis=1)
     nearest = int(np.argmin(away))
     if not away[nearest] <= _NEAR:
-        raise ValueError(f"site = {brief(site)} is not in {name}, where the nearest is {sites[nearest]}")
+        raise ValueError(
+            f"site = {brief(site)} is not in {name}, where the nearest is {sites[nearest]}"
+        )
     return nearest

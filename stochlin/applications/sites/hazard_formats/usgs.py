@@ -1,10 +1,11 @@
 """Hazard curves of the U.S. Geological Survey: the response of its hazard service, as JSON.
 
-National Seismic Hazard Model, https://earthquake.usgs.gov/ws/nshmp: annual frequencies of exceedance of
-several intensity measures at one site. The curves stand in ``response.hazardCurves``, each with ``imt``
-and ``data`` with the ``component`` ``Total`` and its ``values``, ``xs`` and ``ys``. The label ``Ground
-Motion (g)`` has the unit. Before 2022 ``response`` was the list of the curves: each has its ``imt``, its
-``xvalues`` and the label in ``metadata``, and its ``yvalues`` in ``data``.
+National Seismic Hazard Model, https://earthquake.usgs.gov/ws/nshmp: annual frequencies of
+exceedance of several intensity measures at one site. The curves stand in ``response.hazardCurves``,
+each with ``imt`` and ``data`` with the ``component`` ``Total`` and its ``values``, ``xs`` and
+``ys``. The label ``Ground Motion (g)`` has the unit. Before 2022 ``response`` was the list of the
+curves: each has its ``imt``, its ``xvalues`` and the label in ``metadata``, and its ``yvalues`` in
+``data``.
 """
 
 from __future__ import annotations

@@ -1,9 +1,10 @@
 """Stationary covariances of many linear systems ``x' = A x + b n(t)``, to nearly full precision.
 
-The method of Bartels and Stewart (1972) alone is inaccurate for slow states beside fast ones, since its
-error is relative to the largest rates of the matrix. Two measures restore the accuracy: the matrix is
-balanced first, and the solution is refined by its residual, computed with the balanced matrix, until it
-no longer changes. The leading dimension of all arrays is that of the systems, called cells (c).
+The method of Bartels and Stewart (1972) alone is inaccurate for slow states beside fast ones, since
+its error is relative to the largest rates of the matrix. Two measures restore the accuracy: the
+matrix is balanced first, and the solution is refined by its residual, computed with the balanced
+matrix, until it no longer changes. The leading dimension of all arrays is that of the systems,
+called cells (c).
 """
 
 from __future__ import annotations
@@ -16,7 +17,9 @@ from stochlin.kernels.basics.arrays import Array
 REFINEMENTS = 20  # largest number of solutions for a residual
 STILL = 1e-11  # correction of a correlation after which the error that is left is rounding
 WORSE = 0.5  # ratio of a correction to the last one above which it is rounding error
-ACCURATE = 1e-8  # largest last correction over the largest covariance; above it the result is refused
+ACCURATE = (
+    1e-8  # largest last correction over the largest covariance; above it the result is refused
+)
 BLOCK = 32  # columns that LAPACK reduces together
 
 UNSTABLE = "the state matrix is not stable; allowed: eigenvalues with negative real parts"
@@ -26,7 +29,8 @@ INACCURATE = "the system is too near to one without a stationary covariance"
 def stationary_covariance(matrix: Array, noise: Array, intensity: Array) -> tuple[Array, Array]:
     """``X`` (c, n, n) of ``A X + X A' + intensity b b' = 0``, and whether each ``A`` is stable.
 
-    ``X`` is NaN where the matrix is not stable, or so close to instability that rounding errors decide.
+    ``X`` is NaN where the matrix is not stable, or so close to instability that rounding errors
+    decide.
     """
     covariance = np.full(matrix.shape, np.nan)
     stable = np.zeros(len(matrix), bool)

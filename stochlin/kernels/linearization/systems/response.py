@@ -1,10 +1,11 @@
 """Stationary response of linearized systems, and the moments of their springs.
 
-For accuracy the Lyapunov equation is solved in other states than those of the state space. Extensions of
-as many springs as there are coordinates, the stiffest ones that are independent, replace the
-coordinates, so that small extensions are not differences of large displacements. The slip ``y = d - z``
-replaces ``z``, as for single oscillators: if a spring hardly yields, all coefficients of its equation
-tend to zero together. In the limit ``z = -c_eq d``, and the difference of both is a state that is zero.
+For accuracy the Lyapunov equation is solved in other states than those of the state space.
+Extensions of as many springs as there are coordinates, the stiffest ones that are independent,
+replace the coordinates, so that small extensions are not differences of large displacements. The
+slip ``y = d - z`` replaces ``z``, as for single oscillators: if a spring hardly yields, all
+coefficients of its equation tend to zero together. In the limit ``z = -c_eq d``, and the difference
+of both is a state that is zero.
 """
 
 from __future__ import annotations
@@ -30,7 +31,9 @@ class StationaryResponse:
     def __init__(self, system: StateSpace) -> None:
         self.system = system
         self._matrix, self._noise, self._back = _in_extensions(system)
-        self._solution, self.stable = stationary_covariance(self._matrix, self._noise, system.intensity)
+        self._solution, self.stable = stationary_covariance(
+            self._matrix, self._noise, system.intensity
+        )
 
     @cached_property
     def covariance(self) -> Array:
@@ -68,13 +71,15 @@ class StationaryResponse:
         rate = self.rows(extensions, rates=True)
         z = drift.copy()
         z[:, springs[yields] - first] = self._back[:, self.system.blocks[Z]][:, yields]
-        return self._std(post[..., None] * drift + couple[..., None] * z + dashpots[..., None] * rate)
+        return self._std(
+            post[..., None] * drift + couple[..., None] * z + dashpots[..., None] * rate
+        )
 
     def spectral_moments(self, weights: Array) -> SpectralMoments:
         """Spectral moments (c, k) of sums ``c x`` of coordinates with these weights (k, n).
 
-        They are integrals over positive frequencies of twice the two-sided PSD, as for oscillators, with
-        the same integral for ``l1``: the correlation function ``R(t) = c e^(A t) X c'`` gives
+        They are integrals over positive frequencies of twice the two-sided PSD, as for oscillators,
+        with the same integral for ``l1``: the correlation function ``R(t) = c e^(A t) X c'`` gives
         ``I(s) = -c A (s - A)^-1 X c'``.
         """
         c = self.rows(weights)

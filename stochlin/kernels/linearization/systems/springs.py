@@ -32,7 +32,9 @@ class SpringLaw(NamedTuple):
     def evaluated(self, function: Function, moments: Array) -> Array:
         """Results (r, c, i) of a function of moments and parameters, for moments (3, c, m)."""
         own = moments[..., self.springs]
-        flat = function(own.reshape(3, -1), self.parameters.reshape(len(self.parameters), own[0].size))
+        flat = function(
+            own.reshape(3, -1), self.parameters.reshape(len(self.parameters), own[0].size)
+        )
         return flat.reshape(-1, *own.shape[1:])
 
 
@@ -69,7 +71,9 @@ class Springs(NamedTuple):
     def frequency(self) -> Array:
         """Frequencies (c, m) [rad/s] of the springs that yield, with the masses at their ends."""
         own = self.system.extensions[self.yielding]
-        square: Array = self.system.elastic[:, self.yielding] * ((1 / self.system.mass) @ (own**2).T)
+        square: Array = self.system.elastic[:, self.yielding] * (
+            (1 / self.system.mass) @ (own**2).T
+        )
         return np.sqrt(square)
 
     @property

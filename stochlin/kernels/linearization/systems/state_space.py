@@ -1,18 +1,19 @@
 """The augmented state space of linearized structures and their ground, eqs. (5), (6), (8), (11), (12).
 
-`state_space` is the one place where the state matrix is put together. The structures are a `System` of
-coordinates ``q`` and springs with the extensions ``e = E q``, and the ground is a filter of white noise
-``n`` with the states ``g``. The states of the whole are ``g``, ``q``, ``v = q'``, and a ``z`` for each
-spring that yields:
+`state_space` is the one place where the state matrix is put together. The structures are a `System`
+of coordinates ``q`` and springs with the extensions ``e = E q``, and the ground is a filter of
+white noise ``n`` with the states ``g``. The states of the whole are ``g``, ``q``, ``v = q'``, and a
+``z`` for each spring that yields:
 
     g' = A g + b n
     q' = v
     v' = o . g - M^-1 (C v + E' (post e + couple z + c e'))
     z' = -c_eq e' - k_eq z
 
-In a spring that stays elastic, ``z = e``. The dashpots ``c`` are those of links between structures. If
-the ground is white noise itself, it has no states, and ``n`` takes the place of ``o . g``. The leading
-dimension of all arrays is that of the systems, called cells (c), which have the same floors and springs.
+In a spring that stays elastic, ``z = e``. The dashpots ``c`` are those of links between structures.
+If the ground is white noise itself, it has no states, and ``n`` takes the place of ``o . g``. The
+leading dimension of all arrays is that of the systems, called cells (c), which have the same floors
+and springs.
 """
 
 from __future__ import annotations

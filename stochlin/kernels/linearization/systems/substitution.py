@@ -1,17 +1,17 @@
 """The iteration of statistical linearization for systems of springs that yield, many at once.
 
-The unknowns (u, c) of c cells are ``log sigma_v``, ``log sigma_z`` and ``atanh corr(v, z)`` of the m
-springs that yield, and ``log sigma`` of the rates of k dashpots with an exponent. `linear_for` has the
-coefficients of the closure, eqs. (9) and (10), for these moments. `respond` has the moments of the
-response of the linear system with these coefficients. `fixed_points` repeats this until covariance and
-coefficients stand still.
+The unknowns (u, c) of c cells are ``log sigma_v``, ``log sigma_z`` and ``atanh corr(v, z)`` of the
+m springs that yield, and ``log sigma`` of the rates of k dashpots with an exponent. `linear_for`
+has the coefficients of the closure, eqs. (9) and (10), for these moments. `respond` has the moments
+of the response of the linear system with these coefficients. `fixed_points` repeats this until
+covariance and coefficients stand still.
 
 Plain substitution takes the moments of the response as the next ones, which may cycle without end.
-Anderson's mixing takes the linear combination of the last rounds that has the least mismatch of both
-moments (Anderson 1965, J. ACM 12; Walker and Ni 2011, SIAM J. Numer. Anal. 49).
+Anderson's mixing takes the linear combination of the last rounds that has the least mismatch of
+both moments (Anderson 1965, J. ACM 12; Walker and Ni 2011, SIAM J. Numer. Anal. 49).
 
-A dashpot with an exponent is linearized too (Roberts and Spanos 1990, Random vibration and statistical
-linearization).
+A dashpot with an exponent is linearized too (Roberts and Spanos 1990, Random vibration and
+statistical linearization).
 """
 
 from __future__ import annotations
@@ -29,12 +29,16 @@ from stochlin.kernels.linearization.systems.state_space import state_space
 
 DEPTH = 10  # rounds that are mixed
 LARGEST_STEP = 1.0  # in the logarithms of standard deviations and atanh of correlations
-DEPENDENT = 1e-12  # square of the share of a round that others do not determine, below which it is left
+DEPENDENT = (
+    1e-12  # square of the share of a round that others do not determine, below which it is left
+)
 BACK = 0.25  # share of a step that is tried again where it led to no response
 AT_LEVEL = 30  # rounds at one level of shaking, where a solution is followed
 HARDLY = 2.0  # by which log sigma_z of a system that hardly yields is smaller
 SOLVED = 1e-7  # largest mismatch of a solution; rounding leaves this much in stiff equations
-IDLE = np.log(1e-6)  # log sigma of the rate [m/s] of a dashpot below which it may be a rounding error
+IDLE = np.log(
+    1e-6
+)  # log sigma of the rate [m/s] of a dashpot below which it may be a rounding error
 
 
 class EquivalentCoefficients(NamedTuple):
@@ -42,7 +46,9 @@ class EquivalentCoefficients(NamedTuple):
 
     slip: Array  # (c, m) 1 + c_eq
     relaxation: Array  # (c, m) k_eq [1/s]
-    dashpots: Array  # (c, l) damping constants [N s/m]; 0 of those with an exponent that do not move
+    dashpots: (
+        Array  # (c, l) damping constants [N s/m]; 0 of those with an exponent that do not move
+    )
 
     def at(self, cells: Array) -> EquivalentCoefficients:
         """The cells with these numbers."""
@@ -85,7 +91,9 @@ def respond(problem: Springs, linear: EquivalentCoefficients) -> tuple[Array, Ar
     sv = 0.5 * np.log(vv) + level
     sz = 0.5 * np.log(zz) + level
     of_dashpots = np.maximum(np.log(rates) + level, IDLE)
-    return response.covariance, np.hstack([sv, sz, np.arctanh(vz / np.sqrt(vv * zz)), of_dashpots]).T
+    return response.covariance, np.hstack(
+        [sv, sz, np.arctanh(vz / np.sqrt(vv * zz)), of_dashpots]
+    ).T
 
 
 def mixed(tried: Array, mismatches: Array, relaxation: float) -> Array:
@@ -113,8 +121,8 @@ def largest_change(
 ) -> Array:
     """Largest changes (2, c) of covariances and of coefficients.
 
-    That of a covariance is over the product of the standard deviations, that of ``k_eq`` over ``k_eq``
-    plus the frequency of the spring, that of a dashpot over its constant.
+    That of a covariance is over the product of the standard deviations, that of ``k_eq`` over
+    ``k_eq`` plus the frequency of the spring, that of a dashpot over its constant.
     """
     linear, covariance = now
     old, old_covariance = before
@@ -193,9 +201,10 @@ def solve_springs(
 ) -> tuple[FixedPoint, Array]:
     """The `fixed_points` of all cells.
 
-    ``elastic`` (u, c) are the unknowns of the elastic response. Where a law may have several solutions,
-    so that ``one_solution`` (c,) is false, and where mixing fails, the iteration begins at the end of
-    the branch of solutions from weak to full shaking; substitution is always from the elastic response.
+    ``elastic`` (u, c) are the unknowns of the elastic response. Where a law may have several
+    solutions, so that ``one_solution`` (c,) is false, and where mixing fails, the iteration begins
+    at the end of the branch of solutions from weak to full shaking; substitution is always from the
+    elastic response.
     """
     m = problem.yielding.size
     solution = nothing(elastic)

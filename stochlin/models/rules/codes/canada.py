@@ -1,7 +1,7 @@
 """The rule of the National Building Code of Canada.
 
-By 4.1.8.13 the peaks are the elastic deflections times Rd Ro/IE. Adjacent structures are separated by
-the root of squares of their individual deflections, or connected, as the Ontario code says, too.
+By 4.1.8.13 the peaks are the elastic deflections times Rd Ro/IE. Adjacent structures are separated
+by the root of squares of their individual deflections, or connected, as the Ontario code says, too.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """The rule of China, GB 50011.
 
-Concrete frames: 100 mm, and 20 mm for every `step` of the lower building above 15 m: 3 m for intensity
-8, and 5, 4 and 2 m for intensities 6, 7 and 9. Heights between multiples of the step count in
-proportion. Without heights the lower building is taken to have at most 15 m.
+Concrete frames: 100 mm, and 20 mm for every `step` of the lower building above 15 m: 3 m for
+intensity 8, and 5, 4 and 2 m for intensities 6, 7 and 9. Heights between multiples of the step
+count in proportion. Without heights the lower building is taken to have at most 15 m.
 """
 
 from __future__ import annotations

@@ -34,7 +34,9 @@ def _check_formula(rule: CodeRule) -> None:
     except (TypeError, AttributeError) as error:
         known = ", ".join(["both peaks", *rule.needs, *(["its number"] if rule.number else [])])
         what = f"{rule.name}: the formula fails with {known} alone"
-        raise ValueError(f"{what}; name what else it takes in needs, or by a number: {error}") from error
+        raise ValueError(
+            f"{what}; name what else it takes in needs, or by a number: {error}"
+        ) from error
 
 
 CODE_RULES: Registry[CodeRule] = Registry(
@@ -50,10 +52,14 @@ TRIED: Mapping[str, Any] = {
 }
 # Factors of codes on displacements under design forces, as `stochlin.code_gaps` names them.
 FACTORS = BEHAVIOUR, DEFLECTION, IMPORTANCE = "behaviour", "deflection", "importance"
-AT_LEAST_1 = Range(1.0, include_lower=True, reason="it multiplies displacements under design forces")
+AT_LEAST_1 = Range(
+    1.0, include_lower=True, reason="it multiplies displacements under design forces"
+)
 OF_IMPORTANCE = Range(0.5, 2.0, True, True, "codes have 0.8 to 1.5")
 STOREYS = Range(1.0, include_lower=True, reason="storeys above the ground")
-MULTIPLIED = "displacements that are multiplied already: it has no factor on those under design forces"
+MULTIPLIED = (
+    "displacements that are multiplied already: it has no factor on those under design forces"
+)
 BOTH = ("floors_align", "same_property", "same_system")  # facts of two buildings
 # Assumptions on two buildings that several codes have.
 ALIGNED = "the factor for floors that align accepts contact at slab level"
@@ -155,22 +161,28 @@ class CodeNumber(NamedTuple):
 class CodeRule(Published):
     """A separation rule: a formula, and what must be known to use it.
 
-    A code that takes the displacements of a design says in ``multiplies`` by which of its factors those
-    under design forces are multiplied, times ``share``, and over the importance factor if
+    A code that takes the displacements of a design says in ``multiplies`` by which of its factors
+    those under design forces are multiplied, times ``share``, and over the importance factor if
     ``over_importance``. ``called`` has the names that it gives to its factors.
     """
 
     # Required separation of two buildings [m]; by default the sum of both distances from the line.
     gap_of: Callable[[Site], Any] | None = field(default=None, compare=False)
-    # Required distance of building 1 from a property line [m]; by default the gap to a building of the
-    # same height that does not move.
+    # Required distance of building 1 from a property line [m]; by default the gap to a building of
+    # the same height that does not move.
     line_of: Callable[[Site], Any] | None = field(default=None, compare=False)
     assumptions: str = INELASTIC
     of_pairs: Sequence[str] = ()  # further assumptions, which say nothing of one building
-    family: str = ""  # the quantity from which the gap is computed: "SRSS", "sum", "height" or "fixed"
-    between: str = ""  # the same between two properties, if both distances from the line are added there
+    family: str = (
+        ""  # the quantity from which the gap is computed: "SRSS", "sum", "height" or "fixed"
+    )
+    between: str = (
+        ""  # the same between two properties, if both distances from the line are added there
+    )
     needs: Sequence[str] = ()  # arguments of `gap` required besides the peaks
-    half_if_alike: bool = False  # of both distances, for the same height, system and levels of floors
+    half_if_alike: bool = (
+        False  # of both distances, for the same height, system and levels of floors
+    )
     line: str = ""  # statement on one building and its property line, empty if not known
     multiplies: str = ""  # BEHAVIOUR or DEFLECTION; empty if it takes no such displacements
     share: float = 1.0
@@ -186,7 +198,9 @@ class CodeRule(Published):
             raise ValueError(f"{self.name}: gap_of is not given; allowed: a function of a Site")
         for what in ("of_pairs", "needs", "countries"):
             if isinstance(text := getattr(self, what), str):
-                raise ValueError(f"{self.name}: {what} = {text!r}; allowed: a tuple, as ({text!r},)")
+                raise ValueError(
+                    f"{self.name}: {what} = {text!r}; allowed: a tuple, as ({text!r},)"
+                )
         if not isinstance(self.called, Mapping):
             what = f"{self.name}: called = {brief(self.called)}"
             raise ValueError(f"{what}; allowed: names by factor, as {{'behaviour': 'factor R'}}")
@@ -224,7 +238,8 @@ class CodeRule(Published):
     def displaced(self, site: Site) -> Site:
         """The pair with the displacements of the code [m], for those under design forces.
 
-        Those of an elastic spectrum are divided first by the behaviour factor, as design forces are.
+        Those of an elastic spectrum are divided first by the behaviour factor, as design forces
+        are.
         """
         if not (site.of_design and self.multiplies):
             return site
@@ -234,7 +249,8 @@ class CodeRule(Published):
             factors = [np.maximum(*factors)] * 2
         peaks = {}
         for n, (each, factor) in enumerate(zip(both, factors, strict=True), start=1):
-            # A code that divides displacements by the importance factor has multiplied the forces by it.
+            # A code that divides displacements by the importance factor has multiplied the forces
+            # by it.
             importance = each.importance if self.over_importance and not site.elastic else 1.0
             behaviour = each.behaviour_1 if site.elastic else 1.0
             peaks[f"peak_{n}"] = self.share * factor * each.peak_1 / behaviour / importance
@@ -244,12 +260,13 @@ class CodeRule(Published):
         """Required separation [m] for peak displacements [m] as the rule defines them.
 
         Without ``peak_2`` it is the distance of one building from its property line. ``more`` and
-        ``others`` are, in this order or by name: ``height_1`` and ``height_2`` of the buildings [m];
-        ``floors_align``, whether the floors of both are at the same levels; ``zone`` of Mexico City,
-        ``"I"``, ``"II"`` or ``"III"``; ``same_property``, whether no property line is between them;
-        ``same_system``, whether their structural systems are the same; ``storeys_1`` and ``storeys_2``;
-        ``importance_1`` and ``importance_2``, importance factors; and ``design_pga``, the peak ground
-        acceleration of the design [m/s^2]. A ValueError names what a rule needs and is missing.
+        ``others`` are, in this order or by name: ``height_1`` and ``height_2`` of the buildings
+        [m]; ``floors_align``, whether the floors of both are at the same levels; ``zone`` of Mexico
+        City, ``"I"``, ``"II"`` or ``"III"``; ``same_property``, whether no property line is between
+        them; ``same_system``, whether their structural systems are the same; ``storeys_1`` and
+        ``storeys_2``; ``importance_1`` and ``importance_2``, importance factors; and
+        ``design_pga``, the peak ground acceleration of the design [m/s^2]. A ValueError names what
+        a rule needs and is missing.
         """
         site = Site(peak_1, peak_2, *more, **others)
         if missing := self.missing(site):
@@ -288,8 +305,8 @@ class CodeRule(Published):
     def stated(self, alone: bool) -> str:
         """The assumptions of the rule in words, with its number before them if it is not the default.
 
-        For one building (``alone``) they begin with the statement on property lines, and those on two
-        buildings are left out.
+        For one building (``alone``) they begin with the statement on property lines, and those on
+        two buildings are left out.
         """
         texts = [self.assumptions, *self.of_pairs]
         if alone and self.line:
@@ -323,13 +340,13 @@ def code_rule(name: str, value: float | None = None) -> CodeRule:
     Parameters
     ----------
     name : str
-        One of `code_rule_names`, or ``"share_of_height"`` or ``"fixed_distance"``, in upper or lower
-        case.
+        One of `code_rule_names`, or ``"share_of_height"`` or ``"fixed_distance"``, in upper or
+        lower case.
     value : float, optional
-        Number of the rule: a factor [-] for ``"share_of_sum"``, ``"share_of_height"`` and ``"asce_41"``,
-        a distance [m] for ``"fixed_distance"``, and for ``"china_gb_50011"`` the height [m] above 15 m
-        for which the joint grows by 20 mm. It is required by ``"share_of_height"`` and
-        ``"fixed_distance"``; other rules have a default or no number.
+        Number of the rule: a factor [-] for ``"share_of_sum"``, ``"share_of_height"`` and
+        ``"asce_41"``, a distance [m] for ``"fixed_distance"``, and for ``"china_gb_50011"`` the
+        height [m] above 15 m for which the joint grows by 20 mm. It is required by
+        ``"share_of_height"`` and ``"fixed_distance"``; other rules have a default or no number.
 
     Returns
     -------
@@ -361,7 +378,9 @@ def code_rule(name: str, value: float | None = None) -> CodeRule:
         return rule
     if rule.number is None:
         known = ", ".join(name for name, each in CODE_RULES.items() if each.number)
-        raise ValueError(f"value = {brief(value)} is given to {rule.name}; allowed for {known} only")
+        raise ValueError(
+            f"value = {brief(value)} is given to {rule.name}; allowed for {known} only"
+        )
     if not (is_number(value) and 0 < value < np.inf):
         what = f"{rule.name}: {rule.number.name} = {brief(value)}"
         raise ValueError(f"{what}; allowed: a positive number")

@@ -1,10 +1,10 @@
 """The rule of Colombia, NSR-10.
 
-A new building keeps a share of its height from its boundary, by table A.6.5-1. Beside a neighbour that
-has left no joint it is 0.02 above three storeys if the floors are level; if not, 0.01 for three
-storeys and 0.03 above. Beside an empty plot, or a neighbour with its joint, it is 0.01 above three
-storeys. Of two buildings the one that keeps more is taken as the new one. Zones of low hazard need no
-joint, and parts of one building keep the sum of their displacements (A.6.5.1).
+A new building keeps a share of its height from its boundary, by table A.6.5-1. Beside a neighbour
+that has left no joint it is 0.02 above three storeys if the floors are level; if not, 0.01 for
+three storeys and 0.03 above. Beside an empty plot, or a neighbour with its joint, it is 0.01 above
+three storeys. Of two buildings the one that keeps more is taken as the new one. Zones of low hazard
+need no joint, and parts of one building keep the sum of their displacements (A.6.5.1).
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """The rule of Eurocode 8.
 
 By paragraph (2) buildings of one property keep the root of squares of their displacements, and a
-building keeps its own displacement from a property line, so that the gap between two properties is the
-sum of both. Paragraph (3) reduces "the above referred distance" by 0.7 for floors at the same
+building keeps its own displacement from a property line, so that the gap between two properties is
+the sum of both. Paragraph (3) reduces "the above referred distance" by 0.7 for floors at the same
 elevations. The text of the code was not seen: the reduction is taken within one property only.
 """
 

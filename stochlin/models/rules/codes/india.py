@@ -1,7 +1,7 @@
 """The rule of India, IS 1893.
 
-For floors at the same levels the clause asks for R1 d1 + R2 d2, the sum of the peaks, for others for R
-(d1 + d2), with the larger R if they differ. Only the edition of 2002 halved R for two similar
+For floors at the same levels the clause asks for R1 d1 + R2 d2, the sum of the peaks, for others
+for R (d1 + d2), with the larger R if they differ. Only the edition of 2002 halved R for two similar
 buildings with level floors.
 """
 

@@ -2,8 +2,8 @@
 
 From the boundary a building keeps 0.005 of its height, which suffices up to 8 storeys of normal
 importance. Above, and for an importance factor above 1, it keeps its nonlinear displacement of the
-design, with P-delta, if that is larger; 0.005 of the height is taken as the least distance here, too.
-A page on the standard was seen, which does not say how the displacements of two buildings are
+design, with P-delta, if that is larger; 0.005 of the height is taken as the least distance here,
+too. A page on the standard was seen, which does not say how the displacements of two buildings are
 combined: they are added.
 """
 

@@ -1,9 +1,9 @@
 """The rules of Italy: NTC 2008 and 2018.
 
-The larger of the sum of the peaks and h/100 ag S/(0.5 g). h is the height of the points that face each
-other, here that of the lower building, and the factor ag S/(0.5 g) is 1 at most. The peaks are those
-of the life-safety limit state (SLV). The estimate of a displacement without calculation is not
-included. The edition of 2018 writes h/100 (2 ag S/g), which is the same.
+The larger of the sum of the peaks and h/100 ag S/(0.5 g). h is the height of the points that face
+each other, here that of the lower building, and the factor ag S/(0.5 g) is 1 at most. The peaks are
+those of the life-safety limit state (SLV). The estimate of a displacement without calculation is
+not included. The edition of 2018 writes h/100 (2 ag S/g), which is the same.
 """
 
 from __future__ import annotations

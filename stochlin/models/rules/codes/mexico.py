@@ -1,9 +1,9 @@
 """The rules of Mexico City: NTC-Sismo, 1.10.
 
-From the boundary a building keeps the larger of D + c h and 50 mm: D is the peak displacement, h the
-height, and c a share by zone. Between two buildings the gap is the sum of both distances; the code
-allows half of it if both bodies have "la misma altura y estructuración" and their slabs are at the
-same height in all storeys. The edition of 2023, which has other zones, was not seen.
+From the boundary a building keeps the larger of D + c h and 50 mm: D is the peak displacement, h
+the height, and c a share by zone. Between two buildings the gap is the sum of both distances; the
+code allows half of it if both bodies have "la misma altura y estructuración" and their slabs are at
+the same height in all storeys. The edition of 2023, which has other zones, was not seen.
 """
 
 from __future__ import annotations
@@ -16,7 +16,9 @@ from stochlin.models.rules import publish
 from stochlin.models.rules.codes import CODE_RULES, ZONES, CodeRule, Site
 
 SIMPLIFIED = {"I": 0.007, "II": 0.009, "III": 0.012}  # share of the height by zone
-ALIKE = "half for the same height, structural system and slab levels, which accepts contact of slabs"
+ALIKE = (
+    "half for the same height, structural system and slab levels, which accepts contact of slabs"
+)
 
 
 def mexico_city_line(site: Site) -> Any:

@@ -1,8 +1,8 @@
 """The rule of New Zealand, NZS 1170.5.
 
 A building stays on its side of the boundary, and does not touch others of its site. At the ultimate
-limit state its displacement does not reach beyond the boundary, so that the gap between two properties
-is the sum of the peaks; it is also taken within one property.
+limit state its displacement does not reach beyond the boundary, so that the gap between two
+properties is the sum of the peaks; it is also taken within one property.
 """
 
 from __future__ import annotations

@@ -3,11 +3,12 @@
 Within one property the gap is the larger of s and 2/3 of the sum of the peaks. s is the larger of
 0.006 h and 30 mm; h is the height of the level where the distance is checked: here the lower
 building's height (33.2). From a property line it is the larger of 2/3 of the peak and half of s for
-the building's own height (33.3), which suffices if the neighbour keeps its part. The gap between two
-properties is the sum of both distances (33.4).
+the building's own height (33.3), which suffices if the neighbour keeps its part. The gap between
+two properties is the sum of both distances (33.4).
 
-That of 2026 has a least joint of 0.02 Z S h in place of 0.006 h. The number is Z S, zone factor times
-soil factor. The text was not compared; what it does not change is taken from the edition of 2018.
+That of 2026 has a least joint of 0.02 Z S h in place of 0.006 h. The number is Z S, zone factor
+times soil factor. The text was not compared; what it does not change is taken from the edition of
+2018.
 """
 
 from __future__ import annotations

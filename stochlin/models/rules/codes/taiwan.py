@@ -24,6 +24,9 @@ TAIWAN = CodeRule(
     assumptions="peaks are 1.4 alpha_y Ra times the displacements under design forces",
     multiplies="deflection",
     countries=("Taiwan",),
-    called={"behaviour": "1.4 alpha_y Fu, by which forces are less", "deflection": "1.4 alpha_y Ra"},
+    called={
+        "behaviour": "1.4 alpha_y Fu, by which forces are less",
+        "deflection": "1.4 alpha_y Ra",
+    },
 )
 publish(CODE_RULES, TAIWAN, place=8)

@@ -1,9 +1,9 @@
 """The rule of Turkey, TBDY 2018.
 
-The larger of alpha times the root of squares and a least joint by height. By 4.9.3.1 alpha is 0.25 R/I
-if the floors of all storeys are level and 0.5 R/I if not, and the displacements are reduced ones; here
-each is multiplied by R/I of its own building. By 4.9.3.2 the joint is at least 30 mm up to a height of
-6 m, and 10 mm more for every 3 m above; heights between count in proportion.
+The larger of alpha times the root of squares and a least joint by height. By 4.9.3.1 alpha is 0.25
+R/I if the floors of all storeys are level and 0.5 R/I if not, and the displacements are reduced
+ones; here each is multiplied by R/I of its own building. By 4.9.3.2 the joint is at least 30 mm up
+to a height of 6 m, and 10 mm more for every 3 m above; heights between count in proportion.
 """
 
 from __future__ import annotations

@@ -27,11 +27,12 @@ EFFECTIVE_RULES: Registry[EffectiveRule] = Registry(
 class EffectiveRule(Published):
     """A rule for the effective period ``T*`` and damping ratio ``xi*`` of a linear structure.
 
-    The linear structure replaces a yielding one. The functions take numbers or arrays that broadcast:
-    ``period_ratio(ductility, hardening)`` is ``T*/T`` [-], ``damping(ductility, hardening, damping)`` is
-    ``xi*`` [-], for the peak ductility, the hardening ratio and the viscous damping ratio of the
-    yielding structure. ``largest_ductility`` [-] is that to which a rule was fitted, infinite for one
-    that was derived or whose source was not seen; the functions go on beyond it, charts do not.
+    The linear structure replaces a yielding one. The functions take numbers or arrays that
+    broadcast: ``period_ratio(ductility, hardening)`` is ``T*/T`` [-], ``damping(ductility,
+    hardening, damping)`` is ``xi*`` [-], for the peak ductility, the hardening ratio and the
+    viscous damping ratio of the yielding structure. ``largest_ductility`` [-] is that to which a
+    rule was fitted, infinite for one that was derived or whose source was not seen; the functions
+    go on beyond it, charts do not.
     """
 
     period_ratio: Callable[[Array, Array], Array] = field(compare=False)
@@ -80,9 +81,9 @@ def effective_rule(name: str | EffectiveRule) -> EffectiveRule:
     Returns
     -------
     EffectiveRule
-        The rule, with the functions ``period_ratio(ductility, hardening)`` and
-        ``damping(ductility, hardening, damping)`` [-] and the attributes ``reference``, ``mark`` and
-        ``reason``, why its constants are in doubt, if they are.
+        The rule, with the functions ``period_ratio(ductility, hardening)`` and ``damping(ductility,
+        hardening, damping)`` [-] and the attributes ``reference``, ``mark`` and ``reason``, why its
+        constants are in doubt, if they are.
 
     Raises
     ------
@@ -145,9 +146,9 @@ def power_damping(
 def fema_440_period(ductility: Array, hardening: Array) -> Array:
     """``T*/T`` of FEMA 440 for ``mu`` below 4, from 4 to 6.5, and above [-].
 
-    The published formulas do not quite meet: at ``mu = 4`` the period falls by 5.9 % and the damping
-    ratio rises by 0.0056; at ``mu = 6.5`` the period rises by 0.04 % and the damping ratio falls by
-    0.0037. The report calls results for ductilities beyond 10 to 12 unreliable.
+    The published formulas do not quite meet: at ``mu = 4`` the period falls by 5.9 % and the
+    damping ratio rises by 0.0056; at ``mu = 6.5`` the period rises by 0.04 % and the damping ratio
+    falls by 0.0037. The report calls results for ductilities beyond 10 to 12 unreliable.
     """
     x = _beyond(ductility, hardening)
     late = 0.89 * (np.sqrt(x / (1 + 0.05 * np.maximum(x - 1, 0))) - 1) + 1
@@ -178,7 +179,10 @@ def _read(name: str, row: dict[str, Any]) -> EffectiveRule:
     if (share := row.pop("share", None)) is not None:
         both = partial(secant_period, share), partial(secant_damping, share)
     elif "period" in row:
-        both = partial(power_period, *row.pop("period")), partial(power_damping, *row.pop("damping"))
+        both = (
+            partial(power_period, *row.pop("period")),
+            partial(power_damping, *row.pop("damping")),
+        )
     return EffectiveRule(name=name, period_ratio=both[0], damping=both[1], **row)
 
 

@@ -34,8 +34,8 @@ class PeakFactor(Published):
     """
 
     formula: Callable[[Array, Array], tuple[Array, Array]] = field(compare=False)
-    # For one-sided peaks only half of the crossings count, and a clump has half as many of them. The
-    # formula takes this into account by a bandwidth that is larger by this factor.
+    # For one-sided peaks only half of the crossings count, and a clump has half as many of them.
+    # The formula takes this into account by a bandwidth that is larger by this factor.
     spread: float = 1.0
     fewest: float = 1.0  # counted crossings from which the formula is defined
     needs: str = ""  # besides the crossings, for messages
@@ -58,7 +58,9 @@ class PeakFactor(Published):
 
     def _both(self, crossings: Array, bandwidth: Array, sides: int) -> tuple[Array, Array]:
         if sides not in {1, 2}:
-            raise ValueError(f"sides = {brief(sides)}; allowed: 2, the largest |u|, or 1, the largest u")
+            raise ValueError(
+                f"sides = {brief(sides)}; allowed: 2, the largest |u|, or 1, the largest u"
+            )
         n, delta = np.broadcast_arrays(np.asarray(crossings, float), np.asarray(bandwidth, float))
         widest = 1.0
         if sides == 1:
@@ -96,14 +98,14 @@ def peak_factor_model(name: str) -> PeakFactor:
     Parameters
     ----------
     name : str
-        One of `peak_factor_names`, or for instance ``"davenport"`` or ``"vanmarcke"``, in upper or lower
-        case.
+        One of `peak_factor_names`, or for instance ``"davenport"`` or ``"vanmarcke"``, in upper or
+        lower case.
 
     Returns
     -------
     PeakFactor
-        The model. Its methods ``mean`` and ``std`` give the mean and the standard deviation of the peak
-        over the standard deviation of the response [-].
+        The model. Its methods ``mean`` and ``std`` give the mean and the standard deviation of the
+        peak over the standard deviation of the response [-].
 
     Raises
     ------
@@ -132,10 +134,11 @@ class StationaryMotion(Model):
 def davenport(n: Array, delta: Array) -> tuple[Array, Array]:
     """Independent crossings: ``p = L + 0.5772/L``, ``q = (pi/sqrt 6)/L``, ``L = sqrt(2 ln N)``.
 
-    The formula is asymptotic for many crossings of a broad-band response. For a narrow band, in which
-    crossings occur in clumps, it is too large. Below ``N = exp(0.5772/2) = 1.33`` the formula for p
-    would decrease with N, and p is NaN. Below ``N = 6.8`` the formula for q exceeds 0.655, the standard
-    deviation of the Rayleigh distribution, which it should not. One-sided peaks have ``N/2`` crossings.
+    The formula is asymptotic for many crossings of a broad-band response. For a narrow band, in
+    which crossings occur in clumps, it is too large. Below ``N = exp(0.5772/2) = 1.33`` the formula
+    for p would decrease with N, and p is NaN. Below ``N = 6.8`` the formula for q exceeds 0.655,
+    the standard deviation of the Rayleigh distribution, which it should not. One-sided peaks have
+    ``N/2`` crossings.
     """
     mean = _extreme_value(n)
     with np.errstate(divide="ignore"):
@@ -146,13 +149,13 @@ def davenport(n: Array, delta: Array) -> tuple[Array, Array]:
 def der_kiureghian(n: Array, delta: Array) -> tuple[Array, Array]:
     """Davenport's mean with a fitted equivalent number ``Ne`` of independent crossings.
 
-    ``Ne`` is ``max(2.1, 2 delta N)`` for ``delta <= 0.1``, ``(1.63 delta^0.45 - 0.38) N`` for ``delta``
-    up to 0.69, and ``N`` above; ``q = 1.2/L - 5.4/(13 + L^6.4)``, and 0.65 for ``Ne <= 2.1``. Only the
-    first of the three pieces has a lower bound; where the others give ``Ne < 1.33``, p is NaN. The
-    pieces do not quite meet at ``delta = 0.1``, where ``Ne`` falls by 0.8 %.
+    ``Ne`` is ``max(2.1, 2 delta N)`` for ``delta <= 0.1``, ``(1.63 delta^0.45 - 0.38) N`` for
+    ``delta`` up to 0.69, and ``N`` above; ``q = 1.2/L - 5.4/(13 + L^6.4)``, and 0.65 for ``Ne <=
+    2.1``. Only the first of the three pieces has a lower bound; where the others give ``Ne <
+    1.33``, p is NaN. The pieces do not quite meet at ``delta = 0.1``, where ``Ne`` falls by 0.8 %.
 
-    One-sided peaks have ``N/2`` crossings and ``2 delta``. In a narrow band ``Ne`` then has its value
-    for two-sided peaks, since the envelope has the same peak in both directions.
+    One-sided peaks have ``N/2`` crossings and ``2 delta``. In a narrow band ``Ne`` then has its
+    value for two-sided peaks, since the envelope has the same peak in both directions.
     """
     middle = (1.63 * delta**0.45 - 0.38) * n
     effective = np.where(delta <= 0.1, np.maximum(2.1, 2 * delta * n), middle)
@@ -166,12 +169,13 @@ def der_kiureghian(n: Array, delta: Array) -> tuple[Array, Array]:
 def vanmarcke(n: Array, delta: Array) -> tuple[Array, Array]:
     """First passage of the envelope, with crossings in clumps, from its stationary state.
 
-    ``P(peak < x) = [1 - e^(-x^2/2)] exp{-N [1 - e^(-sqrt(pi/2) delta^1.2 x)] / (e^(x^2/2) - 1)}``, from
-    which mean and standard deviation follow by quadrature.
+    ``P(peak < x) = [1 - e^(-x^2/2)] exp{-N [1 - e^(-sqrt(pi/2) delta^1.2 x)] / (e^(x^2/2) - 1)}``,
+    from which mean and standard deviation follow by quadrature.
 
-    For one-sided peaks the up-crossings occur at half the rate, ``N/2``, and each clump has half as many
-    of them, so that ``sqrt(2 pi)`` replaces ``sqrt(pi/2)``. The factor ``1 - e^(-x^2/2)``, for the start
-    of the envelope, does not change. The narrow-band limits of one- and two-sided peaks are equal.
+    For one-sided peaks the up-crossings occur at half the rate, ``N/2``, and each clump has half as
+    many of them, so that ``sqrt(2 pi)`` replaces ``sqrt(pi/2)``. The factor ``1 - e^(-x^2/2)``, for
+    the start of the envelope, does not change. The narrow-band limits of one- and two-sided peaks
+    are equal.
     """
     moments = np.empty((2, n.size))
     for begin in range(0, n.size, CELLS):
@@ -194,7 +198,8 @@ def _survival_moments(n: Array, delta: Array) -> tuple[Array, Array]:
     x = reach * _NODES
     weight = reach * _WEIGHTS
     rate = -n * np.expm1(-np.sqrt(np.pi / 2) * delta**1.2 * x) / np.expm1(0.5 * x * x)
-    # 1 - F = 1 - (1 - a) e^-r with a the start and r the rate, without cancellation for small a and r
+    # 1 - F = 1 - (1 - a) e^-r with a the start and r the rate, without cancellation for small a and
+    # r
     start = np.exp(-0.5 * x * x)
     exceeding = start * np.exp(-rate) - np.expm1(-rate)
     return (weight * exceeding).sum(axis=1), (weight * 2 * x * exceeding).sum(axis=1)

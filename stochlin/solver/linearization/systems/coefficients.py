@@ -48,15 +48,16 @@ def equivalent_coefficients(
     Parameters
     ----------
     velocity_std : float or array
-        Standard deviation of the ductility rate ``v`` [1/s], positive. It is the velocity over the yield
-        displacement, or for a storey the drift rate over the yield drift.
+        Standard deviation of the ductility rate ``v`` [1/s], positive. It is the velocity over the
+        yield displacement, or for a storey the drift rate over the yield drift.
     z_std : float or array
         Standard deviation of ``z`` [-], positive.
     velocity_z_corr : float or array
-        Correlation [-] of ``v`` and ``z``, between -1 and 1. All parameters broadcast by dimension name.
+        Correlation [-] of ``v`` and ``z``, between -1 and 1. All parameters broadcast by dimension
+        name.
     law : str or sympy.Expr
-        Hysteresis law: ``"bilinear"``, ``"bouc_wen"``, another registered one, or an expression as for
-        `Hysteretic`.
+        Hysteresis law: ``"bilinear"``, ``"bouc_wen"``, another registered one, or an expression as
+        for `Hysteretic`.
     **law_parameters : float or array
         Parameters of the law [-], such as ``beta=0.6, gamma=0.4``.
 
@@ -75,8 +76,8 @@ def equivalent_coefficients(
     References
     ----------
     Valles-Mattox and Reinhorn (1996), eqs. (8) to (10); the available text lacks the coefficients,
-    which are derived here for the bilinear law. Wen, Y. K. (1980), J. Appl. Mech. 47, for the Bouc-Wen
-    law.
+    which are derived here for the bilinear law. Wen, Y. K. (1980), J. Appl. Mech. 47, for the
+    Bouc-Wen law.
 
     Examples
     --------

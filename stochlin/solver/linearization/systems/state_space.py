@@ -41,7 +41,9 @@ def problem_of(models: Mapping[str, Any], *, in_time: bool = False) -> tuple[Ass
     """
     ground = models["ground"]
     values = models["ground"].arrays()
-    structures = [strength_in_metres(m, ground) for m in models.values() if isinstance(m, AnyStructure)]
+    structures = [
+        strength_in_metres(m, ground) for m in models.values() if isinstance(m, AnyStructure)
+    ]
     numbers = [int(role.removeprefix(LINK)) for role in models if role.startswith(LINK)]
     placed_links = [models.get(f"{LINK}{n}") for n in range(1, 1 + max(numbers, default=0))]
     system = assembly_of(structures, placed_links)
@@ -79,12 +81,19 @@ def _laws_of(system: Assembly, cells: int, springs: int, in_time: bool) -> list[
             laws.append(SpringLaw(mine, np.moveaxis(wide, -1, 0), *closures))
         begin += mine.size
     links = np.arange(begin, springs)
-    return [*laws, SpringLaw(links, np.empty((0, cells, links.size)), gaussian)] if links.size else laws
+    return (
+        [*laws, SpringLaw(links, np.empty((0, cells, links.size)), gaussian)]
+        if links.size
+        else laws
+    )
 
 
 def state_names(system: Assembly, problem: Springs) -> list[str]:
     """Names of the states: those of the ground, then displacements, velocities and ``z``."""
-    names = [*problem.soil.states, *(f"{state}_{name}" for state in "uv" for name in system.coordinates)]
+    names = [
+        *problem.soil.states,
+        *(f"{state}_{name}" for state in "uv" for name in system.coordinates),
+    ]
     return [*names, *(f"z_{system.springs[spring]}" for spring in problem.yielding)]
 
 
@@ -112,12 +121,13 @@ def statespace(
 ) -> xr.Dataset:
     """State matrix of linearized structures on one ground, eqs. (5), (6), (8), (11) and (12).
 
-    An oscillator has the states ``u`` [m], ``v = u'`` [m/s] and ``z`` [m], the hysteretic displacement
-    (here multiplied by the yield displacement), with ``z' = -c_eq v - k_eq z`` and
+    An oscillator has the states ``u`` [m], ``v = u'`` [m/s] and ``z`` [m], the hysteretic
+    displacement (here multiplied by the yield displacement), with ``z' = -c_eq v - k_eq z`` and
     ``u'' + 2 xi w u' + alpha w^2 u + (1 - alpha) w^2 z = f``. A building has these states for each
-    floor, with ``z`` for the storey below it: ``z' = -c_eq d' - k_eq z`` with the drifts ``d = T u``,
-    and ``M u'' + C u' + T' diag(alpha k) d + T' diag((1 - alpha) k) z = M 1 f``. With ``c_eq = -1`` and
-    ``k_eq = 0`` an element is elastic (``z = d``). Elements without a strength have no state ``z``.
+    floor, with ``z`` for the storey below it: ``z' = -c_eq d' - k_eq z`` with the drifts ``d = T
+    u``, and ``M u'' + C u' + T' diag(alpha k) d + T' diag((1 - alpha) k) z = M 1 f``. With ``c_eq =
+    -1`` and ``k_eq = 0`` an element is elastic (``z = d``). Elements without a strength have no
+    state ``z``.
 
     Parameters
     ----------
@@ -127,28 +137,29 @@ def statespace(
         The ground, with scalar parameters.
     c_eq, k_eq : sequence of float, optional
         Equivalent coefficients [-] and [1/s] of all elements, as `linearize` and `linearize_system`
-        return them: oscillators and storeys from the first structure to the last, from the ground up,
-        and after them the links that yield. Without them all elements are elastic.
+        return them: oscillators and storeys from the first structure to the last, from the ground
+        up, and after them the links that yield. Without them all elements are elastic.
     links : sequence of Link or None, optional
-        Links from each structure to the next, or between the structures that the ``structures`` of a
-        link name; oscillators then need a mass.
+        Links from each structure to the next, or between the structures that the ``structures`` of
+        a link name; oscillators then need a mass.
 
     Returns
     -------
     xarray.Dataset
-        For ``x' = A x + b n(t)``: the matrix ``A``, ``state_matrix`` over (``state``, ``state_2``); the
-        vector ``b``, ``noise_vector`` over ``state``; and the intensity ``2 pi S0`` of the white noise
-        ``n``, ``noise_intensity`` [m^2/s^3]. Also ``extension`` over (``spring``, ``state``), which
-        gives the drifts of storeys and the extensions of links from the states, and ``stiffness`` [N/m]
-        over ``spring``, the elastic stiffness; and ``yield_displacement`` [m] over ``element``, by which
-        `equivalent_coefficients` divides the moments, infinite without a strength. The names of the
-        states of floor 3 of structure 2 end in ``_2.3``, those of oscillator 1 in ``_1``.
+        For ``x' = A x + b n(t)``: the matrix ``A``, ``state_matrix`` over (``state``, ``state_2``);
+        the vector ``b``, ``noise_vector`` over ``state``; and the intensity ``2 pi S0`` of the
+        white noise ``n``, ``noise_intensity`` [m^2/s^3]. Also ``extension`` over (``spring``,
+        ``state``), which gives the drifts of storeys and the extensions of links from the states,
+        and ``stiffness`` [N/m] over ``spring``, the elastic stiffness; and ``yield_displacement``
+        [m] over ``element``, by which `equivalent_coefficients` divides the moments, infinite
+        without a strength. The names of the states of floor 3 of structure 2 end in ``_2.3``, those
+        of oscillator 1 in ``_1``.
 
     Raises
     ------
     ValueError
-        If there is no structure, a parameter is an array, the number of coefficients is not that of the
-        elements, an element without a strength is to yield, or a link has an exponent.
+        If there is no structure, a parameter is an array, the number of coefficients is not that of
+        the elements, an element without a strength is to yield, or a link has an exponent.
     TypeError
         If an argument is of the wrong kind.
     ArithmeticError
@@ -260,10 +271,10 @@ def stationary_covariance(space: xr.Dataset) -> xr.DataArray:
 
     Notes
     -----
-    For small ``k_eq`` the equation is nearly singular, and a solution can be wrong although its residual
-    is tiny. The equation is therefore solved for drifts ``d`` and slips ``y = d - z``, balanced, and
-    refined iteratively from the residual. Twelve digits are correct down to ``k_eq`` of 1e-12 times the
-    frequency. Below 1e-13 times the frequency, ``z = -c_eq d`` is used.
+    For small ``k_eq`` the equation is nearly singular, and a solution can be wrong although its
+    residual is tiny. The equation is therefore solved for drifts ``d`` and slips ``y = d - z``,
+    balanced, and refined iteratively from the residual. Twelve digits are correct down to ``k_eq``
+    of 1e-12 times the frequency. Below 1e-13 times the frequency, ``z = -c_eq d`` is used.
 
     References
     ----------

@@ -42,7 +42,10 @@ from stochlin.solver.tables.labels import element_coordinates, floor_coordinates
 from stochlin.solver.tables.lazy import check_names
 
 Iteration = Literal["anderson", "substitution"]
-ITERATIONS: Mapping[Iteration, int] = {"anderson": DEPTH, "substitution": 0}  # rounds that are mixed
+ITERATIONS: Mapping[Iteration, int] = {
+    "anderson": DEPTH,
+    "substitution": 0,
+}  # rounds that are mixed
 # Dimensions of the variables of `linearize_system` beside those of the cells.
 DIMS = {
     **dict.fromkeys(
@@ -71,53 +74,54 @@ def linearize_system(
 ) -> xr.Dataset:
     """Stationary response of structures on one ground, storey by storey, by statistical linearization.
 
-    The coefficients of eqs. (9) and (10) of all elements define the linear system of `statespace`. From
-    its covariance, that of `stationary_covariance`, new coefficients follow, and this is iterated until
-    both converge. ``(v, z)`` of each element are taken as jointly Gaussian. With arrays as parameters
-    all cells of the table are iterated together.
+    The coefficients of eqs. (9) and (10) of all elements define the linear system of `statespace`.
+    From its covariance, that of `stationary_covariance`, new coefficients follow, and this is
+    iterated until both converge. ``(v, z)`` of each element are taken as jointly Gaussian. With
+    arrays as parameters all cells of the table are iterated together.
 
     Parameters
     ----------
     structures : sequence of Bilinear, BoucWen, Hysteretic or ShearBuilding
-        Structures of any number and kind. A ``reduction_factor`` refers to the elastic response of the
-        structure without links.
+        Structures of any number and kind. A ``reduction_factor`` refers to the elastic response of
+        the structure without links.
     ground : WhiteNoise, KanaiTajimi or CloughPenzien
         The ground. All parameters of oscillators, ground and links broadcast by dimension name.
     links : sequence of Link or None, optional
-        Links from each structure to the next, or between the structures that the ``structures`` of a
-        link name; oscillators then need a mass. A link that yields is an element like a storey. A
-        dashpot with an exponent ``a`` is linearized for a Gaussian rate ``v``, with the damping constant
-        ``c E|v|^(a+1) / E v^2``, in the same iteration.
+        Links from each structure to the next, or between the structures that the ``structures`` of
+        a link name; oscillators then need a mass. A link that yields is an element like a storey. A
+        dashpot with an exponent ``a`` is linearized for a Gaussian rate ``v``, with the damping
+        constant ``c E|v|^(a+1) / E v^2``, in the same iteration.
     iteration : {"anderson", "substitution"}
-        ``"substitution"``: the moments of the response give the next coefficients directly, as in the
-        paper, which may cycle without end; see the notes. ``"anderson"``: Anderson's mixing combines
-        the moments of the last rounds so that the mismatch is least.
+        ``"substitution"``: the moments of the response give the next coefficients directly, as in
+        the paper, which may cycle without end; see the notes. ``"anderson"``: Anderson's mixing
+        combines the moments of the last rounds so that the mismatch is least.
     relaxation : float
-        Share [-] of the way to the new moments, as logarithms, that a round goes, in (0, 1]; with 0.7
-        nearly every pair converges by substitution, see the notes.
+        Share [-] of the way to the new moments, as logarithms, that a round goes, in (0, 1]; with
+        0.7 nearly every pair converges by substitution, see the notes.
     rtol : float
-        The iteration stops when no covariance changes by more than ``rtol`` times the product of the
-        standard deviations, no ``c_eq`` by more than ``rtol``, and no ``k_eq`` by more than ``rtol``
-        times the sum of ``k_eq`` and the frequency of the element.
+        The iteration stops when no covariance changes by more than ``rtol`` times the product of
+        the standard deviations, no ``c_eq`` by more than ``rtol``, and no ``k_eq`` by more than
+        ``rtol`` times the sum of ``k_eq`` and the frequency of the element.
     max_iterations : int
-        Largest number of iterations. Where a law may have several solutions, and where mixing fails,
-        the solution is followed from weak to full shaking, in at most so many steps of up to 30
-        iterations.
+        Largest number of iterations. Where a law may have several solutions, and where mixing
+        fails, the solution is followed from weak to full shaking, in at most so many steps of up to
+        30 iterations.
 
     Returns
     -------
     xarray.Dataset
-        All variables are also over the dimensions of the parameters. Over ``element``, the storeys of
-        all structures from the ground up (``1`` is oscillator 1, ``2.3`` the third storey of structure
-        2) and the links that yield (``link 1``): ``drift_std`` [m], ``ductility_std`` [-], ``z_std``
-        [-], ``velocity_z_corr`` [-], ``c_eq`` [-], ``k_eq`` [1/s] and ``yield_drift`` [m] (infinite if
-        elastic). Over ``floor``: ``displacement_std`` [m] and ``velocity_std`` [m/s]. Over (``floor``,
-        ``floor_2``): ``rho`` [-] and ``relative_displacement_std`` [m]. Over (``state``, ``state_2``):
-        ``covariance``, with the states of `statespace`. Over ``iteration``: ``covariance_change`` and
-        ``coefficient_change`` [-], NaN after the last iteration of a cell; where a solution is followed,
-        they are those at full shaking. Over ``link``: ``link_force_std`` [N] and, if a link has a
-        dashpot with an exponent, ``equivalent_damping_constant`` [N s/m], which is NaN if the ends of
-        the link do not move relative to each other. And ``iterations`` and ``status``.
+        All variables are also over the dimensions of the parameters. Over ``element``, the storeys
+        of all structures from the ground up (``1`` is oscillator 1, ``2.3`` the third storey of
+        structure 2) and the links that yield (``link 1``): ``drift_std`` [m], ``ductility_std``
+        [-], ``z_std`` [-], ``velocity_z_corr`` [-], ``c_eq`` [-], ``k_eq`` [1/s] and
+        ``yield_drift`` [m] (infinite if elastic). Over ``floor``: ``displacement_std`` [m] and
+        ``velocity_std`` [m/s]. Over (``floor``, ``floor_2``): ``rho`` [-] and
+        ``relative_displacement_std`` [m]. Over (``state``, ``state_2``): ``covariance``, with the
+        states of `statespace`. Over ``iteration``: ``covariance_change`` and ``coefficient_change``
+        [-], NaN after the last iteration of a cell; where a solution is followed, they are those at
+        full shaking. Over ``link``: ``link_force_std`` [N] and, if a link has a dashpot with an
+        exponent, ``equivalent_damping_constant`` [N s/m], which is NaN if the ends of the link do
+        not move relative to each other. And ``iterations`` and ``status``.
 
     Raises
     ------
@@ -126,27 +130,29 @@ def linearize_system(
         cells, a link cannot be placed between the structures, or P-delta effects leave a storey no
         stiffness after yield.
     ArithmeticError
-        If the iteration of a single case does not converge; in a table the cell is NaN and its status
-        gives the reason.
+        If the iteration of a single case does not converge; in a table the cell is NaN and its
+        status gives the reason.
 
     Notes
     -----
-    Builder of the state matrix, solver, renewal of the coefficients and stop rule are one function each
-    in ``stochlin.kernels.linearization.systems``, beside their equations in ``docs/theory.md``. With
-    mixing a pair takes about 12 iterations, with substitution 20 to 60. Of the pairs of the charts, 95 %
-    and more converge by substitution with ``relaxation=1``, and all with 0.7. Of 2000 random pairs with
-    periods of 0.1 to 3 s, damping ratios of 0.01 to 0.1, hardening ratios of 0.02 to 0.2 and R of 1 to
-    6, 69 to 92 % converge in 200 iterations with 1, by ground, and 99.8 % or more with 0.7.
+    Builder of the state matrix, solver, renewal of the coefficients and stop rule are one function
+    each in ``stochlin.kernels.linearization.systems``, beside their equations in
+    ``docs/theory.md``. With mixing a pair takes about 12 iterations, with substitution 20 to 60. Of
+    the pairs of the charts, 95 % and more converge by substitution with ``relaxation=1``, and all
+    with 0.7. Of 2000 random pairs with periods of 0.1 to 3 s, damping ratios of 0.01 to 0.1,
+    hardening ratios of 0.02 to 0.2 and R of 1 to 6, 69 to 92 % converge in 200 iterations with 1,
+    by ground, and 99.8 % or more with 0.7.
 
-    The force of a storey depends on its own drift only, so that the closures of single oscillators apply
-    to each storey. They also have the same errors: compared with nonlinear simulation, drifts of
-    yielding storeys were too small by 7 to 39 %, and the relative displacement of two buildings by 28 %.
+    The force of a storey depends on its own drift only, so that the closures of single oscillators
+    apply to each storey. They also have the same errors: compared with nonlinear simulation, drifts
+    of yielding storeys were too small by 7 to 39 %, and the relative displacement of two buildings
+    by 28 %.
 
     References
     ----------
-    Valles-Mattox and Reinhorn (1996), eqs. (5) to (12); Baber, T. T. and Wen, Y.
-    K. (1981), J. Eng. Mech. Div. ASCE 107, for storeys; Roberts, J. B. and Spanos, P. D. (1990), Random
-    vibration and statistical linearization, for dashpots.
+    Valles-Mattox and Reinhorn (1996), eqs. (5) to (12); Baber, T. T. and Wen, Y. K. (1981), J. Eng.
+    Mech. Div. ASCE 107, for storeys; Roberts, J. B. and Spanos, P. D. (1990), Random vibration and
+    statistical linearization, for dashpots.
 
     Examples
     --------
@@ -275,7 +281,11 @@ def solution_table(
             "floor_2": ("floor_2", system.floors, {"long_name": "floor"}),
             "state": ("state", states, {"long_name": "state"}),
             "state_2": ("state_2", states, {"long_name": "state"}),
-            "iteration": ("iteration", 1 + np.arange(len(solution.changes)), {"long_name": "iteration"}),
+            "iteration": (
+                "iteration",
+                1 + np.arange(len(solution.changes)),
+                {"long_name": "iteration"},
+            ),
             **({"link": links} if links else {}),
         },
     )
@@ -283,7 +293,9 @@ def solution_table(
     return table
 
 
-def _results(system: Assembly, problem: Springs, linear: EquivalentCoefficients) -> dict[str, Array]:
+def _results(
+    system: Assembly, problem: Springs, linear: EquivalentCoefficients
+) -> dict[str, Array]:
     """What follows from the responses of the equivalent linear systems, by variable."""
     springs = problem.system
     yielding = problem.yielding
@@ -327,7 +339,9 @@ def _results(system: Assembly, problem: Springs, linear: EquivalentCoefficients)
     return results
 
 
-def link_forces(problem: Springs, linear: EquivalentCoefficients, motion: StationaryResponse) -> Array:
+def link_forces(
+    problem: Springs, linear: EquivalentCoefficients, motion: StationaryResponse
+) -> Array:
     """Standard deviations of the forces in all links (c, l) [N].
 
     For a dashpot with an exponent, the variance of its linearized force is replaced by that of the

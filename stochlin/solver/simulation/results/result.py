@@ -24,12 +24,14 @@ Column = tuple[Sequence[str], Array]  # dimensions, and values over them
 class EndedMotions:
     """What is known of structures in finite motions from rest, when these have ended.
 
-    Of all that is watched (w,), first come the floors with the storeys below them, then the modes that
-    yield. Peaks of structures that have fallen are infinite.
+    Of all that is watched (w,), first come the floors with the storeys below them, then the modes
+    that yield. Peaks of structures that have fallen are infinite.
     """
 
     moving: StructuresInMotion
-    largest: Mapping[str, Array]  # (2, paths, m) [m], of all `StructuresInMotion.functions`, both sides
+    largest: Mapping[
+        str, Array
+    ]  # (2, paths, m) [m], of all `StructuresInMotion.functions`, both sides
     fallen: Array  # (paths, s), whether each structure has fallen
     links: Mapping[str, Array]  # (paths, l) each: "force" [N], "stroke" [m] and "energy" [J]
     displacement: Array  # (paths, w) [m] of all that is watched, at the end
@@ -48,7 +50,9 @@ class EndedMotions:
         """
         systems = self.moving.assemblies
         ratios = [each.storeys.post / (each.storeys.post + each.storeys.couple) for each in systems]
-        return np.array([s.of_elements(r, 1.0, np.nan) for s, r in zip(systems, ratios, strict=True)])
+        return np.array(
+            [s.of_elements(r, 1.0, np.nan) for s, r in zip(systems, ratios, strict=True)]
+        )
 
     def unless_fallen(self, values: Array) -> Array:
         """Values (paths, w) of all that is watched, infinite where the structure has fallen."""
@@ -90,8 +94,9 @@ def register_result(
 
     The values have the motions as first dimension, and after it those of ``over``; None stands for
     structures that have no such result. ``floor`` and ``element`` are ``structure`` if all are
-    oscillators. With ``mean``, the mean over the motions is reported, too, with its standard error. A
-    name that `variables` does not have needs ``units`` and a ``long_name``, else a ValueError is raised.
+    oscillators. With ``mean``, the mean over the motions is reported, too, with its standard error.
+    A name that `variables` does not have needs ``units`` and a ``long_name``, else a ValueError is
+    raised.
     """
     if not (units and long_name) and unit_and_long_name(name) is None:
         raise ValueError(f"the result {name!r} lacks units and long_name; give both")
