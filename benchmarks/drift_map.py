@@ -74,9 +74,8 @@ NEAR = {
     "near_ground_damping": (0.03, 0.1, 0.3, 1.0),
     "near_period": 10 ** (0.14 * np.arange(-5, 6)),
 }
-LEAST = (
-    1e-3  # smallest eigenvalue of the correlations in eq. (12), to which smaller ones are raised
-)
+# smallest eigenvalue of the correlations in eq. (12), to which smaller ones are raised
+LEAST = 1e-3
 NEAR_LEFT_OUT = (0.5, 0.02)  # remembers longest
 STEPS = np.array([0.02, 0.125, 0.175, 0.175])
 SCALES = {"signature_correction": 1e-4, "nearness": 3e-4}

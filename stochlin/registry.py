@@ -99,9 +99,8 @@ class Registry(Mapping[str, Thing], Generic[Thing]):
     def _found(self) -> Mapping[str, Thing]:
         with self._lock:
             if not self._asked:
-                self._asked = (
-                    True  # a module that asks while it is imported sees what is there so far
-                )
+                # a module that asks while it is imported sees what is there so far
+                self._asked = True
                 try:
                     for name in self._modules():
                         _import(name, partial(importlib.import_module, name))

@@ -8,9 +8,8 @@ from typing import NamedTuple
 
 from stochlin.files.package_data import data_of
 
-_EDGE = (
-    4096  # bytes at each end in which a kind is recognized; archives list their parts at the end
-)
+# bytes at each end in which a kind is recognized; archives list their parts at the end
+_EDGE = 4096
 _MARK = b"\xef\xbb\xbf"  # of text in UTF-8, which some programs write
 
 

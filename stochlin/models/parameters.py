@@ -119,12 +119,10 @@ class Model(ByValue, metaclass=_ModelType):
     analyses mark these cells in ``status`` and compute the others.
     """
 
-    is_base: ClassVar[bool] = (
-        True  # declared by ``base=True`` of a class: others are to derive from it
-    )
-    of_arguments: ClassVar[bool] = (
-        False  # arguments of a function; messages then omit the class name
-    )
+    # declared by ``base=True`` of a class: others are to derive from it
+    is_base: ClassVar[bool] = True
+    # arguments of a function; messages then omit the class name
+    of_arguments: ClassVar[bool] = False
     other_limits: ClassVar[
         Mapping[str, Plausible]
     ] = {}  # of parameters that mean something else here

@@ -37,15 +37,13 @@ class StickModel(NamedTuple):
     cells.
     """
 
-    system: (
-        System  # with as many elements as coordinates; without ``couple`` where they stay elastic
-    )
+    # with as many elements as coordinates; without ``couple`` where they stay elastic
+    system: System
     levels: Array  # (f,) [m], heights of the floors above the ground; NaN for an oscillator
     law: Structure  # hysteresis law of all elements; a structure without strength if they stay elastic
     shear_shares: Array  # (f, n) [-], of the forces of the elements in the storey shears
-    by_modes: bool = (
-        False  # whether coordinates and elements are modes in place of floors and storeys
-    )
+    # whether coordinates and elements are modes in place of floors and storeys
+    by_modes: bool = False
 
     @property
     def is_oscillator(self) -> bool:

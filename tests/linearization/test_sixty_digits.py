@@ -143,9 +143,8 @@ def bilinear(vv, zz, vz):
 def clipped(vv, zz, vz):
     """The Gaussian whose clipped ``z`` has this variance, and the regression of the slip rate."""
 
-    free = (
-        zz  # variance before clipping; that after it is concave, so that Newton's steps all go up
-    )
+    # variance before clipping; that after it is concave, so that Newton's steps all go up
+    free = zz
     for _ in range(100):
         h = 1 / mpmath.sqrt(free)
         slope = mpmath.erf(h / mpmath.sqrt(2)) - 2 * h * mpmath.npdf(h)

@@ -11,9 +11,8 @@ if TYPE_CHECKING:
     from stochlin.applications.cases.reading.buildings import Building
     from stochlin.applications.cases.reading.case import Case
 
-TOUCHING = (
-    1e-6  # m, in place of a gap of 0: any motion towards each other closes it, and formulas hold
-)
+# m, in place of a gap of 0: any motion towards each other closes it, and formulas hold
+TOUCHING = 1e-6
 
 
 def one_or_two(case: Case) -> tuple[Building, ...]:

@@ -38,9 +38,8 @@ SIMULATED_POINTS = 41  # along an axis of Fig. 5a
 # intervals between simulated periods of Fig. 5b
 STD_INTERVALS = 8
 PEAK_INTERVALS = 32
-SLOWEST_DRIFT = (
-    2.0  # smallest reduction factor whose standard deviation is simulated within minutes
-)
+# smallest reduction factor whose standard deviation is simulated within minutes
+SLOWEST_DRIFT = 2.0
 OF_PEAKS = "amplification_of_peaks"
 OF_STD = "amplification_simulated"
 ENDS = "", "_standard_error"

@@ -58,9 +58,8 @@ QUANTILE = 0.95  # of the forces, strokes and energies of devices over motions
 CONSTANTS = np.append(
     0.0, np.geomspace(1e-3, 10, 13)
 )  # damping constants that are tried, over 2 m w
-VERDICTS = (
-    "answer enough not_enough within_error not_available no_verdict"  # numbered as those of rules
-)
+# numbered as those of rules
+VERDICTS = "answer enough not_enough within_error not_available no_verdict"
 SIMULATIONS = 60  # usual number of simulations of all searches together
 OF_SEARCH = 4  # work of a search, in simulations of all motions
 TEXTS: dict[str, str] = {

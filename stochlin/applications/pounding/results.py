@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.applications.pounding.rows import SIDES, Meeting, Standing
-from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.arrays import Array, row_products
 from stochlin.kernels.pounding.run import RowResponse
 from stochlin.kernels.records.runs import SampledMotion
 from stochlin.models.links import Link
@@ -71,25 +71,25 @@ def _course(standing: Standing, response: RowResponse, ground: SampledMotion) ->
     q = history.coordinates.q.T
     v = history.coordinates.v.T
     z = history.elements.z.T
-    extension = _products(q, system.extensions)
-    rate = _products(v, system.extensions)
+    extension = row_products(q, system.extensions)
+    rate = row_products(v, system.extensions)
     force = system.post * extension + system.couple * z
     stored = 0.5 * (system.post * extension**2 + system.couple * z**2)
     drag = _drags(standing, rate)
     pushed, squeezed = _contact_forces(standing, response, q)
-    load = _products(v, system.damping) + _products(force + drag, system.extensions.T)
-    shear = _products(force[:, :n], assembly.shear_shares)
+    load = row_products(v, system.damping) + row_products(force + drag, system.extensions.T)
+    shear = row_products(force[:, :n], assembly.shear_shares)
     largest_input = motion.largest_input
     imbalance = np.zeros_like(largest_input)
     np.divide(np.abs(motion.missing_energy), largest_input, out=imbalance, where=largest_input > 0)
     of_structures = partial(np.add.reduceat, indices=assembly.first_coordinate[:-1], axis=1)
     # A floor moves with the ground as far as the modes of a building leave out mass.
     carried = np.multiply.outer(ground.acceleration, 1 - system.shapes.sum(axis=1))
-    sped = -(load + _products(pushed, row.contacts.weights.T)) / system.mass
+    sped = -(load + row_products(pushed, row.contacts.weights.T)) / system.mass
     values: Quantities = {
-        "displacement": (FLOOR, _products(q, system.shapes)),
-        "velocity": (FLOOR, _products(v, system.shapes)),
-        "acceleration": (FLOOR, _products(sped, system.shapes) + carried),
+        "displacement": (FLOOR, row_products(q, system.shapes)),
+        "velocity": (FLOOR, row_products(v, system.shapes)),
+        "acceleration": (FLOOR, row_products(sped, system.shapes) + carried),
         "storey_shear": (FLOOR, shear),
         "base_shear": (STRUCTURE, shear[:, standing.first[:-1]]),
         "input_energy": (STRUCTURE, of_structures(history.coordinates.input_energy.T[:, :n])),
@@ -114,15 +114,6 @@ def _course(standing: Standing, response: RowResponse, ground: SampledMotion) ->
     return values
 
 
-def _products(values: Array, matrix: Array) -> Array:
-    """Products (times, m) of a matrix (m, n) with values (times, n).
-
-    BLAS is not used, because its threads would take the time of those in which motions are stepped.
-    """
-    products: Array = np.einsum("tn,mn->tm", values, matrix)
-    return products
-
-
 def _drags(standing: Standing, rate: Array) -> Array:
     """Forces of the dashpots with an exponent among the elements [N] (times, e), zero of the others."""
     elements, drag = standing.row.elements, np.zeros_like(rate)
@@ -140,7 +131,7 @@ def _contact_forces(standing: Standing, response: RowResponse, u: Array) -> tupl
         return (states.mean_force * states.sticks).T, np.zeros(len(u))
     impacts = response.history.impacts
     pushed = np.where(np.isnan(impacts.begin), 0.0, impacts.force).T
-    squeezed = np.maximum(_products(u, contacts.weights) - contacts.gap, 0.0)
+    squeezed = np.maximum(row_products(u, contacts.weights) - contacts.gap, 0.0)
     power = contacts.law["exponent"] + 1.0
     return pushed, (contacts.law["stiffness"] * squeezed**power / power).sum(axis=1)
 

@@ -97,9 +97,8 @@ class Standing(NamedTuple):
     """Buildings in a row, and each of them alone, as kernels take them."""
 
     row: BuildingRow
-    alone: (
-        BuildingRow  # the same without links between buildings; the row itself, if there are none
-    )
+    # the same without links between buildings; the row itself, if there are none
+    alone: BuildingRow
     assembly: Assembly
     places: list[Meeting]
     reduced: Array  # (c,) [kg]: reduced mass of both sides of each contact

@@ -33,9 +33,8 @@ TYPICAL = 1.0  # [m/s]: rate of penetration for which the half-period of a Hertz
 ON_GRID = 1e-9  # share of a time step within which an output time counts as a sample of the record
 LANES = 64  # motions that are stepped together
 FEW = 4  # motions that take hardly more time than one
-OPERATIONS = (
-    60.0  # in a step for each floor, as many as it has numbers, and those with other floors
-)
+# in a step for each floor, as many as it has numbers, and those with other floors
+OPERATIONS = 60.0
 SLOW = 1e-3  # approach velocity that counts as zero over max |a| T/(2 pi)
 OVERLAP = 1e-12  # [m]: of floors at the start, as rounding leaves it
 NEAR = 0.03  # share of the steps that are taken for divided near contact

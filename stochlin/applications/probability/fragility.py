@@ -81,8 +81,7 @@ def pounding_fragility(
 
     Parameters
     ----------
-    first, second : Bilinear, BoucWen, Hysteretic, ModifiedClough, ShearBuilding or any other
-    structure
+    first, second : Bilinear, BoucWen, Hysteretic, ModifiedClough, ShearBuilding or other structure
         The structures, as in `pounding_probability`; without formulas if a law cannot be
         linearized.
     ground : WhiteNoise, KanaiTajimi or CloughPenzien

@@ -78,8 +78,7 @@ def pounding_probability(
 
     Parameters
     ----------
-    first, second : Bilinear, BoucWen, Hysteretic, ModifiedClough, ShearBuilding or any other
-    structure
+    first, second : Bilinear, BoucWen, Hysteretic, ModifiedClough, ShearBuilding or other structure
         The structures. All parameters of oscillators broadcast by dimension name. With a building
         with storeys the gap is checked at all heights; see the notes. For what cannot be linearized
         the result has the simulated variables only, and its attribute ``comment`` gives the reason.

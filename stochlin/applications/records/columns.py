@@ -24,9 +24,8 @@ MOST_TITLES = 2
 TIME_TOLERANCE = 0.25
 LONGEST_STEP = 0.5  # s; no untitled column of longer ones is known to be a time
 _ROWS_OF_A_SERIES = 5  # fewest numbers in a row; the usual components of a motion are three
-_SMOOTHER = (
-    0.7  # mean change along the rows of one series, over that from row to row; of three 0.3 to 1
-)
+# mean change along the rows of one series, over that from row to row; of three 0.3 to 1
+_SMOOTHER = 0.7
 _HEAD = 50  # lines in which the numbers begin
 # Lines of other formats: "SAMPLING INTERVAL (sec) : 0.01", "UNITS OF ACCEL ARE SEC AND G/10".
 _STATEMENT = re.compile(r"[:=]\s*\S|\bunits?\b", re.IGNORECASE)

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.applications.records.cells import OUT_OF_RANGE, RecordedMotions
-from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.arrays import Array, row_products
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.pounding.run import BuildingRow, GroundMotions, StepCounts, run
 from stochlin.kernels.records.runs import SampledMotion
@@ -156,41 +156,49 @@ def stepped_history(
         return SteppedResponse(history, peaks_of(moved), z, cuts)
 
     converged = halved(system, followed, cuts, HALVINGS_OF_HISTORY)
-    coordinates = converged.values.coordinates
-    elements = converged.values.elements
-    q = coordinates.q.T
-    rate = coordinates.v.T
-    z = elements.z.T
-    u = q @ system.storeys.shapes.T
-    v = rate @ system.storeys.shapes.T
-    drift = q @ (system.drifts @ system.displacements).T
-    extension = q @ system.extensions.T
-    mass = system.storeys.mass
+    last = np.append(converged.cuts, converged.values.block[:, -1])
+    table = _history_table(structure, system, converged.values)
+    return table.assign({"step_error": converged.error, END_STATE: as_end_state(last)})
+
+
+def _history_table(structure: AnyStructure, system: Assembly, history: Any) -> xr.Dataset:
+    """Displacements, drifts and energies in the history of a structure."""
     storeys = system.storeys
+    q = history.coordinates.q.T
+    rate = history.coordinates.v.T
+    z = history.elements.z.T
+    u = row_products(q, storeys.shapes)
+    v = row_products(rate, storeys.shapes)
+    extension = row_products(q, system.extensions)
+    elastic = storeys.post * extension**2 + storeys.couple * z**2
     energies = {
-        "input": coordinates.input_energy.sum(axis=0),
-        "viscous": coordinates.viscous_energy.sum(axis=0),
-        "hysteretic": elements.dissipated.sum(axis=0),
-        "kinetic": 0.5 * rate**2 @ mass,
-        "elastic": 0.5 * (extension**2 @ storeys.post + z**2 @ storeys.couple),
+        "input": history.coordinates.input_energy.T,
+        "viscous": history.coordinates.viscous_energy.T,
+        "hysteretic": history.elements.dissipated.T,
+        "kinetic": 0.5 * storeys.mass * rate**2,
+        "elastic": 0.5 * elastic,
+    }
+    mass = storeys.mass.sum()
+    columns = {
+        f"{name}_energy_per_mass": ("time", parts.sum(axis=1) / mass)
+        for name, parts in energies.items()
     }
     lone = system.sticks[0].is_oscillator
 
     def over(dimension: str, values: Array) -> tuple[Any, Array]:
         return ("time", values[:, 0]) if lone else (("time", dimension), values)
 
-    columns = {f"{name}_energy_per_mass": ("time", e / mass.sum()) for name, e in energies.items()}
     table = xr.Dataset({"displacement": over(FLOOR, u), "velocity": over(FLOOR, v), **columns})
     if lone:
         radius = np.hypot(u[:, 0], v[:, 0] * float(structure.first_period()) / (2 * np.pi))
         table["radius"] = ("time", radius)
     else:
-        table["storey_drift"] = over(ELEMENT, drift)
+        drifts = system.drifts @ system.displacements
+        table["storey_drift"] = over(ELEMENT, row_products(q, drifts))
         table = table.assign_coords({**floor_coordinates(system), **element_coordinates(system)})
     if structure.yields:
-        table["z"] = over(ELEMENT, system.of_elements(z / system.storeys.strength, 0.0, np.nan))
-    last = np.append(converged.cuts, converged.values.block[:, -1])
-    return table.assign({"step_error": converged.error, END_STATE: as_end_state(last)})
+        table["z"] = over(ELEMENT, system.of_elements(z / storeys.strength, 0.0, np.nan))
+    return table
 
 
 def _refined(ground: SampledMotion, refine: int) -> SampledMotion:

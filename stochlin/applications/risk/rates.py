@@ -41,9 +41,8 @@ class SeparationsByIntensity(NamedTuple):
 
     intensity: Array  # (n,)
     separation: Array  # (paths, n) [m]
-    power: float = (
-        1.0  # exponent of the intensity in the separation of linear structures; 0.5 for S0
-    )
+    # exponent of the intensity in the separation of linear structures; 0.5 for S0
+    power: float = 1.0
 
     def every_other(self) -> SeparationsByIntensity:
         """Those at every other intensity, with both ends of an odd number."""

@@ -58,9 +58,8 @@ FAR = 1e6  # [m], in place of a required gap that is infinite, since a structure
 CLOSE = 1e-2  # relative difference of a simulated gap, or of two values, from which limits follow
 FEW = 8  # a few motions are one in so many
 LEAST_FEW = 64  # and at least this many
-CLEAR = (
-    1.5  # half 95 % intervals between a gap from a few motions and the limit, so that these decide
-)
+# half 95 % intervals between a gap from a few motions and the limit, so that these decide
+CLEAR = 1.5
 
 
 Ends = tuple[float, float, float]  # required gap, and the ends of its interval [m]

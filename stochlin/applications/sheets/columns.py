@@ -96,9 +96,8 @@ class Need(NamedTuple):
     wanted: Sequence[Quantity]
     left: bool = False  # whether it may be the only column that is left
     optional: bool = False
-    units: str | None = (
-        None  # as the caller states them, of a title that may mean several quantities
-    )
+    # as the caller states them, of a title that may mean several quantities
+    units: str | None = None
     logarithms: bool = False  # whether it may be one
     period: float | None = None  # s, of a spectral acceleration
     damping: float | None = None

@@ -25,9 +25,8 @@ _WITHOUT_RESULT = re.compile(
     rb"(\s*<\w*:?v(?:\s*/>|>\s*</\w*:?v>))?\s*</\w*:?c>"
 )
 _METHODS = zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED  # others take memory that they do not state
-_PATIENCE = (
-    20.0  # s that reading may take on a busy machine, and on one that does not limit its time
-)
+# s that reading may take on a busy machine, and on one that does not limit its time
+_PATIENCE = 20.0
 MOST_PARTS = 2000  # of a workbook
 MOST_BYTES = 16 * 2**20  # of a workbook
 

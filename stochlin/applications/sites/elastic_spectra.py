@@ -30,9 +30,8 @@ NOT_STATED = "taken as elastic, which is not stated"
 # 0.7 of the ordinate for which it was said to be elastic has been divided since.
 LEAST_SHARE = 0.7
 USUAL_DAMPING = 0.05
-STIFF = (
-    0.02  # longest period of a rigid structure, whose ordinate is the peak ground acceleration [s]
-)
+# longest period of a rigid structure, whose ordinate is the peak ground acceleration [s]
+STIFF = 0.02
 SAME = 1e-3  # relative difference of ordinates that are equal, as rounded in files
 # Elastic spectra rise to 3.21 - 0.68 ln(damping in %) times the peak ground acceleration in the
 # median (Newmark and Hall 1982, Earthquake spectra and design), which is 2.12 for 5 %; those of

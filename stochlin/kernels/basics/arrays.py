@@ -47,6 +47,16 @@ def where_finite(values: Any, *others: Any) -> Any:
     return values
 
 
+def row_products(values: Array, matrix: Array) -> Array:
+    """Products (times, m) of a matrix (m, n) with each row of the values (times, n).
+
+    BLAS is not used: its last bits depend on the number of rows, and its threads would take the
+    time of those in which motions are stepped.
+    """
+    products: Array = np.einsum("tn,mn->tm", values, matrix)
+    return products
+
+
 def solve_3x3(matrix: Sequence[Sequence[Array]], right: Sequence[Array]) -> tuple[Array, ...]:
     """The three components of ``x`` in ``matrix @ x = right``, cell by cell; all entries broadcast.
 

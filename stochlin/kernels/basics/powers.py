@@ -15,9 +15,8 @@ from stochlin.kernels.basics.compiled import called_often
 # exact
 LOG_2 = 6.93147180369123816490e-01
 LOG_2_REST = 1.90821492927058770002e-10
-SHIFT = (
-    6755399441055744.0  # 1.5 * 2^52: adding it rounds to whole numbers, kept in the lowest digits
-)
+# 1.5 * 2^52: adding it rounds to whole numbers, kept in the lowest digits
+SHIFT = 6755399441055744.0
 SHIFT_BITS = int(np.float64(SHIFT).view(np.int64))
 ROOT_HALF_BITS = int(np.float64(np.sqrt(0.5)).view(np.int64))
 # beyond, the exponential is zero or infinite, or nearly so

@@ -21,9 +21,8 @@ BOUNDS = np.array([0.5, 1.0, 2.0])
 # rho.
 OF_NEARLY_EQUAL = np.array([0.14, 0.10, 0.06, 0.05])
 OF_OTHERS = 0.18
-SAFE_SIDE = (
-    0.06  # relative bias, on the safe side, of u_1 - u_2 of nearly equal structures by eq. (13)
-)
+# relative bias, on the safe side, of u_1 - u_2 of nearly equal structures by eq. (13)
+SAFE_SIDE = 0.06
 
 
 def std_of_difference(std_1: Array, std_2: Array, rho: Array) -> Array:

@@ -54,9 +54,8 @@ class AtLevels(NamedTuple):
     side: DriftingSide
     rows: StructureRows
     level: Array
-    later: (
-        Array  # (nodes, n) transform of the covariance of the later forcing with the displacement
-    )
+    # (nodes, n) transform of the covariance of the later forcing with the displacement
+    later: Array
 
 
 def pair_rows(first: AtLevels, second: AtLevels, added: Array) -> PairRows:

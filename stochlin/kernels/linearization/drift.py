@@ -49,9 +49,8 @@ class Drift(NamedTuple):
 
     variance: Array  # (n,) variance of its part (1 - alpha) y of the displacement
     rate: Array  # (n,) relaxation rate [1/s], lambda of eq. (4)
-    shares: (
-        Array  # (ORDERS + 1, n) shares of the orders in D; their sum is 1, or 0 without yielding
-    )
+    # (ORDERS + 1, n) shares of the orders in D; their sum is 1, or 0 without yielding
+    shares: Array
 
 
 def no_drift(cells: int) -> Drift:

@@ -30,9 +30,8 @@ LEAST_RISE = 1e-4
 ALONG = 1e-6  # step of the differences for slopes of the mismatch
 LARGEST_STEP = 1.0  # largest step in log(sigma) and atanh(corr)
 LARGEST_MISMATCH = 1e-7  # largest norm of the mismatch of a converged cell
-NEAR = (
-    0.05  # largest distance of a solution from its extrapolation for the same branch of solutions
-)
+# largest distance of a solution from its extrapolation for the same branch of solutions
+NEAR = 0.05
 
 
 class FixedPoint(NamedTuple):

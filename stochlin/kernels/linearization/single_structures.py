@@ -50,9 +50,8 @@ class SingleStructures(NamedTuple):
     closure: Closure
     parameters: Array  # (m, n) of the law
     ground: Filter
-    level: (
-        Array  # (n,): logarithm of the ratio of the shaking to the full one, as standard deviations
-    )
+    # (n,): logarithm of the ratio of the shaking to the full one, as standard deviations
+    level: Array
     rtol: float
 
     def at(self, cells: Array) -> SingleStructures:

@@ -42,9 +42,8 @@ class MomentState(NamedTuple):
     """What is integrated, or its rates."""
 
     covariance: Array  # (c, states, states)
-    means: (
-        Array  # (1 + further states, c, m) of the work on z, and of the further states of the laws
-    )
+    # (1 + further states, c, m) of the work on z, and of the further states of the laws
+    means: Array
 
     def moved(self, rates: MomentState, time: float) -> MomentState:
         """The state after a time [s] with these rates."""

@@ -28,9 +28,8 @@ INPUT = 3
 HYSTERETIC = 4
 LONGEST = 1 / 3  # largest w h [rad]; the damping 2 xi w h is then below 2/3
 TERMS = 18  # of the Taylor series; those left out are below (2/3)^14 4! / 18!, 1e-17 of the first
-SMALLEST = (
-    1e-12  # error of the time of a change of branch, and least time between two, in sub-steps
-)
+# error of the time of a change of branch, and least time between two, in sub-steps
+SMALLEST = 1e-12
 
 
 class Oscillator(NamedTuple):

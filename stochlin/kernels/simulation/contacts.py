@@ -21,9 +21,8 @@ from stochlin.kernels.basics.borrowed import borrowed
 from stochlin.kernels.basics.compiled import called_often, called_once, compiled
 from stochlin.kernels.simulation.row_products import rows_of
 
-NEARLY_CONSTANT = (
-    1e-6  # change of a penetration, over its size, below which the mean is the value in the middle
-)
+# change of a penetration, over its size, below which the mean is the value in the middle
+NEARLY_CONSTANT = 1e-6
 CLOSE_FORCE = 1e-11  # residual of a mean force, over its bound, at which its search ends
 MOST_TRIALS = 100  # of a search for a mean force
 
@@ -61,9 +60,8 @@ class Contacts(NamedTuple):
     weights: Array  # (c, n)
     rows: Array  # the same, by `rows_of`
     right: Array  # that part of it which belongs to the structure on the right
-    of_wall: (
-        Array  # (c,): that of the last coordinate if it is a wall, which no force moves; else 0
-    )
+    # (c,): that of the last coordinate if it is a wall, which no force moves; else 0
+    of_wall: Array
     gap: Array  # (c,) [m]
     law: Array  # (c,): a `law_table`
     jumps: bool  # impacts are stereomechanical: velocities jump, and ``law`` has no use

@@ -186,9 +186,8 @@ class Plan(NamedTuple):
     seed: int
     samples: int = SAMPLES  # number of samples in a block
     first_group: int = 0  # number of the stream of the first group
-    scatter: float = (
-        0.0  # standard deviation of the logarithm of a factor of median 1 on each motion
-    )
+    # standard deviation of the logarithm of a factor of median 1 on each motion
+    scatter: float = 0.0
 
     @property
     def block(self) -> float:
@@ -260,9 +259,8 @@ class Sums(NamedTuple):
     squares: Array  # (n, n): sum of G_ij^2
     with_diagonal: Array  # (n, n): sum of G_ij G_ii
     diagonal: Array  # (n, n): sum of G_ii G_jj
-    change: (
-        Array  # (n,): sum of the increase of G_ii from the first to the second half of the motion
-    )
+    # (n,): sum of the increase of G_ii from the first to the second half of the motion
+    change: Array
     change_squares: Array  # (n,): sum of its square
 
 

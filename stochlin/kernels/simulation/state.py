@@ -18,9 +18,8 @@ from stochlin.kernels.basics.compiled import compiled
 from stochlin.kernels.basics.systems import System
 from stochlin.kernels.simulation.laws import VISCOUS
 
-CLOSE = (
-    1e-8  # change of a slip, over the strength of the element, at which the passes of a step end
-)
+# change of a slip, over the strength of the element, at which the passes of a step end
+CLOSE = 1e-8
 CLOSE_BY_LAW = 1e-5  # the same for laws with rates; extensions change by less than 1e-7 of theirs
 
 

@@ -53,17 +53,14 @@ from stochlin.kernels.simulation.row_products import (
 from stochlin.kernels.simulation.state import CLOSE, Elements, State
 
 MOST_PASSES = 60  # largest number of passes of a step
-MOST_VISCOUS = (
-    600  # the same with dashpots with an exponent, whose forces can tie many floors together
-)
+# the same with dashpots with an exponent, whose forces can tie many floors together
+MOST_VISCOUS = 600
 MOST_ROOTS = 60  # largest number of steps of Newton's method, which mostly needs four or five
-NEARLY = (
-    1e-5  # relative change of a root after which the error of Newton's method is about its square
-)
+# relative change of a root after which the error of Newton's method is about its square
+NEARLY = 1e-5
 SOFT = 0.1  # stiffness of a dashpot's spring over that with which the floors resist a step
-HARDLY = (
-    1e-6  # increment of a dashpot's extension, over the largest of the step, that may be rounding
-)
+# increment of a dashpot's extension, over the largest of the step, that may be rounding
+HARDLY = 1e-6
 POST, COUPLE, STRENGTH, RELIEF = range(4)  # columns of `Steps.spring`
 
 
@@ -76,9 +73,8 @@ class Steps(NamedTuple):
     """
 
     dt: float  # [s]
-    of_beginning: (
-        Array  # (n, n + e): the effect of velocities and element forces on the increments dq
-    )
+    # (n, n + e): the effect of velocities and element forces on the increments dq
+    of_beginning: Array
     of_forcing: Array  # (n,): the effect of the forcing
     of_slips: Array  # (n, e): the effect of the slips
     # (e, 4): post, couple (of a dashpot with an exponent that of its spring), strength, and the

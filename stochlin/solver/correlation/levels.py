@@ -64,9 +64,8 @@ class ExpectedErrors(NamedTuple):
     """What is known of the gaps of n pairs for 90 %, from simulated pairs of the same kind."""
 
     error: Array  # (n,) mean absolute relative error
-    caution: (
-        Array  # (n,) 1 where errors are larger than usual, 2 on grounds that were not simulated
-    )
+    # (n,) 1 where errors are larger than usual, 2 on grounds that were not simulated
+    caution: Array
 
 
 class PairsInTime(NamedTuple):

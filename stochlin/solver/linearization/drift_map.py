@@ -39,9 +39,8 @@ DISPLACEMENT = "displacement_correction"
 DISPLACEMENT_WHITE = "displacement_correction_white_noise"
 SIGNATURE = "signature_correction"
 REFERENCE = "drift_reference"
-STRENGTH_RATIO = (
-    "elastic_ductility_std"  # R/p: standard deviation of the elastic displacement over uy
-)
+# R/p: standard deviation of the elastic displacement over uy
+STRENGTH_RATIO = "elastic_ductility_std"
 NEARNESS = "nearness"
 ENTRY = "nearness_entry"
 # Along these dimensions there is no parameter to interpolate in: each entry is a map of its own.

@@ -42,9 +42,8 @@ class SimulationRun(NamedTuple):
     that yields.
     """
 
-    ensemble: (
-        Ensemble  # all structures, grouped by the kind of their time steps, with ground and plan
-    )
+    # all structures, grouped by the kind of their time steps, with ground and plan
+    ensemble: Ensemble
     order: Array  # (w,) the row of each displacement in the ensemble
     scale: Array  # (w,) [m], the unit in which it is computed
     period: Array  # (w,) [s], the longest period of its structure

@@ -30,9 +30,8 @@ from stochlin.solver.tables.checks import check_work
 from stochlin.solver.tables.labels import ELEMENT
 
 ROUNDING = 1e-13  # relative size of a sum, over its terms, below which it is a rounding error
-NOT_STATIONARY = (
-    5.0  # change of a variance, in standard errors, above which a run is not stationary
-)
+# change of a variance, in standard errors, above which a run is not stationary
+NOT_STATIONARY = 5.0
 # A drift is waited for if each motion then has at most this number of time steps. With 256 motions
 # of one structure this takes some ten seconds.
 MOST_STEPS = 1e7

@@ -113,9 +113,8 @@ class StructuresInMotion(NamedTuple):
     system: Assembly
     groups: list[SteppedGroup]
     links: tuple[Link | None, ...]
-    limits: (
-        Array  # (w,) or (motions, w) [m], drifts at which structures fall; see `StickModel.limits`
-    )
+    # (w,) or (motions, w) [m], drifts at which structures fall; see `StickModel.limits`
+    limits: Array
     run: SimulationRun  # whose duration is still open
     factors: Mapping[
         str, Mapping[str, Array]

@@ -26,9 +26,8 @@ if TYPE_CHECKING:
 
     from stochlin.applications.cases.reading.case import Case
 
-OFF = (
-    0.1  # of a confidence by formula above the interval of the simulated one, of which a line warns
-)
+# of a confidence by formula above the interval of the simulated one, of which a line warns
+OFF = 0.1
 ROWS = 11  # instants that are printed
 STEM = "confidence_of_no_pounding"
 FORMULAS = {"clustered crossings": STEM, "independent crossings": f"{STEM}_poisson"}

@@ -13,9 +13,8 @@ from stochlin.models.parameters import Range
 from stochlin.models.units import size_of
 
 MODE_NUMBERS = Range(1, 1e9, include_lower=True, include_upper=True)
-STILL = (
-    0.01  # share of the largest displacements below which a mode does not move along the direction
-)
+# share of the largest displacements below which a mode does not move along the direction
+STILL = 0.01
 
 
 class AskedModes(NamedTuple):

@@ -17,9 +17,8 @@ from stochlin.kernels.basics.arrays import Array
 REFINEMENTS = 20  # largest number of solutions for a residual
 STILL = 1e-11  # correction of a correlation after which the error that is left is rounding
 WORSE = 0.5  # ratio of a correction to the last one above which it is rounding error
-ACCURATE = (
-    1e-8  # largest last correction over the largest covariance; above it the result is refused
-)
+# largest last correction over the largest covariance; above it the result is refused
+ACCURATE = 1e-8
 BLOCK = 32  # columns that LAPACK reduces together
 
 UNSTABLE = "the state matrix is not stable; allowed: eigenvalues with negative real parts"

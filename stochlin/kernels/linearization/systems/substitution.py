@@ -29,9 +29,8 @@ from stochlin.kernels.linearization.systems.state_space import state_space
 
 DEPTH = 10  # rounds that are mixed
 LARGEST_STEP = 1.0  # in the logarithms of standard deviations and atanh of correlations
-DEPENDENT = (
-    1e-12  # square of the share of a round that others do not determine, below which it is left
-)
+# square of the share of a round that others do not determine, below which it is left
+DEPENDENT = 1e-12
 BACK = 0.25  # share of a step that is tried again where it led to no response
 AT_LEVEL = 30  # rounds at one level of shaking, where a solution is followed
 HARDLY = 2.0  # by which log sigma_z of a system that hardly yields is smaller
@@ -46,9 +45,8 @@ class EquivalentCoefficients(NamedTuple):
 
     slip: Array  # (c, m) 1 + c_eq
     relaxation: Array  # (c, m) k_eq [1/s]
-    dashpots: (
-        Array  # (c, l) damping constants [N s/m]; 0 of those with an exponent that do not move
-    )
+    # (c, l) damping constants [N s/m]; 0 of those with an exponent that do not move
+    dashpots: Array
 
     def at(self, cells: Array) -> EquivalentCoefficients:
         """The cells with these numbers."""

@@ -173,16 +173,13 @@ class CodeRule(Published):
     line_of: Callable[[Site], Any] | None = field(default=None, compare=False)
     assumptions: str = INELASTIC
     of_pairs: Sequence[str] = ()  # further assumptions, which say nothing of one building
-    family: str = (
-        ""  # the quantity from which the gap is computed: "SRSS", "sum", "height" or "fixed"
-    )
-    between: str = (
-        ""  # the same between two properties, if both distances from the line are added there
-    )
+    # the quantity from which the gap is computed: "SRSS", "sum", "height" or "fixed"
+    family: str = ""
+    # the same between two properties, if both distances from the line are added there
+    between: str = ""
     needs: Sequence[str] = ()  # arguments of `gap` required besides the peaks
-    half_if_alike: bool = (
-        False  # of both distances, for the same height, system and levels of floors
-    )
+    # of both distances, for the same height, system and levels of floors
+    half_if_alike: bool = False
     line: str = ""  # statement on one building and its property line, empty if not known
     multiplies: str = ""  # BEHAVIOUR or DEFLECTION; empty if it takes no such displacements
     share: float = 1.0
