@@ -83,9 +83,8 @@ def test_the_first_mode_of_storeys_by_plain_numpy(storeyed: CaseAnswer) -> None:
     arrays = hall.structure.arrays()
     period, shape = first_mode(arrays["masses"].values, arrays["stiffnesses"].values)
     assert period == pytest.approx(0.6, rel=1e-9)
-    by_hand = (
-        shape * 0.25 * G * 1.15 * 2.5 * (period / 2 / np.pi) ** 2 / 3
-    )  # on the plateau, to 0.6 s
+    # on the plateau, to 0.6 s
+    by_hand = shape * 0.25 * G * 1.15 * 2.5 * (period / 2 / np.pi) ** 2 / 3
     found = design_displacements(case, bare, CODE_RULES["is_1893"])
     np.testing.assert_allclose(found, by_hand, rtol=1e-9)
     # ASCE 7 multiplies forces by the importance factor, by which it divides displacements later.

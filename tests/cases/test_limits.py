@@ -529,6 +529,7 @@ OF_PYTHON = {
     *("damping_constant", "importance", "link over buildings"),
 }
 OF_FILES = {"peak over that of the site", "importance_factor", "displacement upwards"}
+# to which the explorer fits a ground
 FITTED = {
     "pga",
     "sa",
@@ -543,7 +544,7 @@ FITTED = {
     "sd1 over sds",
     "spectral displacement",
     "divided_by",
-}  # to which the explorer fits a ground
+}
 
 
 def with_pushover(path: Path) -> dict[str, str]:

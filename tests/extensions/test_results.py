@@ -7,11 +7,8 @@ import stochlin as sl
 from stochlin.solver.simulation.results import RESULTS, register_result
 
 GROUND = sl.KanaiTajimi(0.5, 0.5, 0.05)
-MOTION = {
-    "paths": 32,
-    "duration": 90.0,
-    "envelope": sl.AminAng(2.0, 6.0, 2.0),
-}  # at rest at its end
+# at rest at its end
+MOTION = {"paths": 32, "duration": 90.0, "envelope": sl.AminAng(2.0, 6.0, 2.0)}
 YIELDING = {"damping": 0.1, "hardening": 0.1, "yield_displacement": 0.01}
 FRAME = sl.ShearBuilding(
     masses=[2e5, 2e5, 1e5],

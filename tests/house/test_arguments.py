@@ -37,9 +37,8 @@ PUBLIC = {
 
 def test_every_closure_is_by_default_that_of_the_paper_and_the_charts() -> None:
     parameters = [inspect.signature(each).parameters for each in PUBLIC.values()]
-    in_time = {
-        f"stochlin.pounding_{name}" for name in ("probability", "fragility")
-    }  # with the drift
+    # with the drift
+    in_time = {f"stochlin.pounding_{name}" for name in ("probability", "fragility")}
     of_others = [each for name, each in zip(PUBLIC, parameters, strict=True) if name not in in_time]
     assert {each["closure"].default for each in of_others if "closure" in each} == {"gaussian"}
     building = sl.Bilinear(0.5, 0.05, 0.05, reduction_factor=4)

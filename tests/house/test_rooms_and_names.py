@@ -162,13 +162,8 @@ def test_type_checkers_and_editors_see_the_public_names(tmp_path: Path) -> None:
         "    sl.linearize(a, g, closure='of_an_extension')\n"
         "    sl.correlate(a, a, g, method='simulation', rule='of_an_extension')\n"
     )
-    command = [
-        sys.executable,
-        "-m",
-        "mypy",
-        "--strict",
-        str(snippet),
-    ]  # with what mypy knows already
+    # with what mypy knows already
+    command = [sys.executable, "-m", "mypy", "--strict", str(snippet)]
     said = subprocess.run(
         command, capture_output=True, text=True, check=False, cwd=ROOT.parent
     ).stdout

@@ -135,10 +135,8 @@ LONG = {
     *("pounding_fragility", "pounding_probability", "pounding_risk", "required_gap", "sensitivity"),
     "separation",
 }
-ALSO = {
-    "name": "name_rule_model",
-    "yield_displacement": "yield_strength_hardening",
-}  # said in its place
+# said in its place
+ALSO = {"name": "name_rule_model", "yield_displacement": "yield_strength_hardening"}
 ALSO |= {"reduction_factor": "reduction_strength_hardening", "structure": "structure_strength"}
 ALSO |= {"wrapped": "wrapped_dt", "path": "path_case"}
 

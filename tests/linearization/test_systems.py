@@ -139,9 +139,8 @@ def assert_fast_path(pair, ground):
     both = sl.correlate(*pair, ground)
     assert float(table.rho[0, 1]) == pytest.approx(float(both.rho), abs=1e-9)
     apart = float(table.relative_displacement_std[0, 1])
-    rounding = (
-        1e-13 * float(table.displacement_std.max()) ** 2
-    )  # of the variances whose difference it is
+    # of the variances whose difference it is
+    rounding = 1e-13 * float(table.displacement_std.max()) ** 2
     expected = pytest.approx(float(both.relative_displacement_std) ** 2, rel=2e-9, abs=rounding)
     assert apart**2 == expected
     shared = ("displacement_std", "velocity_std", "ductility_std", "z_std", "c_eq")

@@ -218,9 +218,8 @@ def test_every_format_states_its_step_and_component(tmp_path, name):
     text, options, component, step = FILES[name]
     record = read(tmp_path, text, **options)
     offset = GAL.mean() if name == "knet" else 0.0  # of which the mean is subtracted
-    exact = (
-        3920 / 6182761 if name == "knet" else 1e-9
-    )  # of a count, or of the printed digits [cm/s^2]
+    # of a count, or of the printed digits [cm/s^2]
+    exact = 3920 / 6182761 if name == "knet" else 1e-9
     np.testing.assert_allclose(record, (GAL - offset) / 100, atol=exact / 100, rtol=1e-12)
     assert record.attrs["dt"] == pytest.approx(step, rel=1e-12)
     assert (record.attrs["component"], record.attrs["units"]) == (component, "m/s^2")

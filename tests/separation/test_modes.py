@@ -64,9 +64,8 @@ def test_floors_that_are_not_level_move_with_the_floors_about_them():
 def test_two_oscillators_are_combined_by_eq_3_and_eq_4():
     table, peaks = by_codes(ONE, OTHER), []
     for period in (0.5, 0.62):
-        ordinate = (
-            2.5 * 1.15 * 2.5 * min(1, 0.6 / period)
-        )  # the plateau of Eurocode 8 and what follows
+        # the plateau of Eurocode 8 and what follows
+        ordinate = 2.5 * 1.15 * 2.5 * min(1, 0.6 / period)
         peaks.append(ordinate * (period / (2 * np.pi)) ** 2)
     rho = float(sl.rho_white_noise(0.5, 0.62, 0.05, 0.05).rho)
     expected = float(sl.critical_gap(*peaks, rho).gap)

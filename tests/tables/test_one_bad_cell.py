@@ -39,11 +39,8 @@ HARD = [
     (1.0, 1e-9, 1e-9, 50.0),
     (1.0, 1e-300, 1e-12, 5.0),
 ]
-HARDEST = [
-    (1.0, 0.05, 0.05, 1e30),
-    (1e-9, 0.05, 0.05, 3.0),
-    (1e9, 0.05, 0.05, 3.0),
-]  # two seconds each
+# two seconds each
+HARDEST = [(1.0, 0.05, 0.05, 1e30), (1e-9, 0.05, 0.05, 3.0), (1e9, 0.05, 0.05, 3.0)]
 GROUNDS = {
     "white noise": sl.WhiteNoise(0.01),
     "Kanai-Tajimi": sl.KanaiTajimi(2.0, 0.1, 0.01),

@@ -45,10 +45,8 @@ WITH_SENSITIVITIES = 0.5  # share of the work before the sensitivities
 # Motions for the sensitivities; an uncertain building with storeys is made anew for each, slowly.
 USUAL_PATHS = 512
 FEW_PATHS = 128
-BAND = (
-    0.2,
-    1.5,
-)  # of the shortest and of the longest period of buildings, in which spectra are compared
+# of the shortest and of the longest period of buildings, in which spectra are compared
+BAND = (0.2, 1.5)
 YEARS = 50.0  # default time of the probability of pounding [yr]
 SHARE = 8  # motions of the case over those at each of the 25 intensities
 WITH_SCATTER = "gap_with_scatter"  # variable: [m]

@@ -68,11 +68,8 @@ REFERENCES = (
 )
 PATH = "path"
 NEIGHBOURS = "neighbours"
-BETWEEN = (
-    "impacts",
-    "hardest_force",
-    "contact_energy",
-)  # also of all contacts between two neighbours
+# also of all contacts between two neighbours
+BETWEEN = ("impacts", "hardest_force", "contact_energy")
 PEAKS = "peak", "peak_acceleration", "peak_storey_shear", "peak_base_shear"
 # Variables with a mean and quantiles over several motions.
 STATISTICS = (

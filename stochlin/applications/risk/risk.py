@@ -45,11 +45,8 @@ from stochlin.solver.tables.cells import over_cells
 from stochlin.solver.tables.checks import check_duration, standing
 
 POINTS = 25  # least number of simulated intensities, odd, so that every other one has both ends
-TYPICAL = (
-    0.25,
-    0.5,
-    0.75,
-)  # quantiles of all separations, gaps for which intensities are close enough
+# quantiles of all separations, gaps for which intensities are close enough
+TYPICAL = (0.25, 0.5, 0.75)
 RETURN_PERIODS = (5.0, 2e5)  # [yr] of the lowest and highest intensity of a hazard without a table
 NORMAL = 1.96  # standard errors from a mean to the ends of its 95 % interval
 CLOSE = 1e-6  # relative tolerance of a required gap

@@ -82,9 +82,8 @@ def by_nearness(
         along: Array | float = 0.0
         for j in range(i + 1):
             entry, other = next(rows)
-            share = (
-                0.5 if i == j else 1.0
-            )  # entries off the diagonal count twice in the mean of both
+            # entries off the diagonal count twice in the mean of both
+            share = 0.5 if i == j else 1.0
             along += (share * entry + share * other) * apart[j]
         q += along * apart[i]
     weight = first.trust * second.trust / (1 + (q / MIDDLE) ** 2)

@@ -75,9 +75,8 @@ def drift_of(system: EquivalentSystem, latent: Array, ground: Filter) -> Drift:
     cycles = half_cycles(system, ground)
     sv, sz, r = latent
     slip = slip_quadrant(sz, r)
-    increment = (
-        2 * sv * slip.first * cycles.time
-    )  # mean size over all half-cycles, also without yielding
+    # mean size over all half-cycles, also without yielding
+    increment = 2 * sv * slip.first * cycles.time
     orders = increment**2 * _orders(sz)
     orders[:-1] *= _sums_of_powers(cycles.memory)
     total = sum(orders)  # row by row, so that rounding does not depend on the number of cells

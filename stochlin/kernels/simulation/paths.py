@@ -64,9 +64,8 @@ def _modified_clough(lanes, v, w, own, dt, new, apart):
         end = mu + abs(move)
         least = 1.0 if limit + max(up, down) > 1.0 else 0.0
         peak = max(limit + ahead, least)
-        unloads = (
-            z <= 0.0
-        )  # from the side behind; else it may be on an unloading branch of this side
+        # from the side behind; else it may be on an unloading branch of this side
+        unloads = z <= 0.0
         stiffness = _unloading(max(limit + (behind if unloads else ahead), least), own, lane)
         crossing = mu - z / stiffness
         along = z + stiffness * abs(move)

@@ -60,10 +60,8 @@ STATUS_MEANINGS = (
     "not_resolved",
 )
 ENDS = "lower", "upper"
-VALUE_AND_ENDS = (
-    "",
-    *(f"_{end}" for end in ENDS),
-)  # endings of the names of a number and its interval
+# endings of the names of a number and its interval
+VALUE_AND_ENDS = ("", *(f"_{end}" for end in ENDS))
 CAUTION = "caution"  # end of the names of the caution flags
 CAUTION_MEANINGS = ("within_10_percent", "off_by_more_than_10_percent", "outside_of_the_map")
 CURES = {

@@ -114,9 +114,8 @@ def in_blocks(
         except (ValueError, KeyError) as error:  # xarray quotes a name that is there twice
             check_names(names, [name for name in names if repr(name) in str(error)])
             raise
-        labelled = (
-            array.coords for array in arrays.values()
-        )  # another dimension may become a variable
+        # another dimension may become a variable
+        labelled = (array.coords for array in arrays.values())
         check_names(names.difference(*labelled), table.variables)
         return table
     whole = xr.Dataset(arrays | dict(more or {})).chunk()

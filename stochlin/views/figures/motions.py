@@ -15,18 +15,8 @@ from stochlin.views.shared.style import CURVES, quantity
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-OF_RATIO = (
-    0.5,
-    0.7,
-    0.8,
-    0.9,
-    1.0,
-    1.1,
-    1.25,
-    1.5,
-    2.0,
-    3.0,
-)  # levels, of which those below 1 are unsafe
+# levels, of which those below 1 are unsafe
+OF_RATIO = (0.5, 0.7, 0.8, 0.9, 1.0, 1.1, 1.25, 1.5, 2.0, 3.0)
 TRACE: Any = {"color": "0.35", "lw": 0.7}
 PEAK: Any = {"color": "#8c2d04", "linestyle": (0, (6, 1.5))}
 

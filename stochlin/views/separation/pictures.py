@@ -45,11 +45,8 @@ WIDTH = 4.6  # inches: a phone shows it at three quarters of its size
 PANEL = 3.4  # inches: of a panel with its axis and legend
 LINE = 0.17  # of a line of text
 CAPTION = 66  # characters
-FORMULAS = (
-    "eq_3_linearized",
-    "linearization",
-    "srss",
-)  # beside the simulation, where they are known
+# beside the simulation, where they are known
+FORMULAS = ("eq_3_linearized", "linearization", "srss")
 GREY = "0.75"
 CENTIMETRES = 100.0
 FACADE = 1.55  # inches: of a building

@@ -6,9 +6,8 @@ PROGRAM = "by hand"
 
 n, T, m, C, g = 8, 0.8, 4e5, 0.15, 9.80665
 w = 2 * pi / T
-above = [
-    sum(range(i, n + 1)) for i in range(1, n + 1)
-]  # of inertia forces that grow with the height
+# of inertia forces that grow with the height
+above = [sum(range(i, n + 1)) for i in range(1, n + 1)]
 shear = C * n * m * g  # at the base, at yield
 drift = shear / (m * w**2 * above[0])
 share = 3 * (n + 1) / (2 * (2 * n + 1))  # (sum i)^2 over n (sum i^2)

@@ -9,9 +9,8 @@ def effective(T, xi, alpha, mu):
     """For unit stiffness and yield displacement."""
     force = 1 + alpha * (mu - 1)
     secant = force / mu
-    area = (
-        4 * (1 - alpha) * (mu - 1)
-    )  # a parallelogram: tips at +-mu, sides with slopes 1 and alpha
+    # a parallelogram: tips at +-mu, sides with slopes 1 and alpha
+    area = 4 * (1 - alpha) * (mu - 1)
     return T / sqrt(secant), xi + area / (4 * pi * (secant * mu**2 / 2))
 
 

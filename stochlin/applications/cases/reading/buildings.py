@@ -75,9 +75,8 @@ class OfBuilding(Form):
     """Keys of every building; ``more`` are the parameters of its hysteresis law."""
 
     goes_with: ClassVar[Any] = tuple((strength, "hardening") for strength in WITH_HARDENING)
-    of_law: ClassVar[Mapping[str, Any]] = {
-        "single": "alone"
-    }  # one number for all elements, or a list
+    # one number for all elements, or a list
+    of_law: ClassVar[Mapping[str, Any]] = {"single": "alone"}
 
     name: str = key(TEXT, "Name in results", "")
     law: str = key(Word(laws_in_numbers), "Hysteresis law", "bilinear")

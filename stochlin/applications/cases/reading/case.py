@@ -176,9 +176,8 @@ class Wanted(Form):
             )
             known = [*CODE_RULES, *countries]
             said = other_code(name) or hint(name, known)
-            listed = (
-                CODE_RULES if said else known
-            )  # with the nearest name, the countries are not needed
+            # with the nearest name, the countries are not needed
+            listed = CODE_RULES if said else known
             what = f"has {plain(name)!r}, which is not known; {said}allowed: {', '.join(listed)}"
             raise self.table.error("codes", f"{what}, or {OWN_RULE}")
         for rule in rules:

@@ -106,12 +106,8 @@ class Format:
 
 
 HEADER_LINES = 8
-NO_HEADERS = (
-    "",
-    "0.1",
-    "0.0, 0.1\n0.02, 0.3",
-    "time acceleration\n0.0 0.1",
-)  # first lines of other files
+# first lines of other files
+NO_HEADERS = ("", "0.1", "0.0, 0.1\n0.02, 0.3", "time acceleration\n0.0 0.1")
 FORMATS: Registry[Format] = Registry("format of records", "stochlin.applications.records.formats")
 
 

@@ -42,10 +42,8 @@ from stochlin.solver.tables.labels import element_coordinates, floor_coordinates
 from stochlin.solver.tables.lazy import check_names
 
 Iteration = Literal["anderson", "substitution"]
-ITERATIONS: Mapping[Iteration, int] = {
-    "anderson": DEPTH,
-    "substitution": 0,
-}  # rounds that are mixed
+# rounds that are mixed
+ITERATIONS: Mapping[Iteration, int] = {"anderson": DEPTH, "substitution": 0}
 # Dimensions of the variables of `linearize_system` beside those of the cells.
 DIMS = {
     **dict.fromkeys(
