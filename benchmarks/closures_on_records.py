@@ -1,4 +1,4 @@
-"""The parts of the drift closure beside records: `python benchmarks/closures_on_records.py RECORDS`.
+"""The drift closure's parts beside records: `python benchmarks/closures_on_records.py RECORDS`.
 
 RECORDS is a folder whose table suites.csv lists records with their event; of its folder far_field
 the first of each earthquake counts, as it stands. Prints, for every part and R, the computed

@@ -1,4 +1,4 @@
-"""Remake the map that corrects the drift closure: `python benchmarks/drift_map.py FILE --work FOLDER`.
+"""Remake the map correcting the drift closure: `python benchmarks/drift_map.py FILE --work FOLDER`.
 
 Simulates 60 structures at a time together with the reference structures, on grounds from narrow to
 broad band: their signatures, which are the correlations with the references, whitened. Then
@@ -110,7 +110,7 @@ def building(period, ductility, hardening, damping):
 
 
 def part(ductility, hardening, ground_damping, seed=1):
-    """Correlations of the structures with the references, those between the references, and sigma."""
+    """Correlations of structures with references, those between the references, and sigma."""
     structures = [building(p, ductility, hardening, d) for d in DAMPING for p in PERIOD]
     table = sl.simulate(
         structures + [building(*reference) for reference in REFERENCES],
@@ -181,7 +181,7 @@ def fine_part(ductility, hardening, ground_damping, seed=4):
 
 
 def near_part(ductility, hardening, ground_damping, seed=5):
-    """Correlations within each group of nearly equal structures, its middle at the point of the map."""
+    """Correlations within each group of nearly equal structures, its middle at the map's point."""
     dampings, periods = NEAR["near_damping"], NEAR["near_period"]
     group = np.concatenate([np.zeros((1, 4)), np.diag(STEPS)]) - STEPS / 5
     middles = [[p, ductility, hardening, d] for d in dampings for p in periods]
@@ -276,7 +276,7 @@ def filled(correction):
 
 
 def displacement_corrections(coarse, ductility):
-    """Logarithms of simulated over derived on the coarse grid; for less damping by the ratio of both."""
+    """Logs of simulated over derived on the coarse grid; for less damping by the ratio of both."""
     simulated = on_grid(COARSE, coarse)
     strengths = sorted(simulated.elastic_ductility_std.values)
     simulated = simulated.sel(elastic_ductility_std=strengths)
@@ -364,7 +364,7 @@ def refined(coarse, added):
 
 
 def form_of(share, steps):
-    """The matrices G of eq. (12) (ENTRIES, n) from simulated groups of five nearly equal structures.
+    """Matrices G of eq. (12) (ENTRIES, n) from simulated groups of five nearly equal structures.
 
     The entries are the logarithms of the square roots of the diagonal, and the correlations that
     remain.
@@ -385,7 +385,7 @@ def form_of(share, steps):
 
 
 def _parted(matrix):
-    """Square roots of the diagonals (n, k) of matrices (n, k, k), and the matrices scaled by them."""
+    """Square roots of diagonals (n, k) of matrices (n, k, k), and the matrices scaled by them."""
     slopes = np.sqrt(np.diagonal(matrix, axis1=1, axis2=2))
     return slopes, matrix / (slopes[:, :, None] * slopes[:, None])
 
@@ -420,7 +420,9 @@ def labelled(signatures, displacement, white, near):
         "damping_white_noise": "damping ratio of the structure, of the corrections on white noise",
         "ground_damping": "damping ratio of the Kanai-Tajimi ground",
         "signature_strength": "R/p of the structure, of the signatures",
-        "signature_period": "period of the structure over the period of the ground, of the signatures",
+        "signature_period": (
+            "period of the structure over the period of the ground, of the signatures"
+        ),
         "reference_period": "period of a reference structure over the period of the ground",
         "reference_elastic_ductility_std": "R/p of a reference structure",
         "reference_hardening": "hardening ratio of a reference structure",
@@ -432,13 +434,19 @@ def labelled(signatures, displacement, white, near):
         "refined_hardening": "hardening ratio of the structure, of the displacements",
         "refined_damping": "damping ratio of the structure, of the displacements",
         "refined_ground_damping": "damping ratio of the Kanai-Tajimi ground, of the displacements",
-        "refined_period": "period of the structure over the period of the ground, of the displacements",
-        "nearness": "slopes of sqrt(1 - rho) of nearly equal structures, and correlations of the slopes",
+        "refined_period": (
+            "period of the structure over the period of the ground, of the displacements"
+        ),
+        "nearness": (
+            "slopes of sqrt(1 - rho) of nearly equal structures, and correlations of the slopes"
+        ),
         "nearness_entry": "logarithms of slopes by period, R/p, hardening, damping; correlations",
         "near_strength": "R/p of nearly equal structures",
         "near_hardening": "hardening ratio of nearly equal structures",
         "near_damping": "damping ratio of nearly equal structures",
-        "near_ground_damping": "damping ratio of the Kanai-Tajimi ground under nearly equal structures",
+        "near_ground_damping": (
+            "damping ratio of the Kanai-Tajimi ground under nearly equal structures"
+        ),
         "near_period": "period of nearly equal structures over the period of the ground",
     }
     for name, long_name in long_names.items():
@@ -449,9 +457,11 @@ def labelled(signatures, displacement, white, near):
         history="benchmarks/drift_map.py",
         comment=(
             "The correction factor is the simulated over the derived standard deviation of the "
-            "displacement, on a coarse grid. At the smallest damping ratio they follow from those at "
+            "displacement, on a coarse grid. "
+            "At the smallest damping ratio they follow from those at "
             "the next one, by the simulated ratio of both; on the finer grid all were simulated. "
-            "Structures with the smallest hardening and R/p take too long to simulate, and have the "
+            "Structures with the smallest hardening and R/p take too long to simulate, "
+            "and have the "
             "corrections of the next hardening. Structures with the "
             "hardening ratio 1, and those that do not yield, are not corrected."
         ),

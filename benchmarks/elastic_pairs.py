@@ -28,7 +28,7 @@ SHARES = np.array([0.1, 0.3, 0.5, 0.7, 0.9])  # of motions without pounding
 
 
 def error_of(pair, ground, motion, seed):
-    """Errors of the confidence at each of the shares, and relative error of the gap for the last."""
+    """Errors of the confidence at each of the shares, and relative error of the last's gap."""
     apart = sl.simulate(pair, ground, paths=PATHS, seed=seed, **motion).separation[:, 0, 1].values
     gaps = np.quantile(apart, SHARES)
     formula = sl.pounding_probability(*pair, ground, gaps, paths=0, points=2, **motion)

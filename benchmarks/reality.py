@@ -163,7 +163,7 @@ def simulated(motion: Motion, yields: Array | None, scatter: float) -> tuple[Arr
 
 
 def strengths(motion: Motion) -> Array:
-    """Displacements at yield (strength, pair, side) [m]; the first are those of the elastic peaks."""
+    """Displacements at yield (strength, pair, side) [m]; the first are of the elastic peaks."""
     _, peaks = simulated(motion, None, 0.0)
     return np.array([peaks / strength for strength in STRENGTHS])
 
@@ -271,7 +271,7 @@ class Kept:
 
 
 def mean_spectrum(records: Mapping[str, xr.DataArray]) -> xr.DataArray:
-    """Geometric mean of the spectra of records of the same peak acceleration, that of their median."""
+    """Geometric mean of the spectra of records of one peak acceleration, that of their median."""
     period = np.geomspace(0.05, LONGEST, 80)
     median = float(np.median([abs(record).max() for record in records.values()]))
     found = [
@@ -327,7 +327,7 @@ def of_spectrum(kept: Kept, records: Mapping[str, Recorded], suite: str) -> OfSp
 def tried_by_spectrum(
     yields: Array, records: Mapping[str, xr.DataArray], target: xr.DataArray, pairs: Iterable[int]
 ) -> Array:
-    """As `tried`, with each record scaled to a spectrum in a band around the periods of the pair."""
+    """As `tried`, each record scaled to a spectrum in a band around the periods of the pair."""
     found = np.full((len(records), len(STRENGTHS), len(PAIRS)), np.nan)
     for n in pairs:
         periods = [side[0] for side in PAIRS[n]]

@@ -36,7 +36,7 @@ KNOWN_PLACE = tuple((part, suite) for part in (SPECTRUM, OTHER) for suite in SUI
 
 
 def share_interval(came_true: Array, place: Array) -> tuple[float, float, float]:
-    """Share of what came true (case, ...) and its 95 % interval, where cases of a place go together.
+    """Share of what came true (case, ...) and its 95 % interval; cases of a place go together.
 
     Clopper and Pearson's interval of the number of independent cases that would scatter as much as
     the places do (Korn and Graubard 1998); where all came true or none, each place is one case. NaN
@@ -74,7 +74,7 @@ def _share(group: xr.Dataset, scatter: float, nominal: float) -> tuple[float, fl
 
 
 def at_scatter(values: xr.DataArray, scatter: float | xr.DataArray) -> xr.DataArray:
-    """Between what was computed without and with scatter: means and variances go with its square."""
+    """Between what was computed without and with scatter: means and variances go by its square."""
     without, usual = values.isel(scatter=0), values.isel(scatter=-1)
     return without + (usual - without) * (scatter / float(values.scatter[-1])) ** 2
 
@@ -92,7 +92,7 @@ def misfits(cases: xr.Dataset) -> Array:
 
 
 def scatter_of(groups: Sequence[xr.Dataset]) -> tuple[float, float, float]:
-    """The most likely scatter of groups that weigh the same, and its 95 % interval by drawing places."""
+    """Most likely scatter of groups of the same weight, and its 95 % interval by drawing places."""
     random, total = np.random.default_rng(0), np.zeros((1 + DRAWS, GRID.size))
     for group in groups:
         place = np.unique(group.place, return_inverse=True)[1]
@@ -364,7 +364,7 @@ _TRIALS = {  # fitted to, tried on, scatters
 
 
 def _of_components(cases: xr.Dataset) -> xr.Dataset:
-    """What held at nominally 90 %, from one component and from both, and the most likely scatter."""
+    """What held at nominally 90 %, from one component and from both, and most likely scatter."""
     trials = [(part, level) for part, (*_, levels) in _TRIALS.items() for level in levels]
     shares, likely = [], []
     for part, level in trials:
@@ -401,7 +401,7 @@ def _components(figures: xr.Dataset) -> str:
 
 
 def write_page(page: Path, tables: dict[str, str]) -> None:
-    """Put each table where the page has its name: between ``<!-- name -->`` and ``<!-- end -->``."""
+    """Put each table where the page names it: between ``<!-- name -->`` and ``<!-- end -->``."""
     text = page.read_text(encoding="utf-8")
     for name, table in tables.items():
         found = re.compile(rf"(<!-- {name} -->\n).*?(<!-- end -->)", re.DOTALL)

@@ -1,4 +1,4 @@
-"""Error of every rule for the gap of yielding pairs, in motions of 30 s: `python benchmarks/rules.py`.
+"""Error of rules for the gap of yielding pairs, in motions of 30 s: `python benchmarks/rules.py`.
 
 The gap is that of `stochlin.separation`: the quantile of max(u_1 - u_2) at a confidence of 90 %,
 with the stiffer structure on the left. The motions have an Amin-Ang envelope (4 s, 15 s, 0.35);
@@ -41,7 +41,7 @@ RULES = {
 
 
 def errors(ground, factor, periods, paths=PATHS):
-    """Gap over the simulated one minus 1, by rule, of all pairs, and the latter's standard error."""
+    """Gap over the simulated minus 1, by rule, of all pairs, and the latter's standard error."""
     period = xr.DataArray(periods, dims="period")
     first, second = (
         sl.Bilinear(each, 0.05, HARDENING, reduction_factor=factor)

@@ -1,4 +1,4 @@
-"""The parts of the drift closure on ground with two spectral peaks: `python benchmarks/two_peaks.py`.
+"""The drift closure's parts on ground with two spectral peaks: `python benchmarks/two_peaks.py`.
 
 docs/gallery/two_peaked_pairs.nc has 200 random pairs of unequal bilinear structures with their
 simulated moments. Prints the errors of every part; with `--simulate`, simulates the pairs anew, in
@@ -93,7 +93,7 @@ def simulated_pairs():
 
 
 def errors(pairs):
-    """Of every part: errors of the standard deviations, of rho and, with its sign, of the difference."""
+    """Of every part: errors of standard deviations, of rho and, with sign, of the difference."""
     found, ground = {}, TwoPeaks(1.0, *(pairs[f"ground_{name}"] for name in SOIL))
     exact = [pairs[name].values for name in MOMENTS]
     for name, values in parts(structures(pairs), ground).items():

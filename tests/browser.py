@@ -95,7 +95,7 @@ class Browser:
         ActionChains(self.driver).send_keys(*keys).perform()
 
     def enter(self, name: str, text: str) -> None:
-        """Type another value of a key, such as "building_1.period", and wait for what it changes."""
+        """Type another value of a key, like "building_1.period", and wait for what it changes."""
         self.script("document.querySelector(arguments[0]).select()", f'[data-entry="{name}"]')
         self.press(text)
         time.sleep(0.6)  # longer than an entry waits for another key

@@ -144,7 +144,7 @@ def recorded_example() -> str:
 
 
 def run_as_printed(line: str, page: Iterable[str]) -> None:
-    """Run a command of a page in an empty folder, after those lines of the page that write its files.
+    """Run a command of a page in an empty folder, after those of its lines that write its files.
 
     Motions are few; before ``pound`` the pages say that the lines of ``record.at2`` have to be
     taken in.
@@ -171,7 +171,7 @@ def _output(command: str) -> str:
 
 
 def axis(name: str, values: Any, chunk: int | None = None) -> xr.DataArray:
-    """Values over a dimension of that name, which are its labels, too; in chunks for dask, or whole."""
+    """Values over a dimension of that name, also their labels; in chunks for dask, or whole."""
     array = xr.DataArray(values, dims=name, coords={name: values})
     return array if chunk is None else array.chunk(chunk)
 
@@ -183,7 +183,7 @@ def assert_near(values: Any, wanted: Any, share: float) -> None:
 
 
 def check_labels(table: xr.Dataset) -> None:
-    """Every variable has a name and a unit, or flags and their meanings; the table says its source."""
+    """Every variable has a name and a unit, or flags and their meanings; the table its source."""
     for name, variable in table.data_vars.items():
         assert variable.attrs["long_name"], name
         if "flag_meanings" in variable.attrs:
@@ -221,7 +221,7 @@ def draw_ground(
 
 
 def covariances_in_time(space: xr.Dataset, envelope: Any, times: Any, ends: Sequence[float]) -> Any:
-    """Of the states of `statespace` (times, n, n), from ``P' = A P + P A' + Q`` integrated by itself.
+    """Of the states of `statespace` (times, n, n), by integrating ``P' = A P + P A' + Q``.
 
     The soil is stationary at the beginning; integration stops at the kinks of the envelope,
     ``ends``.

@@ -1,4 +1,4 @@
-"""Commands as users type them, run within the process of the tests, and programs in one of their own."""
+"""Commands as users type them, run within the process of the tests, and programs in their own."""
 
 import os
 import subprocess

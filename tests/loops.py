@@ -48,7 +48,7 @@ def random_turns(seed, lanes, turns, size=3.0):
 
 
 def by_dop853(slope, turns, states):
-    """The same for one lane (turns,); ``slope(direction, w)`` are the rates over that of the extension.
+    """The same for one lane (turns,); ``slope(direction, w)`` are rates over the extension's.
 
     Where z changes its sign the integrator starts anew.
     """

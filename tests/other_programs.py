@@ -76,7 +76,7 @@ def moments() -> list[float]:
 
 
 def peak_factor(share: float) -> float:
-    """Level over the standard deviation that this share of motions stays within, as by Vanmarcke."""
+    """Level over standard deviation that this share of motions stays within, as by Vanmarcke."""
     m0, m1, m2 = moments()
     bandwidth = np.sqrt(1 - m1**2 / (m0 * m2))
     rate = np.array(m2 / m0)

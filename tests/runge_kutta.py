@@ -50,7 +50,7 @@ class Frame(NamedTuple):
         return shapes @ np.diag(2 * self.xi * np.sqrt(squares)) @ shapes.T * self.m
 
     def peaks(self, motions, step):
-        """Of the drifts and of the floors in motions (steps, motions), whose values last for a step."""
+        """Of the drifts and floors in motions (steps, motions), whose values last for a step."""
         damping = self.damping()
 
         def rates(state, ground):
@@ -82,7 +82,7 @@ def between(floors):
 
 
 def library_numbers(steps, groups, first=0):
-    """The random numbers of the library, by a second program: xoshiro256+, the four parts of its bits.
+    """The random numbers of the library, by a second program: xoshiro256+, four parts of its bits.
 
     Their sum is made normal up to its ninth moment by a polynomial. A group has 32 motions.
     """
@@ -107,7 +107,7 @@ def library_numbers(steps, groups, first=0):
 
 
 def answers_and_numbers(frame, strength, end, limits):
-    """Mean peak drifts and probabilities of exceedance of the limits [mm], with what the manual says.
+    """Mean peak drifts and probabilities of exceeding the limits [mm], with what the manual says.
 
     ``strength`` is the intensity ``2 pi S0`` of the white noise, which lasts to the ``end``.
     """

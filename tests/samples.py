@@ -153,14 +153,15 @@ def csmip(
     step: str = ".020",
     digits: int = 5,
 ) -> str:
-    """CSMIP Volume 2: channels one after the other, with acceleration, velocity and displacement."""
+    """CSMIP Volume 2: channels one by one, with acceleration, velocity and displacement."""
     parts = []
     for n, (name, values) in enumerate(channels.items(), 1):
         what = f"{len(values):6d} points of {{}} data equally spaced at  {step} sec, "
         parts += [
             f"Corrected accelerogram   15481673.CI.WLT.--.HN      Chan  {n}:  {name}     from   ",
             "Uncorrected Accelerogram Data             Processed: 04/30/14, CGS  ciwlt1      ",
-            f"{len(values):6d} points of instrument- and baseline-corrected accel, veloc and displ data",
+            f"{len(values):6d} points of instrument- and baseline-corrected "
+            "accel, veloc and displ data",
             "    1  100    1    3    3  100 -999    3    1    0 -999 4310    050660   41    0",
             "  .0050000  .7071000 301.30000  .0038554-999.00000 4996.0580  .0861213 14.830000",
             f"{what.format('accel')}{units}    ",
@@ -177,7 +178,7 @@ def csmip(
 def cosmos(
     channels: dict[str, Numbers], units: str = "cm/sec2(04)", step: float = 10.0, digits: int = 5
 ) -> str:
-    """COSMOS 1.20: a header of text, whole and real numbers, comments and a series for each channel."""
+    """COSMOS 1.20: a header of text, whole and real numbers, comments, a series per channel."""
     parts = []
     for n, (name, values) in enumerate(channels.items(), 1):
         reals = [-999.0] * 100
@@ -195,7 +196,8 @@ def cosmos(
             rows(reals, 6, "{:13.6f}"),
             '   1 Comment line(s) follow, each starting with a "|":',
             "| Sensor: KINEMETRICS EPISENSOR ES-T",
-            f"{len(values):7d}  acceleration pts, approx 70 secs, units={units},Format=(8F10.{digits})",
+            f"{len(values):7d}  acceleration pts, approx 70 secs, "
+            f"units={units},Format=(8F10.{digits})",
             rows(values, 8, f"{{:10.{digits}f}}"),
             f"End-of-data for Chan {n} acceleration",
         ]

@@ -35,7 +35,7 @@ def exact_lyapunov(matrix, noise):
 
 
 def eliminate(rows):
-    """Gauss with partial pivoting on rows that end in their right-hand side; zeros are passed over."""
+    """Gauss with partial pivoting on rows that end in their right-hand side; zeros are skipped."""
     size = len(rows)
     for column in range(size):
         pivot = max(range(column, size), key=lambda i: abs(rows[i][column]))

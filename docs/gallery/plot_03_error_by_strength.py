@@ -6,8 +6,8 @@ The error of linearization against the drift closure, which simulations calibrat
 over strength and hardening: the share of the cases in which the error exceeds 10 % (standard
 deviation) or 0.1 (:math:`\rho`), and the median error; negative values are too small. Second
 picture, over the period of the structure (for a pair, the longer one) relative to that of the
-ground, and over the damping ratio
-:math:`\xi_g` of the ground, for hardening ratios from 0.02 to 0.2. All other parameters count alike:
+ground, and over the damping ratio :math:`\xi_g` of the ground, for hardening ratios from 0.02 to
+0.2. All other parameters count alike:
 dampings of 0.02, 0.05 and 0.1, grounds from :math:`\xi_g` = 0.03 to 1, periods from a tenth of the
 ground period to ten times it (for the longer one of a pair from a third), and pairs whose periods
 differ by a factor of 3.2 at most. The darkest part of the second picture is the stiff structure on

@@ -1,4 +1,4 @@
-"""A wall with a frame beside it, six storeys, in OpenSees: its modes and its pushover curve as files.
+"""A wall with a frame beside it, six storeys, in OpenSees: modes and pushover curve as files.
 
 Run it with OpenSeesPy (``pip install openseespy``) in the folder in which the files are wanted.
 Units are m, kg and N.

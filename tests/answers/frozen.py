@@ -62,7 +62,7 @@ NUMBER = re.compile(r"(?<![\w.])([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)")
 
 @dataclass(frozen=True)
 class Tolerance:
-    """How far numbers may move: by a share of themselves, of the variable's largest, or by so much."""
+    """How far numbers may move: by a share of themselves, the variable's largest, or by so much."""
 
     reason: str
     relative: float = 0.0
@@ -298,7 +298,7 @@ def _taken_apart(line: str) -> tuple[list[str], list[str]]:
 
 
 def independent(case: Case) -> dict[str, Any]:
-    """What ``independent.py`` of a case finds now; ImportError where its program is not installed."""
+    """What ``independent.py`` of a case finds now; ImportError if its program is not installed."""
     try:
         answer = runpy.run_path(str(case.folder / INDEPENDENT))
     except RuntimeError as error:  # OpenSeesPy without its libraries
@@ -335,7 +335,7 @@ def verified_answers(case: Case) -> xr.Dataset:
 
 
 def largest(values: Any, others: Any) -> float:
-    """Largest relative difference; none where both are no numbers, NaN where one is or shapes differ."""
+    """Largest relative difference; none if both are no numbers, NaN if one is or shapes differ."""
     values, others = np.asarray(values, dtype=float), np.asarray(others, dtype=float)
     if values.shape != others.shape:
         return np.nan

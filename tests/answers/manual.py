@@ -1,4 +1,4 @@
-"""The verification manual: its page is made of the frozen cases, and no number stands in two places.
+"""The verification manual: its page is made of the frozen cases; no number stands in two places.
 
 ``manual.md`` here says what comes first and the order of the cases; that of a case, its problem and
 how it is solved. In them ``<< T >>`` is a number of ``independent.json``, ``<< T | digits(4) >>``

@@ -40,7 +40,7 @@ def new_model():
 
 
 def times_of_steps(shaking, step):
-    """Those by Newmark's average acceleration under a motion of the ground, each after it is done."""
+    """Those by Newmark's average acceleration under a ground motion, each after it is done."""
     ops.timeSeries("Path", 1, "-dt", DT, "-values", *shaking, 0.0)
     ops.pattern("UniformExcitation", 1, 1, "-accel", 1)
     ops.constraints("Plain")

@@ -1,4 +1,4 @@
-"""What the pages of `docs` take from the code: keys of case files, the reference, files that are shown.
+"""What the pages of `docs` take from the code: keys of case files, the reference, files shown.
 
 Each stands in its page between two marks, ``<!-- keys: site -->`` and ``<!-- end of keys -->``, and
 the page is committed with it, so that any viewer shows it. The words around the marks are written
@@ -75,7 +75,7 @@ def shown_file(name: str) -> str:
 
 
 def keys(name: str) -> str:
-    """The table of keys of a table of case files; where it has several forms, with what each is of."""
+    """The table of keys of a table of case files; if it has several forms, with what each is of."""
     each = {form: form.keys(NO_TABLE) for form in forms_of(name)}
     known = {key: entry for of_form in reversed(each.values()) for key, entry in of_form.items()}
     several = len(each) > 1
@@ -101,7 +101,7 @@ def _called(form: type) -> str:
 
 
 def sections() -> dict[str, list[str]]:
-    """Public names by the headings of `stochlin/__init__.pyi`; those of a submodule in its place."""
+    """Public names by the headings of `stochlin/__init__.pyi`; a submodule's in its place."""
     stub = (PACKAGE / "__init__.pyi").read_text(encoding="utf-8")
     _, *parts = re.split(r"^# (.*)\n", stub, flags=re.MULTILINE)
     return dict(zip(parts[::2], map(_names_in, parts[1::2]), strict=True))

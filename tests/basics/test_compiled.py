@@ -92,7 +92,7 @@ def hits(function):
 
 @pytest.fixture(params=["function", "law"])
 def doubled(toy, request):
-    """Twice a number, in a process that has just begun; and how often compiled code was ready for it."""
+    """Twice a number, in a process just begun; and how often compiled code was ready for it."""
 
     def double(x):
         if request.param == "law":
@@ -305,7 +305,7 @@ def test_a_law_is_never_taken_for_another(toy):
 
 
 def test_functions_of_two_laws_have_different_names_in_compiled_code(toy):
-    """Of equal names, with which processes compile them, one that loads both would take the first."""
+    """Of equal names, with which processes compile them, one loading both would take the first."""
     toy[0]()  # nothing is compiled yet, since numba shows no code that it has loaded
     v, z = sympy.symbols("v z")
 

@@ -63,7 +63,7 @@ def corner(y: float) -> sl.ModalBuilding:
 
 
 def exact_history(mass, damping, stiffness, pushed) -> np.ndarray:
-    """Displacements at the fine times, for a ground acceleration that is linear between the samples."""
+    """Displacements at the fine times, for ground acceleration linear between the samples."""
     n, dt = mass.size, FINE[1]
     a = np.zeros((2 * n + 2, 2 * n + 2))
     a[:n, n : 2 * n] = np.eye(n)

@@ -1,4 +1,4 @@
-"""Buildings by their modes: as chains of storeys, against closed forms, and what is wrong is said."""
+"""Buildings by their modes: as chains of storeys, against closed forms; what is wrong is said."""
 
 from collections.abc import Callable
 from typing import Any
@@ -81,7 +81,7 @@ def test_all_modes_of_an_elastic_chain_are_the_chain(analysis: str) -> None:
 
 @pytest.mark.parametrize("analysis", ANALYSES)
 def test_buildings_may_have_fewer_modes_than_floors_or_more(analysis: str) -> None:
-    """Three modes of four floors, and the same with each as two halves of its mass, side by side."""
+    """Three modes of four floors, and the same with each as two halves of its mass side by side."""
     of, values = ANALYSES[analysis], modes_of(TALL, 3)
     three = sl.ModalBuilding(**values)
     halves = {name: np.repeat(values[name], 2, axis=0) for name in ("periods", "shapes")}
@@ -94,7 +94,7 @@ def test_buildings_may_have_fewer_modes_than_floors_or_more(analysis: str) -> No
     ("contact", "motions"), [(BUMPER, RECORDS), (sl.Stereomechanical(0.6), RECORDS[0])]
 )
 def test_all_modes_of_an_elastic_chain_pound_like_the_chain(contact: Any, motions: Any) -> None:
-    """Up to the tolerance of the passes of a time step, 1e-8, over a few hundred steps with contact."""
+    """Up to the tolerance of a time step's passes, 1e-8, over a few hundred steps with contact."""
     second, kind = (WEAK, BUMPER) if contact is BUMPER else (LOW, contact)
     chain, modes = (sl.pound([b, second], 0.01, kind, motions) for b in (TALL, BY_MODES))
     assert chain.impacts.max() > 0
@@ -105,7 +105,7 @@ def test_all_modes_of_an_elastic_chain_pound_like_the_chain(contact: Any, motion
 
 
 def test_one_mode_that_yields_is_the_yielding_oscillator() -> None:
-    """Displacements are those of the oscillator times the moves of the floors; so is its ductility."""
+    """Displacements are those of the oscillator times the floors' moves; so is its ductility."""
     strength = {"hardening": 0.1, "yield_displacements": 0.01}
     stiff = sl.ShearBuilding([2e5, 1e5, 4e5], [4e8, 9e8, 4e8], [3.0] * 3, 0.05)
     one = sl.ModalBuilding(**modes_of(stiff, 1), **strength)
@@ -170,7 +170,7 @@ def test_modes_yield_side_by_side(law: dict[str, Any]) -> None:
 
 
 def test_a_corner_that_turns_takes_the_numbers_of_its_program() -> None:
-    """Given participation factors and masses that are those computed change nothing but known shears."""
+    """Given participation factors and masses equal to those computed change only known shears."""
     given = {"participation": BY_MODES.factors(), "modal_masses": BY_MODES.effective_masses()}
     corner = sl.ModalBuilding(**modes_of(TALL), **given)
     one, other = (sl.pound([b], motion=RECORDS[0]) for b in (BY_MODES, corner))

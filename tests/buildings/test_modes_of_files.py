@@ -116,9 +116,9 @@ BROKEN = {
         "[s]", "[ms]"
     ),
     "line 3, column 1: periods are in 'Hz'; allowed: s, so write 1/f": PLAIN.replace("[s]", "[Hz]"),
-    "line 3, column 1: 'frequency [Hz]' is not known; allowed: period, participation": PLAIN.replace(
-        "period [s]", "frequency [Hz]"
-    ),
+    (
+        "line 3, column 1: 'frequency [Hz]' is not known; allowed: period, participation"
+    ): PLAIN.replace("period [s]", "frequency [Hz]"),
     "line 4, column 2: the file does not say the unit of the mass; give mass_units=": PLAIN.replace(
         "[t]", ""
     ),
@@ -135,7 +135,9 @@ BROKEN = {
         "-1.61", "-1"
     ).replace("level", "participation,,0.2,1.4\nmodal mass [t],,60,300\nlevel", 1),
     ": two floors are at 3.5 m": PLAIN.replace("\n7,", "\n3.5,"),
-    " is no file of modes that is known; allowed: a file with a line 'mode,,1,2'": "height,mass\n3,4\n",
+    (
+        " is no file of modes that is known; allowed: a file with a line 'mode,,1,2'"
+    ): "height,mass\n3,4\n",
 }
 
 

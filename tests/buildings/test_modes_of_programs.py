@@ -31,7 +31,7 @@ STIFFNESS = np.array(
 
 
 def eigen() -> tuple[np.ndarray, np.ndarray]:
-    """Periods [s], and displacements of the centres (modes, floors, ux uy rz), of unit modal mass."""
+    """Periods [s], and displacements of centres (modes, floors, ux uy rz), of unit modal mass."""
     n = MASSES.size
     matrix = np.zeros((3 * n, 3 * n))
     for i in range(n):
@@ -380,9 +380,9 @@ BROKEN: dict[str, str | tuple[str, dict[str, object]]] = {
     ),
     "Joint Displacements has no joint 9; allowed as points: 1, 21": (ETABS, {"points": ["9"]}),
     "line 5, column 1: a second load case, 'Ritz' beside 'Modal'": swap("Modal,2,", "Ritz,2,"),
-    "hardly moves along the direction, where it has mass; allowed: shapes of the same analysis": sub(
-        "(Story.|Roof),D1(.*),Mode,2,[^,]*", r"\1,D1\2,Mode,2,1e-12"
-    ),
+    (
+        "hardly moves along the direction, where it has mass; allowed: shapes of the same analysis"
+    ): sub("(Story.|Roof),D1(.*),Mode,2,[^,]*", r"\1,D1\2,Mode,2,1e-12"),
     "has T1, T2, which may be several buildings; give": towers("other", OF_NAMES),
     "does not say which masses are those of 'T1'; name a diaphragm as tower=, of Centers Of": (
         towers("same", OF_NAMES[:2], "D1").replace("0.0\nStory1,D1,Modal,1,0.0", "0.0\n"),
@@ -398,7 +398,9 @@ BROKEN: dict[str, str | tuple[str, dict[str, object]]] = {
     "has D1, D2, which may be several buildings; give that at the gap, tower='D1'": re.sub(
         "T[12],", "T1,", towers("same", OF_FLOORS)
     ),
-    "has S2, R2 and Story1, Roof, which move in different modes, as two buildings; name those": re.sub(
+    (
+        "has S2, R2 and Story1, Roof, which move in different modes, as two buildings; name those"
+    ): re.sub(
         "(?m)^(Tower|T[12]),",
         "",
         towers("other", OF_NAMES).replace("||m\n", "|m\n").replace(",,m\n", ",m\n"),

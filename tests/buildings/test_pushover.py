@@ -1,4 +1,4 @@
-"""Pushover curves: read from files, idealized against solutions by hand, and taken over by buildings."""
+"""Pushover curves: read from files, idealized against hand solutions, taken over by buildings."""
 
 from pathlib import Path
 from typing import Any
@@ -143,7 +143,9 @@ FILES: dict[str, str | tuple[str, dict[str, Any]]] = {
     "without its origin, pushed to the left, titles in a comment": (
         "# shear [kN],roof [mm]\n500,-10\n700,-30\n750,-60\n"
     ),
-    "signs in titles": "No. #,roof (1 % of h) [mm],shear [kN]\n1,0,0\n2,10,500\n3,30,700\n4,60,750\n",
+    "signs in titles": (
+        "No. #,roof (1 % of h) [mm],shear [kN]\n1,0,0\n2,10,500\n3,30,700\n4,60,750\n"
+    ),
     "hinges fail at one displacement": f"{PUSH}60,400\n70,300\n",
     "the roof comes back after the peak": f"{PUSH}58.5,400\n70,-10\n",
     "a step is repeated": PUSH.replace("30,700\n", "30,700\n30,700\n"),
@@ -166,18 +168,27 @@ def test_a_curve_is_read_in_si(case: str, tmp_path: Path) -> None:
 
 HEAD = "roof [mm],shear [kN]\n"
 UNREADABLE: dict[str, str | tuple[str, dict[str, Any]]] = {
-    r"does not say the unit of the force; give force_units=": "roof [mm],shear\n0,0\n1,2\n2,3\n3,3.1\n",
+    r"does not say the unit of the force; give force_units=": (
+        "roof [mm],shear\n0,0\n1,2\n2,3\n3,3.1\n"
+    ),
     r"length_units = 'cm' contradicts push\.csv, line 1, column 1, which states 'mm'": (
         f"{HEAD}0,0\n1,2\n2,3\n3,3.1\n",
         {"length_units": "cm"},
     ),
-    r"push\.csv, line 1: .*, 2 'shear x': a force, 3 'shear y': a force; give force_column= .* from 1": (
+    (
+        r"push\.csv, line 1: .*, 2 'shear x': a force, 3 'shear y': a force; "
+        r"give force_column= .* from 1"
+    ): (
         "roof,shear x,shear y\n0,0,0\n1,2,2\n2,3,3\n3,4,4\n",
         {"length_units": "m", "force_units": "N"},
     ),
-    "1 'roof shear', 2 'x'; give displacement_column= .* and force_column=": "roof shear,x\n0,0\n1,2\n",
+    "1 'roof shear', 2 'x'; give displacement_column= .* and force_column=": (
+        "roof shear,x\n0,0\n1,2\n"
+    ),
     r"push\.csv, line 4, column 2: 'collapse' is not a force": f"{HEAD}0,0\n1,2\n2,collapse\n3,3\n",
-    "line 5, column 1: a second load case": f"Case,{HEAD}X,0,0\nX,10,500\nX,30,700\nY,0,0\nY,9,10\n",
+    "line 5, column 1: a second load case": (
+        f"Case,{HEAD}X,0,0\nX,10,500\nX,30,700\nY,0,0\nY,9,10\n"
+    ),
     r"line 6: a second push begins; allowed: one": f"{PUSH}0,0\n10,400\n",
     r"line 3, column 1: '1,2' is not a displacement": f'{HEAD}0,0\n"1,2\n2,3\n',
     "lines, one with 3001 columns; allowed: less": f"{HEAD}{3000 * ','}5\n" + 3000 * "1,2\n",

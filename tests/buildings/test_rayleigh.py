@@ -1,4 +1,4 @@
-"""Rayleigh damping: its matrix and the ratios of the modes; the manual has frames that yield with it."""
+"""Rayleigh damping: its matrix and modal ratios; the manual has frames that yield with it."""
 
 from dataclasses import replace
 from typing import Any
@@ -26,7 +26,7 @@ def frame(damping: float = 0.05, **others: Any) -> sl.ShearBuilding:
 def test_two_modes_have_the_ratio_by_masses_and_stiffness(
     modes: tuple[int, int], p_delta: bool
 ) -> None:
-    """The factors follow from two linear equations, the ratios from eigenvalues of the state matrix."""
+    """Factors follow from two linear equations, ratios from eigenvalues of the state matrix."""
     building = frame(damping_modes=modes, p_delta=p_delta, dampers=[2e6, 0, 0, 0])
     t = np.eye(4) - np.eye(4, k=-1)
     stiffness = t.T @ np.diag(STIFFNESSES - building.geometric_stiffness()) @ t

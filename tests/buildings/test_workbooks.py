@@ -1,4 +1,4 @@
-"""Workbooks, written here part by part: what they show is read, or they are refused in a sentence."""
+"""Workbooks, written here part by part: what they show is read, or refused in a sentence."""
 
 import re
 import sys
@@ -181,7 +181,7 @@ def test_other_workbooks_are_refused_in_a_sentence(tmp_path: Path, message: str)
 
 @pytest.mark.slow
 def test_no_workbook_takes_more_than_300_megabytes(tmp_path: Path) -> None:
-    """Neither of this process, nor of the one that reads it, which the system ends after two seconds."""
+    """Neither of this process nor of the one that reads it, which the system ends after 2 s."""
     resource = pytest.importorskip("resource", reason="Windows has no limits of a process")
     assert resource.RLIMIT_AS
     for name, parts in BOMBS.items():

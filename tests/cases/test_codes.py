@@ -224,7 +224,10 @@ def test_the_design_spectrum_of_eurocode_8_by_hand(
     share: float,
     storeyed: CaseAnswer,
 ) -> None:
-    """EN 1998-1, 3.2.2.5, 4.3.4, ground C: displacements over ag S (T/2 pi)^2; TB .2, TC .6, TD 2 s."""
+    """EN 1998-1, 3.2.2.5, 4.3.4, ground C: displacements over ag S (T/2 pi)^2.
+
+    TB is 0.2 s, TC 0.6 s and TD 2 s.
+    """
     spectrum = sl.eurocode_8(0.25 * G, "C", damping=damping)
     rule, first = CODE_RULES["eurocode_8"], storeyed.case.buildings[0]
     case = replace(storeyed.case, site=replace(storeyed.case.site, spectrum=spectrum))
@@ -261,7 +264,7 @@ def test_countries_have_their_code_with_its_factors(tmp_path: Path) -> None:
 @pytest.mark.extreme
 @pytest.mark.paper
 def test_factors_of_every_code_by_hand() -> None:
-    """Displacements of 1 and 2 cm under design forces, of two properties whose floors do not align."""
+    """Displacements of 1 and 2 cm under design forces, of two properties with unaligned floors."""
     given = {"behaviour_1": 3.0, "behaviour_2": 5.0, "deflection_1": 2.0, "deflection_2": 4.0}
     level = {"height_1": 10.0, "height_2": 10.0, "zone": "I"}
     level |= {"storeys_1": 4, "storeys_2": 10, "design_pga": 3.0}
@@ -314,7 +317,8 @@ def test_factors_are_refused_with_their_cure() -> None:
         ("NTC-Sismo", "; mexico_city is the NTC-Sismo"),
         (
             "NTC",
-            "; mexico_city is the NTC-Sismo of Mexico City of 2017, and ntc_2018 is the code of Italy",
+            "; mexico_city is the NTC-Sismo of Mexico City of 2017, "
+            "and ntc_2018 is the code of Italy",
         ),
         ("DS 61", "Chile (NCh 433, DS 61) has no rule here; allowed: "),
         ("NCh433.Of1996", "Chile (NCh 433, DS 61) has no rule here"),

@@ -1,4 +1,4 @@
-"""Case files: what is read is what is written, in any unit, and what is wrong is said with its line."""
+"""Case files: what is read is what is written, in any unit; what is wrong is said with its line."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Case files whose ground is fitted to a record: the motions carry its energy, or a warning says not."""
+"""Case files with ground fitted to a record: motions carry its energy, or a warning says not."""
 
 from __future__ import annotations
 

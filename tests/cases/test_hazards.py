@@ -120,7 +120,7 @@ def test_risk_of_a_case_is_that_from_python(answered):
 
 
 def test_a_hazard_that_ends_early_is_said_before_its_frequency(tmp_path):
-    """The curve ends at 0.1 g, once in 100 years: that is the least return period that it supports."""
+    """The curve ends at 0.1 g, once in 100 years: the least return period that it supports."""
     early = 'intensities = ["0.05 g", "0.1 g"]\nreturn_periods = ["30 yr", "100 yr"]\n'
     answer = answer_case(read(tmp_path, HAZARD + early, 'existing = "30 cm"\n'))
     first, *_, table, _ = risk_blocks(answer)

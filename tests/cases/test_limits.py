@@ -128,7 +128,7 @@ def plateau(folder: Path, end: float) -> Path:
 
 
 def jumping_spectrum(folder: Path, jump: float) -> Path:
-    """A file of a spectrum, by how much an ordinate is less than that before and the periods allow."""
+    """A spectrum's file, by how much an ordinate is less than that before and the periods allow."""
     rows = [(0.0, 2.0), (0.2, 5.0), (0.4, 5.0), (0.5, 5.0 / jump / 1.25**2), (0.6, 1.0)]
     return spectrum_through(folder, rows)
 
@@ -426,7 +426,8 @@ FILES: dict[str, Callable[[float, Path], dict[str, str]]] = {
         "separation": f"confidence = 0.9\nrisk = {x!r}",
     },
     "decay": lambda x, _: {
-        "motion": 'duration = "20 s"\nenvelope = "amin_ang"\nrise_end = "2 s"\nstrong_end = "12 s"\n'
+        "motion": 'duration = "20 s"\nenvelope = "amin_ang"\n'
+        'rise_end = "2 s"\nstrong_end = "12 s"\n'
         f'decay = "{x!r} 1/s"'
     },
     "damping of a contact": lambda x, _: {
@@ -478,7 +479,8 @@ FILES: dict[str, Callable[[float, Path], dict[str, str]]] = {
         f'yield_drifts = "{3 * x!r} m"'
     },
     "pga of 475 years": lambda x, _: {
-        "site": f'{FIRM_SITE}\n[site.hazard]\nmeasure = "pga"\nreturn_periods = ["475 yr", "2475 yr"]\n'
+        "site": f'{FIRM_SITE}\n[site.hazard]\nmeasure = "pga"\n'
+        'return_periods = ["475 yr", "2475 yr"]\n'
         f'intensities = ["{x!r} m/s^2", "{2 * x!r} m/s^2"]'
     },
     "peak of a record": lambda x, folder: with_record(record(folder, peak=x)),
@@ -609,7 +611,7 @@ def test_a_value_beyond_its_limits_is_asked_about_and_one_within_is_not(name, wa
 
 
 def test_a_contact_of_concrete_is_not_asked_about_and_one_in_another_unit_is():
-    """The largest compression in 64 motions, on which the limit rests; kN/m for N/m is a thousandth."""
+    """The largest compression in 64 motions, on which the limit rests; kN/m for N/m is 1/1000."""
     pair = [sl.Bilinear(T, 0.05, mass=m) for T, m in ((1.2, 2e5), (0.6, 3e5))]
     motions = sl.simulated_motions(FIRM, 20.0, paths=64)
     table = sl.pound(pair, 0.02, sl.Kelvin(STIFF, restitution=0.65), motions)

@@ -129,7 +129,7 @@ def test_a_base_shear_coefficient_means_the_same_by_storeys_and_by_modes(tmp_pat
 
 @pytest.mark.parametrize("law", with_slow(["bilinear", "bouc_wen"], {"bilinear"}))
 def test_modes_of_a_case_take_a_strength_of_the_whole_building(tmp_path: Path, law: str) -> None:
-    """The base shear of mode 1 at yield is that share of the weight; R is that of its oscillator."""
+    """The base shear of mode 1 at yield is that share of the weight; R is its oscillator's."""
     of_law = f'law = "{law}"\n' + "beta = 0.5\ngamma = 0.5\n" * (law == "bouc_wen")
     for key, value in (("base_shear_coefficient", '"12 %"'), ("reduction_factor", "4")):
         text = OF_FILE.replace("elastic = true", f"hardening = 0.05\n{of_law}{key} = {value}")

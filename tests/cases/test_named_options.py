@@ -21,7 +21,7 @@ WEAK = 'modes = "tower.csv"\ndamping = 0.05\nmass_units = "t"\npushover = "push.
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    """One with modes and a pushover curve whose units are not stated, and a record of two columns."""
+    """One with modes and a pushover curve of unstated units, and a record of two columns."""
     (tmp_path / "tower.csv").write_text(MODES, encoding="utf-8")
     (tmp_path / "push.csv").write_text(PUSHOVER, encoding="utf-8")
     rows = [f"{0.01 * n:.2f} {0.1 * (-1) ** n} {0.2 * (-1) ** n}" for n in range(40)]

@@ -34,7 +34,9 @@ def chain(masses: str, stiffnesses: str, more: str = 'storey_height = "3 m"\n') 
 MISTAKES = {
     "unit missing": ('period = "1.0 s"', "period = 1.0", 'units, "1 s", "1 ms"'),
     "unit unknown": ('"1.0 s"', '"1.0 sekunde"', "unknown unit 'sekunde'; allowed: s, ms"),
-    "weight for mass": ('"3200 t"', '"3200 kN"', """a weight, in 'kN'; write its mass, "326.3 t"$"""),
+    "weight for mass": (
+        '"3200 t"', '"3200 kN"', """a weight, in 'kN'; write its mass, "326.3 t"$"""
+    ),
     "hyphen of ends": ('"1.0 s"', '"0.8-1.2 s"', 'a hyphen between two ends; write "0.8 to 1.2 s"'),
     "fraction": ('"5 cm"', '"3 1/8 in"', 'has a fraction; write "3.125 in"'),
     "comma": ('"1.0 s"', '"1,0 s"', 'no decimal point; write "1.0 s"'),
@@ -43,18 +45,30 @@ MISTAKES = {
     "no percent": ('damping = "5 %"', "damping = 150", "(a ratio, 0.05 for 5 %)$"),
     "negative": ('damping = "5 %"', 'damping = "-5 %"', "out of range; allowed: 0 < value < 1"),
     "ground misspelled": ('"firm"', '"frim"', "did you mean 'firm'?"),
-    "swapped": ('rise_end = "4 s"', 'rise_end = "16 s"', "strong_end = 15; allowed: from rise_end, 16"),
+    "swapped": (
+        'rise_end = "4 s"', 'rise_end = "16 s"', "strong_end = 15; allowed: from rise_end, 16"
+    ),
     "no strength": (STRENGTH, "", "has no strength; allowed: one of reduction_factor, yield"),
     "two strengths": (STRENGTH, STRENGTH + 'yield_displacement = "3 cm"\n', "as reduction_factor"),
-    "strength and elastic": (STRENGTH, STRENGTH + "elastic = true\n", "as well as reduction_factor"),
+    "strength and elastic": (
+        STRENGTH, STRENGTH + "elastic = true\n", "as well as reduction_factor"
+    ),
     "truth": (STRENGTH, 'elastic = "yes"\n', "neither true nor false; allowed: true, false"),
     "number as text": ("storeys = 8", 'storeys = "8"', "no whole number; allowed: a whole number"),
     "of storeys": (STRENGTH, f'{STRENGTH}floor_mass = "400 t"\n', "a building without storeys"),
-    "gaps": ('"5 cm"', '["5 cm", "3 cm"]', "does not fit the number of buildings, 2; allowed: 1 in all"),
+    "gaps": (
+        '"5 cm"', '["5 cm", "3 cm"]', "does not fit the number of buildings, 2; allowed: 1 in all"
+    ),
     "two strengths of shaking": ('[motion]', 'pga = "0.3 g"\n[motion]', "as well as intensity"),
-    "spread": ('"1.0 s"', '"1.0 s +- 0.2"', 'up to 100 %, "1 s +- 20 %", or two ends, "0.8 to 1.2 s"$'),
-    "spread of a ratio": (STRENGTH, 'reduction_factor = "4 +- 1"\n', '"4 +- 20 %", or two ends, "3.2'),
-    "wide spread": ('"1.0 s"', '"1.0 s +- 200 %"', "no valid spread; allowed: a share of up to 100 %"),
+    "spread": (
+        '"1.0 s"', '"1.0 s +- 0.2"', 'up to 100 %, "1 s +- 20 %", or two ends, "0.8 to 1.2 s"$'
+    ),
+    "spread of a ratio": (
+        STRENGTH, 'reduction_factor = "4 +- 1"\n', '"4 +- 20 %", or two ends, "3.2'
+    ),
+    "wide spread": (
+        '"1.0 s"', '"1.0 s +- 200 %"', "no valid spread; allowed: a share of up to 100 %"
+    ),
     "ends": ('"1.0 s"', '"1.2 to 0.8 s"', "allowed: 0 < lower <= higher"),
     "certain": ('"5 cm"', '"5 cm +- 10 %"', "cannot be uncertain; allowed: a number in cm"),
     "record": ("[motion]", '[[site.records]]\npath = "a.at2"\n[motion]', "there is no such file"),
@@ -71,16 +85,26 @@ MISTAKES = {
     "dotted key": ("[contact]", "[contact]\na.b.c = 3", "contact.a is not a key"),
     "unit of Hertz": ('"kelvin"', '"hertz_damp"', "allowed: N/m^1.5"),
     "list of gaps": ('"5 cm"', '["5 cm", "-3 cm"]', "has a number 2 that is out of range"),
-    "shape of a ground": ('ground = "firm"', 'ground = "kanai_tajimi"', "(and also damping); allowed"),
-    "ground and spectrum": ('ground = "firm"', f"{CODE}ground = 'firm'", "of a site by its spectrum"),
+    "shape of a ground": (
+        'ground = "firm"', 'ground = "kanai_tajimi"', "(and also damping); allowed"
+    ),
+    "ground and spectrum": (
+        'ground = "firm"', f"{CODE}ground = 'firm'", "of a site by its spectrum"
+    ),
     "no code": (SITE, 'spectrum = "eurocode_9"', "did you mean 'eurocode_8'"),
-    "no return period": (SITE, 'ground = "firm"\nreturn_period = "475 yr"', "needs a hazard; allowed"),
+    "no return period": (
+        SITE, 'ground = "firm"\nreturn_period = "475 yr"', "needs a hazard; allowed"
+    ),
     "hazard elsewhere": ("[contact]", '[hazard]\nmeasure = "pga"\n[contact]', "is not a key"),
     "risk without a hazard": ("[contact]", 'risk = "2 % in 50 years"\n[contact]', "needs a hazard"),
-    "code without factors": ("[contact]", 'codes = ["asce_7"]\n[contact]', "asce_7 needs it, or a site"),
+    "code without factors": (
+        "[contact]", 'codes = ["asce_7"]\n[contact]', "asce_7 needs it, or a site"
+    ),
     "suite": ("[motion]", '[site.suite]\npath = "none"\n[motion]', "neither a folder nor a table"),
     "strength without hardening": (HARDENING, "", "reduction_factor = 4 needs hardening"),
-    "hysteresis without its law": ("storeys = 8", "storeys = 8\nbeta = 0.5", "beta = 0.5 is not a key"),
+    "hysteresis without its law": (
+        "storeys = 8", "storeys = 8\nbeta = 0.5", "beta = 0.5 is not a key"
+    ),
     "ductility": (STRENGTH, "ductility = 0.5\n", "out of range; allowed: 1 < value"),
     "table misspelled": ("[separation]", "[separatio]", "did you mean separation?"),
     "second building": ("[building_2]", "[building_]", "did you mean building_2?"),
@@ -108,7 +132,9 @@ MISTAKES = {
         "is given as well as site; allowed: one of site, coordinates",
     ),
     "period of pga": (
-        "[motion]", '[site.suite]\npath = "a"\npga = "0.3 g"\nsa_period = "1 s"\n[motion]', "needs sa"
+        "[motion]",
+        '[site.suite]\npath = "a"\npga = "0.3 g"\nsa_period = "1 s"\n[motion]',
+        "needs sa",
     ),
     "fitted to nothing": (SITE, 'ground = "fitted"', "needs a record"),
 }  # fmt: skip
@@ -125,7 +151,9 @@ OF_MEASURES = {
     'dampers_1 = { storeys = "some", stiffness = "1 MN/m" }': "storeys = 'some'",
     'dampers_1 = { stiffness = ["1 MN/m", "2 MN/m"] }': "is no number",
     'dampers_1 = "20 MN s"': "allowed: a line [measures.m.dampers_1], keys below it",
-    'bumper = { thickness = "5 cm" }': "without contact (a bumper is [contact], for 'stochlin pound')",
+    'bumper = { thickness = "5 cm" }': (
+        "without contact (a bumper is [contact], for 'stochlin pound')"
+    ),
 }
 DOUBTS = {
     "late yield": (STRENGTH, 'yield_displacement = "3 m"\n', "is it in cm or mm"),

@@ -262,7 +262,8 @@ def test_what_was_taken_of_other_files_is_said(tmp_path):
     case = read(tmp_path, f'{FIRM}pga = "0.3 g"\n[site.hazard]\n{lines}', SHORT)
     curve = case.site.hazard
     of_hazard = (
-        "The hazard of hazard.csv; column 2 'often' is an annual frequency; with a return period of "
+        "The hazard of hazard.csv; column 2 'often' is an annual frequency; "
+        "with a return period of "
         f"475 years PGA {curve.intensity(475.0) / G:.3g}\u00a0g."
     )
     of_record = (
@@ -278,7 +279,8 @@ def test_what_was_taken_of_other_files_is_said(tmp_path):
     [
         (
             "",
-            "does not say whether it is elastic; allowed: the line elastic = true, or divided_by = 4",
+            "does not say whether it is elastic; "
+            "allowed: the line elastic = true, or divided_by = 4",
         ),
         ("elastic = false\n", "does not say whether it is elastic; allowed: the line"),
         (

@@ -1,4 +1,4 @@
-"""Buildings of a case file by their storeys: none is taken for an oscillator; what is wrong is said."""
+"""Buildings of a case file by storeys: none is taken for an oscillator; what is wrong is said."""
 
 from __future__ import annotations
 
@@ -95,7 +95,8 @@ def of_levels(number: int, heights: Sequence[float]) -> str:
     each = [f'"{h} m"' for h in heights]
     kept = {"masses": ['"300 t"'] * len(each), "stiffnesses": ['"500 MN/m"'] * len(each)}
     lines = "".join(f"{key} = [{', '.join(values)}]\n" for key, values in kept.items())
-    return f'[building_{number}]\n{lines}heights = [{", ".join(each)}]\ndamping = "5 %"\nelastic = true\n\n'
+    lines += f'heights = [{", ".join(each)}]\ndamping = "5 %"\nelastic = true\n\n'
+    return f"[building_{number}]\n{lines}"
 
 
 def test_slabs_on_columns_are_found_from_the_ground_up(tmp_path: Path) -> None:
@@ -109,7 +110,8 @@ def test_slabs_on_columns_are_found_from_the_ground_up(tmp_path: Path) -> None:
 
 def test_floors_that_are_said_to_align_and_do_not(tmp_path: Path) -> None:
     said = (
-        r"case.toml, line \d+: separation.floors_align = True is not so: floor 1 of Building 2, at 3 m, "
+        r"case.toml, line \d+: separation.floors_align = True is not so: "
+        r"floor 1 of Building 2, at 3 m, "
         "meets the columns in storey 1 of Building 1; codes are asked as if it were false"
     )
     with pytest.warns(DoubtfulInput, match=said):

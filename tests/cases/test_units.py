@@ -1,4 +1,4 @@
-"""Units: the case of letters never changes a size, and what is refused says what was probably meant."""
+"""Units: the case of letters never changes a size; a refusal says what was probably meant."""
 
 import re
 from itertools import product

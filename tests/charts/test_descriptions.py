@@ -27,7 +27,8 @@ SAID = [
     ),
     (
         STOREYS,
-        "shear building (masses 2 times 200 t over storey, stiffnesses 100 to 300 MN/m over storey, "
+        "shear building (masses 2 times 200 t over storey, "
+        "stiffnesses 100 to 300 MN/m over storey, "
         "heights 2 times 3 m over storey, damping 0.05, P-delta, damping of modes 1 and 2)",
     ),
     (

@@ -1,4 +1,4 @@
-"""Fig. 5b: the amplification of standard deviations and of maxima, beside what linearization says."""
+"""Fig. 5b: the amplification of standard deviations and maxima, beside what linearization says."""
 
 import numpy as np
 import pytest

@@ -56,7 +56,7 @@ def test_settings_out_of_range_are_refused_before_any_work(name, value):
 
 
 def test_pictures_have_a_style_of_their_own_that_can_be_switched_off():
-    """The settings of matplotlib are a user's before and after; without a style also in pictures."""
+    """The settings of matplotlib are the user's before and after; without a style in pictures."""
     chart, usual = sl.charts.white_noise_chart(SETTINGS), dict(sl.charts.STYLE)
     with mpl.rc_context({"font.size": 17.0}):
         before = dict(mpl.rcParams)

@@ -1,4 +1,4 @@
-"""Pictures for print: of the width of a column, without words of their own, with text of 7 points."""
+"""Pictures for print: of the width of a column, without words of their own, in text of 7 points."""
 
 from pathlib import Path
 

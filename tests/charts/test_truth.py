@@ -1,4 +1,4 @@
-"""Figs. 3b, 4 and 5a show what the methods compute, and count no simulated point with a slow drift."""
+"""Figs. 3b, 4 and 5a show what the methods compute, and count no simulated point of slow drift."""
 
 import re
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Eqs. (13) to (16) and Figs. 6 to 8: impact, contact elements, and what they leave of a velocity."""
+"""Eqs. (13) to (16), Figs. 6 to 8: impact, contact elements, and what they leave of a velocity."""
 
 import hypothesis.strategies as st
 import numpy as np
@@ -58,7 +58,7 @@ def test_restitution_has_the_values_of_fig8(kind, values):
 
 
 def quadrature_error(chart):
-    """A few h^2, since forces have kinks where a dashpot stops; Jankowski's also begins as t^(1/4)."""
+    """A few h^2, as forces have kinks where a dashpot stops; Jankowski's begins as t^(1/4), too."""
     step = chart.scaled_time.isel(point=1)
     return xr.where(chart.element == "Jankowski", step**1.25, 4 * step**2)
 

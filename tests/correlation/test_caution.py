@@ -51,7 +51,7 @@ def test_hard_pairs_meet_another_simulation(family):
 
 
 def test_nearly_equal_structures_are_on_the_safe_side():
-    """As their bias says; with the signatures alone 23 % of such pairs were off by more than -10 %."""
+    """As their bias says; by the signatures alone 23 % of such pairs were off by over -10 %."""
     apart = sl.Bilinear([1.05, 1.0], 0.05, 0.1, reduction_factor=4)
     table = sl.correlate(
         sl.Bilinear(1.0, 0.05, 0.1, reduction_factor=4),

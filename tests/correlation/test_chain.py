@@ -1,4 +1,4 @@
-"""Pairs by the iteration of the full Lyapunov equation are those of the closed forms of `correlate`."""
+"""Pairs by iteration of the full Lyapunov equation are those of the closed forms of `correlate`."""
 
 from dataclasses import replace
 

@@ -82,7 +82,7 @@ def apart(one, other):
 
 
 def test_the_rule_named_after_jeng_is_nearer_to_linearization_on_broad_band_than_on_narrow_band():
-    """The paper's contrast: in the mean of 144 pairs in each of 15 settings, but not for T2 = Tg."""
+    """The paper's contrast: in the mean of 144 pairs in each of 15 settings, not for T2 = Tg."""
     ratio, period, factor, hardening, damping = (
         xr.DataArray(values, [(name, values)])
         for name, values in {
@@ -163,7 +163,7 @@ def test_how_near_linearization_and_the_rules_are_to_simulation(band):
 
 
 def test_on_narrow_band_a_rule_gives_higher_correlations_near_the_ground_period():
-    """Iwan, R = 4, T2 = Tg: above linearization for T1 from 0.59 to 0.84 T2, than simulation to 1.19."""
+    """Iwan, R = 4, T2 = Tg: above linearization for T1 from .59 to .84 T2, simulation to 1.19."""
     found, (linearized, rules) = simulated(NARROW, 1.0, 4), formulas(NARROW, 1.0, 4)
     iwan = rules["iwan_1980"]
     between = (RATIOS > 0.55) & (RATIOS < 0.9)
@@ -198,7 +198,7 @@ def test_correlation_does_not_rise_with_strength_reduction_for_structures_stiffe
     ids=["broad", "narrow"],
 )
 def test_eq_4_for_linear_structures_holds_on_broad_band_alone(band, gap, rho):
-    """Eq. (3) with the rho of eq. (4) over that with the exact rho of the ground; T/Tg 0.25 to 4."""
+    """Eq. (3) with the rho of eq. (4) over that with the ground's exact rho; T/Tg 0.25 to 4."""
     periods = GROUND_PERIOD * np.geomspace(0.25, 4, 81)
     first, second = (
         sl.Bilinear(xr.DataArray(periods, dims=name, coords={name: periods}), 0.05)

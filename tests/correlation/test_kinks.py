@@ -13,7 +13,7 @@ R = xr.DataArray([1.0, 2.0, 4.0, 6.0], dims="R")
 
 
 def largest_kink(curves, logarithm):
-    """Largest jump of the slope over the logarithm of the period, less the curvature on both sides."""
+    """Largest jump of the slope over the logarithm of the period, less curvature on both sides."""
     slope = np.diff(curves.transpose(..., "T").values) / np.diff(logarithm)
     jump = np.diff(slope)
     return np.abs(jump[..., 1:-2] + jump[..., 2:-1] - jump[..., :-3] - jump[..., 3:]).max()

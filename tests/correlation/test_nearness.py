@@ -16,7 +16,7 @@ pytestmark = pytest.mark.oracle
 
 
 def test_the_weight_of_the_form_falls_from_one_to_nothing():
-    """A half at the distance ``MIDDLE``, the same share of it at a multiple of it; times both trusts."""
+    """Half at the distance ``MIDDLE``, the same share of it at a multiple; times both trusts."""
     ends = MIDDLE * np.array([0.0, 1 / 3, 1.0, 3.0, 1e9])
     nothing = np.zeros((ENTRIES, ends.size))
     one = Nearness(nothing[:AXES], matrix_of(nothing), np.full(ends.size, 0.5))
@@ -31,7 +31,7 @@ def test_the_weight_of_the_form_falls_from_one_to_nothing():
 
 
 def test_the_form_is_that_of_the_mean_of_both_matrices():
-    """``q`` follows from the weight; the matrices are given by their lower triangles, row by row."""
+    """``q`` follows from the weight; the matrices are given by lower triangles, row by row."""
     rng = np.random.default_rng(4)
     roots = rng.normal(size=(2, AXES, AXES))
     matrices = roots @ roots.swapaxes(1, 2)

@@ -39,7 +39,7 @@ def chromium(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
 
 @pytest.fixture
 def page(chromium: Browser, address: str, request: pytest.FixtureRequest) -> Iterator[Browser]:
-    """The page as it begins, of a width that may be given; it must not have complained at the end."""
+    """The page as it begins, of any width given; it must not have complained at the end."""
     chromium.open(address, getattr(request, "param", 1200))
     yield chromium
     complaints = [entry for entry in chromium.driver.get_log("browser") if entry["level"] != "INFO"]

@@ -1,4 +1,4 @@
-"""The form of a case file: it shows what the file has, and what it writes is read as the same case."""
+"""The form of a case file: it shows what the file has; what it writes is read as the same case."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``stochlin explore`` as its user meets it: the command, who may ask, and the page in a browser."""
+"""``stochlin explore`` as its user meets it: the command, who may ask, the page in a browser."""
 
 from __future__ import annotations
 

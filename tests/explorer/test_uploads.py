@@ -1,4 +1,4 @@
-"""Uploaded case files: kept with the files that they name, and refused in the words of their reader."""
+"""Uploaded case files: kept with the files that they name, and refused in their reader's words."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ def test_a_case_stays_in_its_folder(tmp_path):
 
 
 def test_a_file_that_changes_is_read_again(tmp_path):
-    """Also when the text of site and motion stays; the strength grows with the square of the motion."""
+    """Also when the text of site and motion stays; the strength grows with the motion squared."""
 
     def strength(text):
         case, _ = read_upload(str(tmp_path), "case.toml", text)

@@ -1,4 +1,4 @@
-"""A package from outside that extends stochlin: installed into a folder, used from the command line."""
+"""A package from outside that extends stochlin: installed in a folder, used from a command line."""
 
 import os
 import sys
@@ -27,7 +27,7 @@ def example():
 
 @pytest.fixture
 def install(tmp_path):
-    """``install(source)`` installs a module ``toy``; returns a runner of ``stochlin`` in the folder."""
+    """``install(source)`` installs a module ``toy``; returns a runner of ``stochlin`` there."""
 
     def installed(source):
         (tmp_path / "toy.py").write_text(source, encoding="utf-8")

@@ -1,4 +1,4 @@
-"""Grounds from outside: calibrated as one of stochlin, they have its corrections; otherwise no bias."""
+"""Grounds from outside: calibrated as one of stochlin, they have its corrections; else no bias."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""An envelope from outside, that of the documentation: its shape, in simulations and in case files."""
+"""An envelope from outside, the documentation's: its shape, in simulations and in case files."""
 
 import numpy as np
 import pytest

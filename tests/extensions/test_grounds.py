@@ -1,4 +1,4 @@
-"""A ground from outside, that of the documentation: its spectrum and response, and in case files."""
+"""A ground from outside, the documentation's: its spectrum and response, and in case files."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Every example of the page as a file of the package: no test of what is listed or frozen turns red."""
+"""Every example of the page as a file of the package: no test of what is listed or frozen fails."""
 
 import re
 import shutil

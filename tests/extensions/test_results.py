@@ -1,4 +1,4 @@
-"""A result of simulate from outside, that of the documentation: what it is, and where it is reported."""
+"""A result of simulate from outside, the documentation's: what it is, where it is reported."""
 
 import numpy as np
 import pytest
@@ -43,7 +43,7 @@ def residual(example):
     ids=["oscillators", "storeys", "uncertain hardening"],
 )
 def test_the_result_of_the_page_is_the_drift_at_rest(structures):
-    """Of any law: the integrated motion has come to rest, where the forces of all springs are zero."""
+    """Of any law: the integrated motion has come to rest, where the forces of all springs are 0."""
     table = sl.simulate(structures, GROUND, **MOTION)
     assert float(abs(table.residual_drift).max()) > 1e-3
     np.testing.assert_allclose(table.residual_drift, table.last_drift, rtol=0, atol=1e-9)

@@ -1,4 +1,4 @@
-"""Rules from outside: a code rule, one for effective properties and a peak factor, in every table."""
+"""Rules from outside: a code rule, one for effective properties, a peak factor, in every table."""
 
 import math
 import re

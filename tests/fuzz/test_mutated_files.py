@@ -64,8 +64,10 @@ CASES = [path.read_text(encoding="utf-8") for path in sorted(ANSWERS.glob("*/*.t
 CASES = [short_example(), *(text for text in CASES if "[separation]" in text)]
 
 # What is put in the place of a value, of a word, or between two; and lines.
-VALUES = """nan|inf|0|-1|1e999|-1e-320|0x10|true|""|"1"|"5 cm"|"1e999 s"|"nan s"|"5 furlong"|"fitted"|[]
-[1, 2]|["5 cm", "3 cm"]|{}|{ model = "hertz" }|[[1], [1, 2]]|1979-05-27|"none"|"clough_penzien"|"kelvin"
+VALUES = """nan|inf|0|-1|1e999|-1e-320|0x10|true|""|"1"|"5 cm"|"1e999 s"|"nan s"|"5 furlong"
+"fitted"|[]
+[1, 2]|["5 cm", "3 cm"]|{}|{ model = "hertz" }|[[1], [1, 2]]|1979-05-27|"none"|"clough_penzien"
+"kelvin"
 "bouc_wen"|"hertz_damp"|"../../etc/passwd"|"a\\u001b[2J"|=|#|[|]]|.|,|;|NPTS|DT|E|D"""
 SIGNS = ["'''", '"' * 3, "\r\n", "\x1b[2J", *"\n\x00\ufeff\u2028\u202eé\U0001f3e2"]
 PIECES = [
@@ -78,9 +80,12 @@ PIECES = [
     f'"{"A" * 5000}"',
 ]
 LINES = """elastic = true|law = "bouc_wen"|beta = 1e-9|exponent = 200|ductility = 1e9|seed = -1
-paths = 1|existing = 5|storys = 8|[building_3]|[[site.records]]|[site]|storey_height = "3 m"|zone = "II"
-heights = ["4 m", "3 m"]|floor_mass = "400 t"|base_shear_coefficient = 1e9|yield_drifts = ["9 m", "1 mm"]
-dampers = ["1 MN s/m"]|p_delta = true|beta = [0.5, 0.5]|link.floors = [9, 1]|[measures.x]|a.b.c = 1"""
+paths = 1|existing = 5|storys = 8|[building_3]|[[site.records]]|[site]|storey_height = "3 m"
+zone = "II"
+heights = ["4 m", "3 m"]|floor_mass = "400 t"|base_shear_coefficient = 1e9
+yield_drifts = ["9 m", "1 mm"]
+dampers = ["1 MN s/m"]|p_delta = true|beta = [0.5, 0.5]|link.floors = [9, 1]|[measures.x]
+a.b.c = 1"""
 
 
 @st.composite

@@ -206,7 +206,7 @@ def methods() -> dict[str, Any]:
 
 
 def closures() -> dict[str, Any]:
-    """Every closure against the simulated pairs of the gallery, and its errors where regions differ."""
+    """Every closure against the gallery's simulated pairs, and its errors where regions differ."""
     table = xr.load_dataset(FILE, engine="scipy")
     xr.testing.assert_allclose(table, renewed(table), rtol=1e-6)
     table = xr.concat([table, *_parts(table)], "closure", data_vars="minimal")
@@ -300,7 +300,7 @@ def _parts(table: xr.Dataset) -> Iterator[xr.Dataset]:
 
 
 def _errors(table: xr.Dataset, closure: str) -> tuple[Any, ...]:
-    """Of sigma (relative, both structures), of rho, and of the deviation of u_1 - u_2 with its sign."""
+    """Of sigma (relative, both structures), of rho, and of the deviation of u_1 - u_2, signed."""
     exact, results = table.sel(closure=SIMULATION), table.sel(closure=closure)
     std = [
         abs(results[name] / exact[name] - 1)
@@ -350,7 +350,7 @@ def cautions() -> dict[str, Any]:
 
 
 def _compared(kind: str) -> tuple[Any, Any]:
-    """Caution, and relative error, of all pairs of a kind whose periods are within a factor of 3."""
+    """Caution and relative error of all pairs of a kind with periods within a factor of 3."""
     with (ROOT / "tests" / "correlation" / "drift_pairs.nc").open("rb") as stream:
         sample = xr.load_dataset(stream, engine="scipy").astype(float).sel(kind=kind)
     columns = [sample.structures.sel(column=name, drop=True) for name in sample.column.values]

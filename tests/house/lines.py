@@ -1,4 +1,4 @@
-"""Prints lines of code, modules and public names of the package for `make check`, and judges nothing."""
+"""Prints the package's lines of code, modules and public names for `make check`; judges nothing."""
 
 import ast
 import io

@@ -121,7 +121,7 @@ def is_text(*nodes: ast.AST) -> bool:
 
 
 def places(path: Path) -> Iterator[tuple[ast.AST, list[ast.AST]]]:
-    """Nodes of a module that can be changed, each with its changes: none in annotations and messages."""
+    """Changeable nodes of a module, each with its changes: none in annotations and messages."""
     nodes: list[ast.AST] = [ast.parse(path.read_bytes())]
     while nodes:
         node = nodes.pop()
@@ -162,7 +162,7 @@ def nearest(path: Path) -> list[str]:
 
 
 def run_tests(tests: list[str], mutant: Mutant | None = None) -> tuple[bool, set[str]]:
-    """Whether tests in a copy fail, and which do: the first one, or without a mutant all of them."""
+    """Whether tests in a copy fail, and which do: the first, or without a mutant all of them."""
     options = ["-rfE", "-p", "no:cacheprovider", "-o", "faulthandler_exit_on_timeout=true"]
     options += ["-m", "not slow", "-o", f"faulthandler_timeout={LIMIT}"]
     with tempfile.TemporaryDirectory() as folder:

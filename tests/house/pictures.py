@@ -1,4 +1,4 @@
-"""The pictures of the pages, drawn by the scripts of the gallery: `make docs` draws those that moved.
+"""The pictures of the pages, drawn by the gallery's scripts: `make docs` draws those that moved.
 
 Each picture carries a summary of what it shows, since the bytes of a drawing depend on the machine.
 """
@@ -44,7 +44,7 @@ def figure_of(picture: Path) -> Any:
 
 
 def summary(figure: Any) -> dict[str, Any]:
-    """Words of each panel, and number, mean and spread of the coordinates of all that is drawn in it."""
+    """Words of each panel, and number, mean and spread of the coordinates of all drawn in it."""
     panels = {}
     for number, panel in enumerate(figure.axes):
         words = [panel.get_title(), panel.get_xlabel(), panel.get_ylabel()]

@@ -176,7 +176,10 @@ COMMAND_LINE = "from stochlin.views.command import main\nmain()"
 @pytest.mark.parametrize("seconds", with_slow([0.5, 3.0], [3.0]))
 def test_an_interrupted_command_ends_at_once(number: int, seconds: float, tmp_path: Path) -> None:
     """Also while threads compute, so long after the first began, and with no file left."""
-    line = "rho --period-1 0.7s --period-2 1s --hardening 0.05 --reduction-factor 2 --method simulation"
+    line = (
+        "rho --period-1 0.7s --period-2 1s --hardening 0.05 --reduction-factor 2 "
+        "--method simulation"
+    )
     command = [*line.split(), "--paths", "200000", "--out", str(tmp_path / "table.nc")]
     # What runs in the background of a shell is told to ignore the signal, and hands that down.
     heed = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"

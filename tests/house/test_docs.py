@@ -1,4 +1,4 @@
-"""README and documentation: commands and code run as printed, links lead somewhere, the site builds."""
+"""README and docs: commands and code run as printed, links lead somewhere, the site builds."""
 
 import html
 import importlib.util
@@ -69,7 +69,8 @@ def command_lines() -> list[str]:
 
 LONG = {
     "stochlin charts fig3b --curves jeng_kasai_maison_1992_unverified,iwan_1980",
-    "stochlin charts fig5a --damping 0.02 --hardening 0.1 --format pdf --out out",  # others are drawn
+    # others are drawn
+    "stochlin charts fig5a --damping 0.02 --hardening 0.1 --format pdf --out out",
     "stochlin charts fig4b --print-width 84mm --format pdf --out out",  # tests/charts/test_print.py
     "stochlin charts fig4b --ground-dampings 0.05,0.2,0.6 --comparison",
     "stochlin gap case.toml --report gap.html",  # there is one with another name

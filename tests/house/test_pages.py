@@ -1,4 +1,4 @@
-"""Any viewer of Markdown shows the pages: links, pictures and anchors exist, and what the code says."""
+"""Any Markdown viewer shows pages: links, pictures and anchors exist, and what the code says."""
 
 import json
 import re
@@ -53,7 +53,7 @@ def places(file: Path, text: str, pattern: re.Pattern[str]) -> Iterator[Place]:
 
 
 def anchors(text: str) -> set[str]:
-    """Those of headings, as code hosts make them: no signs but hyphens; a number after the first."""
+    """Those of headings, as code hosts make them: no sign but hyphens; a number after the first."""
     seen: Counter[str] = Counter()
     made = set()
     for heading in re.findall(r"^#{1,6} +(.+?) *$", blanked(text, WHOLE), re.MULTILINE):
@@ -126,7 +126,8 @@ def test_links_that_lead_somewhere_are_not_named() -> None:
 
 def test_pages_show_what_the_code_says() -> None:
     stale = [
-        f"{block.page.relative_to(ROOT)}, line {block.line}: {block.what} is stale, see `make answers`"
+        f"{block.page.relative_to(ROOT)}, line {block.line}: {block.what} is stale, "
+        "see `make answers`"
         for block in pages.blocks()
         if block.shown != block.now
     ]

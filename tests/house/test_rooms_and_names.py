@@ -95,7 +95,7 @@ def test_rooms_import_what_is_written_down_and_in_no_circle_and_floors_only_thos
 
 
 def test_views_compute_nothing() -> None:
-    """But for commands, which call analyses, and the warm-up, which calls what is to be compiled."""
+    """But for commands, which call analyses, and the warm-up, which calls what it compiles."""
     computing = []
     for path in MODULES:
         floor, room = room_of(path.relative_to(ROOT).parts)
@@ -173,7 +173,8 @@ def test_type_checkers_and_editors_see_the_public_names(tmp_path: Path) -> None:
             "def (peak_1",
             "matplotlib.figure.Figure",
             'has no attribute "linearise"',
-            "\"Literal['simulated']\"; expected \"Literal['linearization', 'white_noise', 'effective',",
+            "\"Literal['simulated']\"; "
+            "expected \"Literal['linearization', 'white_noise', 'effective',",
             "\"Literal['peaks']\"; expected \"Literal['std', 'peak']\"",
             "\"Literal['normal']\"; expected \"Literal['lognormal', 'uniform']\"",
         ),

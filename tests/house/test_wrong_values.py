@@ -1,4 +1,4 @@
-"""Every public call refuses wrong values, and answers or refuses any structure, in one short line."""
+"""Every public call refuses wrong values, and answers or refuses any structure, in a short line."""
 
 import inspect
 import re

@@ -1,4 +1,4 @@
-"""The law of Baber, Wen and Noori: its states against another integrator, and where it is refused."""
+"""The law of Baber, Wen and Noori: its states against another integrator; where it is refused."""
 
 from itertools import pairwise
 
@@ -37,7 +37,7 @@ def slopes(direction, w):
 
 
 def published_history():
-    """Extensions of ``2 t sin(2 pi t)`` at its turns and at 1.1, 2.3 and 3.9, and which these are."""
+    """Extensions of ``2 t sin(2 pi t)`` at its turns, at 1.1, 2.3 and 3.9, and which these are."""
 
     def extension(t):
         return 2 * t * np.sin(2 * np.pi * t)

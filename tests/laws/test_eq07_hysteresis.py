@@ -1,4 +1,4 @@
-"""Eqs. (7), (9), (10): the bilinear law and its Gaussian coefficients; the Bouc-Wen law beside it."""
+"""Eqs. (7), (9), (10): the bilinear law and Gaussian coefficients; the Bouc-Wen law beside it."""
 
 import cases
 import mpmath
@@ -61,7 +61,7 @@ def test_bouc_wen_coefficients_agree_with_quadrature(exponent):
 
 
 def test_far_below_yield_the_tail_keeps_its_relative_accuracy():
-    """Slip of 1e-30 is still right to a dozen digits, where ``1 + c_e`` by subtraction would be zero."""
+    """Slip of 1e-30 is right to a dozen digits, where ``1 + c_e`` by subtraction would be zero."""
     for sz, r in ((0.15, 0.2), (0.1, 0.6), (0.09, 0.05)):
         value = bilinear.gaussian(np.array([[1.0], [sz], [r]]), np.empty((0, 1)))
         with mpmath.workdps(40):

@@ -1,4 +1,4 @@
-"""A law given by its symbolic form and parameters: in tables, in crowds, and refused with a reason."""
+"""A law given by symbolic form and parameters: in tables, in crowds, and refused with a reason."""
 
 from dataclasses import dataclass
 

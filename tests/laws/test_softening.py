@@ -1,4 +1,4 @@
-"""Structures without stiffness after yielding, or with a negative one, in motions of finite length."""
+"""Structures with no stiffness after yielding, or a negative one, in motions of finite length."""
 
 import itertools
 
@@ -32,7 +32,7 @@ def motion(seed=3, seconds=10.0, ground=GROUND):
 
 
 def test_an_elastic_plastic_oscillator_under_a_step_is_known_by_hand():
-    """Undamped: the time of yield from the elastic motion; then uniform deceleration up to the peak."""
+    """Undamped: yield time from the elastic motion; then uniform deceleration up to the peak."""
     push, uy = 0.7 * W**2 * 0.02, 0.02  # 0.7 of the yield force: 1.4 uy if elastic
     begin = np.arccos(1 - uy * W**2 / push) / W
     rate = push / W * np.sin(W * begin)
@@ -91,7 +91,7 @@ def test_energies_add_up(kind, alpha):
 
 
 def test_p_delta_is_a_softer_oscillator_with_less_hardening():
-    """A weight that takes the share theta of the stiffness: period, damping, hardening and uy move."""
+    """A weight taking the share theta of the stiffness: period, damping, hardening and uy move."""
     alpha, theta, mass, height = 0.05, 0.08, 1e5, 3.0
     k = sl.models.buildings.shear.GRAVITY * mass / (theta * height)
     leaning = sl.ShearBuilding([mass], [k], [height], 0.05, alpha, 0.02, p_delta=True)

@@ -1,4 +1,4 @@
-"""The modified Clough and flag-shaped laws: branch by branch, their work, and oscillators with them."""
+"""The modified Clough and flag-shaped laws: branch by branch, their work, oscillators with them."""
 
 import numpy as np
 import pytest
@@ -121,7 +121,7 @@ def test_states_along_random_histories(structure, pieces):
     "structure", [LAWS[1], LAWS[4], LAWS[8]], ids=["modified Clough", "flag", "backbone"]
 )
 def test_an_oscillator_on_a_record_follows_central_differences(structure):
-    """In steps of 1/5000 of the period, whose error is some 1e-6, with the law from branch to branch."""
+    """In steps of 1/5000 period, whose error is some 1e-6, with the law from branch to branch."""
     w, xi, alpha = 2 * np.pi / GIVEN["period"], GIVEN["damping"], GIVEN["hardening"]
     uy, law = GIVEN["yield_displacement"], by_branches(structure)
     record = sl.simulated_motions(GROUND, 5.0, paths=2, seed=3)[0]

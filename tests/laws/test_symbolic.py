@@ -1,4 +1,4 @@
-"""Laws written in sympy: the same answers as the closed forms, and as two-dimensional quadrature."""
+"""Laws written in sympy: the same answers as closed forms, and as two-dimensional quadrature."""
 
 import cases
 import numpy as np

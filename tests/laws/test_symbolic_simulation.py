@@ -70,7 +70,7 @@ def test_maxwell_element_has_the_variance_of_its_linear_system():
 
 @pytest.mark.parametrize("steps", [32, 128])
 def test_law_with_jumps_moves_as_the_return_map(steps):
-    """Steps in which the law jumps are divided, until what passes the strength is a thousandth of it."""
+    """Steps in which the law jumps are divided, until what passes the strength is 1/1000 of it."""
     written = sl.Hysteretic(1.0, 0.05, 0.1, reduction_factor=4, law=bilinear.symbolic())
     mapped = sl.Bilinear(1.0, 0.05, 0.1, reduction_factor=4)
     options = {"steps_per_period": steps, "paths": 32, "relaxation_times": 10}

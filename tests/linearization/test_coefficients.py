@@ -1,4 +1,4 @@
-"""Eqs. (9) and (10) by themselves: known values, integration, the ends of the loop, what is refused."""
+"""Eqs. (9) and (10) by themselves: known values, integration, ends of the loop, and refusals."""
 
 import cases
 import numpy as np

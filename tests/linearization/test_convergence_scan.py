@@ -99,7 +99,7 @@ def test_a_law_that_slips_as_it_unloads_keeps_to_the_branch_of_the_elastic_respo
     ],
 )
 def test_the_strongest_shaking_leaves_the_stiffness_after_yielding(law, closure, ground):
-    """Far beyond yield ``z`` is nothing beside ``mu``: an elastic oscillator of stiffness alpha w^2."""
+    """Far past yield ``z`` is nothing beside ``mu``: an elastic oscillator, stiffness alpha w^2."""
     alpha, uy = 0.05, 1e-5
     soft = sl.Bilinear(1.0 / np.sqrt(alpha), 0.05 / np.sqrt(alpha))
     limit = float(sl.linearize(soft, ground).displacement_std)

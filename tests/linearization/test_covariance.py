@@ -1,4 +1,4 @@
-"""The criterion of stability of an equivalent system, against the eigenvalues of its state matrix."""
+"""The criterion of stability of an equivalent system, against eigenvalues of its state matrix."""
 
 import numpy as np
 import pytest

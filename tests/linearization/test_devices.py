@@ -54,7 +54,7 @@ def test_linear_dashpot_is_that_of_the_least_mean_square(exponent, std):
 
 @pytest.mark.parametrize("exponent", [0.1, 0.3, 0.6, 1.5, 2.0])
 def test_oscillator_on_white_noise(exponent):
-    """Closed form: the power of the noise, ``pi S0 m``, is what both dashpots take, ``c sigma_v^2``."""
+    """Closed form: the noise's power, ``pi S0 m``, is what both dashpots take, ``c sigma_v^2``."""
     s0, constant = 0.01, 1e6
     own = 2 * ONE.damping * 2 * np.pi / ONE.period * ONE.mass
     factor = equivalent_dashpot(constant, exponent, 1.0)

@@ -1,4 +1,4 @@
-"""The closure that keeps the plastic drift: its parts by other ways, its limits, and simulations."""
+"""The closure that keeps the plastic drift: its parts by other ways, its limits, simulations."""
 
 from dataclasses import replace
 
@@ -86,7 +86,7 @@ def test_orders_add_up_to_the_variance_of_the_kick_sizes(sz):
 
 
 def test_orders_are_those_of_the_joint_density_of_two_amplitudes():
-    """Sizes in two half-cycles: their covariance by the orders, and by sampling Gaussian envelopes."""
+    """Sizes in two half-cycles: their covariance by orders, and by sampling Gaussian envelopes."""
     rng, size, sz, memory = np.random.default_rng(1), 400_000, 0.9, 0.7
     one, fresh = rng.standard_normal((2, 2, size)) * sz
     other = memory * one + np.sqrt(1 - memory**2) * fresh
@@ -288,7 +288,7 @@ def test_unequal_pairs_meet_fresh_simulations(ground, pair, tolerance):
 
 
 def test_clough_penzien_ground_meets_fresh_simulations():
-    """Mean errors of twelve structures and of their pairs; by the soil's memory alone .23 and .24."""
+    """Mean errors of twelve structures and their pairs; by the soil's memory alone .23 and .24."""
     random = np.random.default_rng(8)
     columns = [
         np.exp(random.uniform(*np.log(ends), 12)) for ends in ((0.3, 3), (0.02, 0.1), (2, 10))
@@ -361,7 +361,7 @@ def test_the_least_error_is_0_03_in_place_of_0_01_on_clough_penzien_ground(perio
     ],
 )
 def test_resonance_after_yield_is_refined_or_cautioned(structure, damping, simulated):
-    """Where T is near sqrt(alpha) Tg the map is steep: off by 15 to 28 % between its coarse points."""
+    """Near T = sqrt(alpha) Tg the map is steep: off by 15 to 28 % between its coarse points."""
     ground = sl.KanaiTajimi(1.0, damping)
     table = sl.linearize(structure, ground, "drift")
     exact = sl.simulate([structure], ground, paths=128, seed=5, steps_per_period=16)

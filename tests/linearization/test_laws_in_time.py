@@ -1,4 +1,4 @@
-"""Laws with memory linearized in time: against another integrator, energy balance and their limits."""
+"""Laws with memory linearized in time: against another integrator, energy balance and limits."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Linked structures: exact limits, the unlinked pair, an ODE solver, and simulation with its error."""
+"""Linked structures: exact limits, the unlinked pair, an ODE solver, simulation with its error."""
 
 import numpy as np
 import pytest

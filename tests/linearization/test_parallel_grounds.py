@@ -1,4 +1,4 @@
-"""Grounds in parallel: spectra and covariances of linear structures add, and a simulation agrees."""
+"""Grounds in parallel: spectra and covariances of linear structures add; a simulation agrees."""
 
 from dataclasses import replace
 

@@ -27,7 +27,7 @@ def oscillator_bandwidth(damping):
 
 
 def exact_vanmarcke(crossings, bandwidth, sides):
-    """Mean and standard deviation by Gauss and Legendre from the distribution, one-sided written out."""
+    """Mean and standard deviation of the distribution by Gauss-Legendre, one-sided written out."""
     n = crossings * sides / 2
 
     def exceeding(x):
@@ -65,7 +65,7 @@ def test_vanmarcke_by_another_quadrature(crossings, bandwidth, sides):
 
 
 def stationary_peaks(damping, cycles, paths=8192, steps=48):
-    """Peaks of an oscillator of unit variance under white noise that begins stationary: exact steps."""
+    """Peaks of an oscillator of unit variance under white noise, begun stationary: exact steps."""
     rng = np.random.default_rng([8, cycles])
     w = 2 * np.pi
     step = scipy.linalg.expm(np.array([[0, 1], [-w * w, -2 * damping * w]]) / steps)
@@ -165,7 +165,7 @@ def test_peaks_of_simulated_motions():
 
 
 def test_peaks_of_yielding_structures_by_the_drift_closure_are_those_of_motions():
-    """Against motions from rest: what the notes say of cells without a caution, and of the Gaussian."""
+    """Against motions from rest: what notes say of cells without a caution, and of the Gaussian."""
     period, factor = (0.6, 1.0, 1.0, 2.0), (3.0, 2.0, 5.0, 4.0)
     each = sl.Bilinear(list(period), 0.05, 0.1, reduction_factor=list(factor))
     alone = [

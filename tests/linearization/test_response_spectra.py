@@ -19,7 +19,7 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(40)
 
 
 class Spectrum:
-    """Nodes and weights on a logarithmic grid, fine around every resonance, and the spectrum there."""
+    """Nodes and weights on a logarithmic grid, fine around resonances, and the spectrum there."""
 
     def __init__(self, ground, resonances):
         # Around each resonance, borders at a geometric distance down to a fiftieth of its width.
@@ -111,7 +111,7 @@ def probability_of_slip(sz, r):
 
 
 def test_spectrum_has_the_variance_of_the_ground_filter():
-    """``pi S0 wg (1 + 4 xig^2)/(2 xig)``; a stiff oscillator feels the ground acceleration itself."""
+    """``pi S0 wg (1 + 4 xig^2)/(2 xig)``; stiff oscillators feel the ground acceleration itself."""
     wg, xig, s0 = 2 * np.pi / 0.8, 0.3, 0.02
     ground = sl.KanaiTajimi(period=0.8, damping=xig, intensity=s0)
     expected = np.pi * s0 * wg * (1 + 4 * xig**2) / (2 * xig)

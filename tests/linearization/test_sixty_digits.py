@@ -1,4 +1,4 @@
-"""Linearization against 60 digits: its covariances where they are nearly singular, and its solutions."""
+"""Linearization against 60 digits: its covariances where nearly singular, and its solutions."""
 
 import cases
 import mpmath

@@ -13,7 +13,7 @@ TAU = 2 * np.pi
 
 @pytest.mark.parametrize("link", [(), (sl.Link(1e6, 1e4, hardening=0.1, yield_displacement=1e-3),)])
 def test_elastic_coefficients_are_the_start_of_the_loop(link):
-    """Also with a link that yields, an elastic structure, and a strength by its reduction factor."""
+    """Also with a yielding link, an elastic structure, and a strength by its reduction factor."""
     ground = sl.CloughPenzien(0.42, 0.6, 4.2, 0.6)
     pair = [
         sl.Bilinear(1.0, 0.05, 0.05, reduction_factor=4, mass=1e5),

@@ -64,7 +64,7 @@ def test_peak_factor_is_the_structures_unless_given():
     ids=["broad band", "lake bed"],
 )
 def test_simulated_the_strength_has_the_ductility_that_was_asked_for(ground, unsafe):
-    """The Gaussian closure gives a strength at which ductility is much larger than the 4 asked for."""
+    """The Gaussian closure gives a strength with ductility much larger than the 4 asked for."""
     building = sl.Bilinear(0.6, 0.05, 0.05)
     drifting, gaussian = (
         sl.strength_for_ductility(building, ground, 4.0, closure=c) for c in ("drift", "gaussian")

@@ -1,4 +1,4 @@
-"""Storeys and links linearized: known numbers, closed forms of pairs, 60 digits, limits, symmetries."""
+"""Storeys and links linearized: known values, pairs in closed form, 60 digits, limits, symmetry."""
 
 from dataclasses import replace
 from itertools import pairwise
@@ -64,7 +64,7 @@ def test_storeys_have_the_values_of_other_solvers(yields, drifts, rho, apart):
 
 
 def test_end_of_the_loop_is_a_fixed_point_of_the_public_steps():
-    """State space, covariance, moments of each storey and coefficients lead back to where they began."""
+    """State space, covariance, storeys' moments and coefficients lead back to where they began."""
     table = sl.linearize_system([TALL, LOW], GROUND)
     space = sl.statespace([TALL, LOW], GROUND, table.c_eq.values, table.k_eq.values)
     x = sl.stationary_covariance(space)
@@ -157,7 +157,7 @@ def assert_fast_path(pair, ground):
 
 
 def test_oscillator_tuned_to_the_ground_is_defective_and_no_trouble():
-    """Equal period and damping of structure and soil leave the state matrix short of eigenvectors."""
+    """Equal period and damping of structure and soil leave the state matrix defective."""
     tuned, ground = sl.Bilinear(2.0, 0.05), sl.KanaiTajimi(2.0, 0.05)
     space = sl.statespace([tuned], ground)
     assert np.linalg.cond(np.linalg.eig(space.state_matrix.values).eigenvectors) > 1e6
@@ -382,7 +382,7 @@ def rounds_of(strong, ground, factor, law):
 
 @pytest.mark.slow
 def test_the_loop_ends_for_random_buildings():
-    """The first 20 take 9 rounds in the mean; the last five are the hardest of 500, and end as well.
+    """The first 20 take 9 rounds in the mean; the last five are the hardest of 500 and end, too.
 
     How many rounds those take, from 40 to thousands, depends on the rounding of the processor.
     """

@@ -1,4 +1,4 @@
-"""Transient linearization: against the Lyapunov differential equation, simulation and its own limits."""
+"""Transient linearization: against the Lyapunov differential equation, simulation and limits."""
 
 import numpy as np
 import pytest

@@ -27,7 +27,7 @@ def case_file(folder, *changes):
 
 
 def test_it_says_what_the_library_says(tmp_path):
-    """Where no measure has to be searched; a table with the least ones is frozen among the answers."""
+    """Where no measure has to be searched; a table with the least is frozen among the answers."""
     path = case_file(tmp_path, ('existing = "5 cm"', 'existing = "80 cm"'))
     said = answered("mitigate", path, "--out", tmp_path / "m.nc").output
     case = sl.read_case(path)

@@ -136,7 +136,7 @@ def test_links_ask_for_masses():
 
 @pytest.mark.slow
 def test_measures_of_buildings_that_are_not_known_exactly():
-    """Without spread as known; with it, more is required. Only the last searches for what is enough."""
+    """Without spread as known; with it, more is required. Only the last searches for enough."""
 
     def pair(size):
         return [

@@ -1,4 +1,4 @@
-"""What the paper says of hits: forces, pulses, energy, amplification; of link forces and of measures."""
+"""What the paper says of hits: forces, pulses, energy, amplification; link forces, measures."""
 
 from dataclasses import replace
 from functools import cache
@@ -133,7 +133,7 @@ def over_alone(tables, name, reference=None):
 
 @pytest.mark.slow
 def test_stiff_links_change_how_forces_are_distributed_over_the_height():
-    """Largest storey shears, linked at the fifth floors over standing alone; far apart, no contact."""
+    """Largest storey shears, linked at the fifth floors over those alone; far apart, no contact."""
     low, high = over_alone(pounded(gap=0.8, link=STIFF), "peak_storey_shear").transpose(1, 0, 2)
     assert 1.1 < low[:, 4].min() < low[:, 4].max() < 1.4  # measured: 1.12 to 1.34 where the link is
     assert 0.8 < low[:, :3].min() < low[:, :3].max() < 1.05  # 0.85 to 1.01 in the storeys below

@@ -1,4 +1,4 @@
-"""Pounding in many motions: each is what it is alone, the table counts them, and one spoils no other."""
+"""Pounding in many motions: each as it is alone, the table counts them, one spoils no other."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""What floors and storeys bear: accelerations, shears, forces of links, and the energy of each hit."""
+"""What floors and storeys bear: accelerations, shears, forces of links, the energy of each hit."""
 
 import numpy as np
 import pytest

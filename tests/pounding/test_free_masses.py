@@ -39,7 +39,7 @@ ROUNDING = 1e-10  # of forces and of differences of penetrations, over many step
 
 
 def free_row(masses, contact, gap=0.0, sides=None, springs=0.0):
-    """Masses in a row, each tied to the ground by a spring or none; ``sides`` are weights on either."""
+    """Masses in a row, each on a spring to the ground or none; ``sides`` are weights on either."""
     mass = np.array(masses, float)
     n, zero = mass.size, np.zeros(mass.size)
     left, right = (np.eye(n)[:-1], -np.eye(n)[1:]) if sides is None else sides
@@ -296,7 +296,7 @@ WALL, SPRING, LIGHT, PRESS = 1e22, 1e6, 1e5, 0.1
 
 @pytest.mark.parametrize("e", [0.0, 0.3, 0.6])
 def test_a_mass_bounces_on_a_wall_and_rests_until_it_is_pulled_away(e):
-    """A spring presses the mass against a wall, 0.1 m before its place; the wall moves away at 0.05 m/s.
+    """A spring presses the mass on a wall, 0.1 m before its place; the wall moves away at 0.05 m/s.
 
     Between blows the motion is harmonic, about the place of the spring; rebounds become shorter and
     end. The mass then goes with the wall, and is left at the place of its spring, where it is not
@@ -354,7 +354,7 @@ def test_a_mass_bounces_on_a_wall_and_rests_until_it_is_pulled_away(e):
     side=st.sampled_from([1, -1]),
 )
 def test_a_hit_on_a_free_column_moves_both_its_floors(masses, share, e, side):
-    """Floor 0 meets the column between the floors 1, below, and 2: the impulse goes by the shares."""
+    """Floor 0 meets the column between floors 1, below, and 2: the impulse goes by the shares."""
     mass, v0 = np.array(masses), 0.8
     alone, column = np.array([[1.0, 0.0, 0.0]]), np.array([[0.0, 1 - share, share]])
     sides = (alone, -column) if side > 0 else (column, -alone)
@@ -382,7 +382,7 @@ def test_a_hit_on_a_free_column_moves_both_its_floors(masses, share, e, side):
 
 
 def test_an_element_without_tension_pushes_again_while_it_is_still_compressed():
-    """It lets go at 0.089 s; a third mass throws the second back, and it pushes at 0.122 s, at 7.7 mm.
+    """It lets go at 0.089 s; a third mass throws the second back; it pushes at 0.122 s, at 7.7 mm.
 
     Against ``max(k d + c v, 0)`` for ``d > 0`` by scipy.
     """

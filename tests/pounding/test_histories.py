@@ -1,4 +1,4 @@
-"""Pounding histories: energy, symmetry and limits; another integrator is in the answers by CVODE."""
+"""Pounding histories: energy, symmetry, limits; another integrator is in the answers by CVODE."""
 
 import hypothesis.strategies as st
 import numpy as np

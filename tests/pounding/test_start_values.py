@@ -1,4 +1,4 @@
-"""Throws, and motions that go on from the end of others: exact values, bits, and what is refused."""
+"""Throws, and motions that go on from the end of others: exact values, bits, and refusals."""
 
 import numpy as np
 import pytest

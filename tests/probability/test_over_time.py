@@ -1,4 +1,4 @@
-"""Probability of pounding: against simulation, its own limits, and the formulas of the crossings."""
+"""Probability of pounding: against simulation, its own limits, and formulas of the crossings."""
 
 from dataclasses import replace
 

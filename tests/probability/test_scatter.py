@@ -1,4 +1,4 @@
-"""Probabilities in motions that differ in strength: formulas averaged, simulation, a convolution."""
+"""Probabilities in motions differing in strength: formulas averaged, simulation, a convolution."""
 
 import numpy as np
 import pytest

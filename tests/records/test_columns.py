@@ -120,7 +120,7 @@ def written(folder: Path, titles: Sequence[str], columns: Sequence[Any]) -> Path
 
 @pytest.mark.parametrize("name", READERS)
 def test_a_first_column_of_any_title_is_read_right_or_refused_by_its_title(name, tmp_path):
-    """Each word of the table is the title of a column that has the coordinate, or what follows from it.
+    """Each word of the table is the title of a column with the coordinate, or what follows from it.
 
     Of words of the same meaning, readers other than that of spectra get one.
     """
@@ -372,12 +372,14 @@ OF_CASE = {
         lambda case: both(case.site.spectrum),
     ),
     "record": (
-        'ground = "firm"\nintensity = "0.01 m^2/s^3"\n[[site.records]]\npath = "a.csv"\nunits = "g"\n'
+        'ground = "firm"\nintensity = "0.01 m^2/s^3"\n'
+        '[[site.records]]\npath = "a.csv"\nunits = "g"\n'
         "time_column = {}\ncolumn = 2",
         lambda case: both(case.site.records["a.csv"]),
     ),
     "hazard": (
-        'ground = "firm"\nintensity = "0.01 m^2/s^3"\n[site.hazard]\nmeasure = "pga"\nfile = "a.csv"\n'
+        'ground = "firm"\nintensity = "0.01 m^2/s^3"\n'
+        '[site.hazard]\nmeasure = "pga"\nfile = "a.csv"\n'
         'units = "g"\nfrequency_column = {}\ncolumn = 2',
         lambda case: READERS["hazard"].values(case.site.hazard),
     ),

@@ -75,7 +75,7 @@ def above_the_peaks(motions, period):
     ids=["broad band", "lake bed"],
 )
 def test_eq02_holds_in_part_for_simulated_motions(ground, of_displacement, of_velocity):
-    """Medians of 1024 motions, errors below 1 %: the velocity is far off where stiff on a lake bed."""
+    """Medians of 1024 motions, errors below 1 %: the velocity is far off if stiff on a lake bed."""
     motions = simulated(ground, 30.0, sl.AminAng(4, 15, 0.35))
     for number, period in enumerate([0.3, 0.5, 0.8, 1.2, 2.0]):
         displacement, velocity = above_the_peaks(motions, period)
@@ -93,7 +93,7 @@ def test_eq02_holds_in_part_for_simulated_motions(ground, of_displacement, of_ve
     ],
 )
 def test_eq02_holds_in_part_for_records(name, of_displacement, of_velocity, near):
-    """Medians, 95 % quantiles, and shares within 5 %, over all records and periods from 0.2 to 4 s."""
+    """Medians, 95 % quantiles, shares within 5 %, over all records and periods of 0.2 to 4 s."""
     periods = xr.DataArray(np.geomspace(0.2, 4, 14), dims="period")
     displacement, velocity = above_the_peaks(suite(name), periods)
     assert displacement.quantile([0.5, 0.95]).values == pytest.approx(of_displacement, abs=0.0051)

@@ -465,7 +465,8 @@ def test_strong_part_of_a_decaying_signal():
         (
             motion(WAVE).assign_coords(time=np.arange(WAVE.size).astype("datetime64[ms]")),
             TypeError,
-            r"datetime64.*; allowed: numbers; write \(time - time\[0\]\) / np.timedelta64\(1, 's'\)",
+            r"datetime64.*; allowed: numbers; "
+            r"write \(time - time\[0\]\) / np.timedelta64\(1, 's'\)",
         ),
     ],
 )

@@ -1,4 +1,4 @@
-"""Response to records: against adaptive integration, matrix exponentials, closed forms and energy."""
+"""Response to records: against adaptive integration, matrix exponentials, closed forms, energy."""
 
 from itertools import combinations, pairwise
 
@@ -57,7 +57,7 @@ def exact_linear(record, period, damping, refine):
 
 
 def by_events(record, period, damping, hardening, uy, samples=40):
-    """Peaks and energies, last displacement and slip by DOP853, restarted at samples and at events."""
+    """Peaks and energies, last displacement and slip by DOP853, restarted at samples and events."""
     w, dt, ground = 2 * np.pi / period, float(record.time[1] - record.time[0]), record.to_numpy()
     post, couple, damper = hardening * w**2, (1 - hardening) * w**2, 2 * damping * w
     state, side, seen = np.zeros(6), 0, []

@@ -57,7 +57,7 @@ def test_what_pounds_and_then_does_not_is_counted_where_it_does():
 def test_the_interval_contains_the_rate_of_the_whole_hazard_wherever_its_table_ends(
     first, last, gap
 ):
-    """A curve that becomes flatter towards weaker shaking, from 1e-3 to 1e5, and parts of its table."""
+    """A curve that becomes flatter towards weaker shaking, 1e-3 to 1e5, and parts of its table."""
     intensity = np.geomspace(1e-3, 1e5, 25)
     frequency = K0 * (1 + intensity) ** -K
 

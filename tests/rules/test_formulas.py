@@ -1,4 +1,4 @@
-"""Effective properties and separation rules: their formulas by other roads, limits and invariance."""
+"""Effective properties and separation rules: formulas by other roads, limits and invariance."""
 
 import numpy as np
 import pytest
@@ -146,7 +146,7 @@ def test_gaps_of_codes_are_those_by_hand(name, two, two_level, one, one_level):
     ("name", "whole"), [("mexico_city", 0.142), ("mexico_city_simplified", 0.216)]
 )
 def test_mexico_city_halves_for_the_same_height_system_and_levels_only(name, whole):
-    """NTC-Sismo 1.10: the same height and "estructuracion", and slabs at the same levels, all three."""
+    """NTC-Sismo 1.10: the same height, "estructuracion" and slabs at the same levels, all three."""
     rule, alike = rules.code_rule(name), {"floors_align": True, "same_system": True}
     heights = np.array([12.0, 12.1])
     assert rule.gap(0.03, 0.04, 12.0, heights, zone="II", **alike)[0] == pytest.approx(whole / 2)
@@ -192,7 +192,7 @@ def test_a_number_of_ones_own_stands_in_the_table_and_is_told():
 
 
 def test_peru_has_three_ways_to_be_the_largest_and_asks_for_more_as_of_2026():
-    """2/3 of the peaks, 0.006 h or 30 mm; as of 2026 0.02 Z S h with Z = 0.45 and S = 1.05 at 15 m."""
+    """2/3 of the peaks, 0.006 h or 30 mm; as of 2026 0.02 Z S h, Z = 0.45 and S = 1.05 at 15 m."""
     for name, number, peaks, height, gap in (
         ("peru_e030", None, 0.001, 2.0, 0.03),
         ("peru_e030", None, 0.001, 10.0, 0.06),

@@ -11,7 +11,7 @@ TWO = 2.04  # standard errors of a 95 % interval from 32 groups
 
 
 def test_changes_of_a_quantile():
-    """Exact where one response is a multiple of the other; else within the error of the exact one."""
+    """Exact where one response is a multiple of the other, else within the exact one's error."""
     random = np.random.default_rng(3)
     response = np.exp(0.4 * random.standard_normal(512))
     of_multiple = changed_quantiles(response, 1.1 * response[None], 0.9)

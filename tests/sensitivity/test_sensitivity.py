@@ -60,7 +60,7 @@ def test_the_set_back_of_one_building():
 @pytest.mark.invariant
 @pytest.mark.extreme
 def test_ends_of_a_range():
-    """16 and 84 % of what is uncertain, 10 % of what is known; no value beyond what a model takes."""
+    """16 and 84 % of what is uncertain, 10 % of what is known; none beyond what a model takes."""
     first = sl.Bilinear(uncertain(0.6), 0.05, 0.95, yield_displacement=0.02)
     table = sl.sensitivity(first, SECOND, GROUND, **MOTION, paths=32)
     factor = table.input_factor_at.sel

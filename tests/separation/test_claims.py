@@ -1,4 +1,4 @@
-"""What the paper says of gaps: by codes, by the sum of squares, and by eq. (3) with energy radii."""
+"""What the paper says of gaps: by codes, by the sum of squares, by eq. (3) with energy radii."""
 
 from functools import cache
 from itertools import combinations
@@ -39,7 +39,7 @@ def over_needed(ground, factor, combine):
 
 
 def test_srss_is_conservative_for_similar_periods_unless_the_ground_s_lies_between():
-    """Nine pairs with periods within a quarter; mean gaps of 1024 motions, with errors below 2 %."""
+    """Nine pairs, periods within a quarter; mean gaps of 1024 motions, with errors below 2 %."""
     for factor, least in ((1, 1.14), (2, 1.31), (4, 1.75), (6, 2.12)):
         found = over_needed(BROAD, factor, np.hypot) | over_needed(LAKE, factor, np.hypot)
         near = {pair: share for pair, share in found.items() if pair[1] < 1.26 * pair[0]}
@@ -64,7 +64,7 @@ def test_srss_is_too_small_for_elastic_structures_about_the_period_of_a_lake_bed
     ("ground_damping", "least"), [(0.05, 0.864), (0.1, 0.916), (0.2, 0.960), (0.6, 0.995)]
 )
 def test_how_far_srss_is_too_small_for_stationary_motion(ground_damping, least):
-    """Exact: elastic, xi = 0.05, pairs of periods from a quarter of the ground's to four times it."""
+    """Exact: elastic, xi = 0.05, pairs of periods from a quarter of the ground's to fourfold."""
     first, second = (
         sl.Bilinear(xr.DataArray(np.geomspace(0.25, 4, 121), dims=name), 0.05)
         for name in ("period_1", "period_2")
@@ -90,7 +90,7 @@ def test_no_factor_on_the_sum_serves_all_pairs():
 
 
 def by_radii(records, periods):
-    """Eq. (3) over what each motion needs, elastic, every pair of periods; and the same of peaks."""
+    """Eq. (3) over what each motion needs, elastic, all pairs of periods; and the same of peaks."""
     shares = []
     for shorter, longer in combinations(periods, 2):
         first, second = sl.Bilinear(longer, 0.05), sl.Bilinear(shorter, 0.05)

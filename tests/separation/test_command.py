@@ -1,4 +1,4 @@
-"""``stochlin gap``: the answer on the screen, in a file and on a page, and what it says of bad input."""
+"""``stochlin gap``: the answer on screen, in a file and on a page; what it says of bad input."""
 
 import html
 import re

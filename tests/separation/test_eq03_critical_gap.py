@@ -37,7 +37,7 @@ def test_formula_everywhere_and_in_any_order(one, two, rho):
 
 
 def test_it_is_the_standard_deviation_of_the_difference():
-    """With standard deviations for peaks, the variance of u1 - u2 by the augmented Lyapunov equation."""
+    """Standard deviations for peaks, the variance of u1 - u2 by the augmented Lyapunov equation."""
     pair = [sl.Bilinear(T, 0.05) for T in (0.7, 1.0)]
     ground = sl.KanaiTajimi(0.8, 0.2)
     covariance = sl.stationary_covariance(sl.statespace(pair, ground))

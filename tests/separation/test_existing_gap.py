@@ -92,7 +92,7 @@ def test_ends_of_intervals_ask_for_the_gap_with_the_ends_of_what_is_required():
 
 
 def test_a_few_motions_decide_where_they_are_clear_and_all_of_them_find_the_edge():
-    """The gap of a few is 5 % too large, within their error of 10 %; all ask for the value itself."""
+    """The gap of a few is 5 % too large, within their 10 % error; all ask for the value itself."""
     tried = {64: [], 512: []}
 
     def search(few, error, all_motions):

@@ -1,4 +1,4 @@
-"""What is seen first of a gap: the drawing on the page, its positions to scale, and the four lines."""
+"""What is seen first of a gap: the drawing on the page, its positions to scale, the four lines."""
 
 from __future__ import annotations
 

@@ -42,7 +42,7 @@ def of_peaks(factor, first, second, ground):
 
 
 def test_peaks_in_one_proportion_to_standard_deviations_give_it_to_the_difference():
-    """The Lyapunov equation of the storeys knows no modes; every mode has the same damping ratio."""
+    """The Lyapunov equation of the storeys knows no modes; all modes have one damping ratio."""
     gaps = of_peaks(3.2, TALL, LOW, WHITE)
     table = sl.linearize_system([TALL, LOW], WHITE).relative_displacement_std
     exact = [float(table.sel(floor=f"1.{n}", floor_2=f"2.{n}")) for n in (1, 2)]
@@ -146,7 +146,7 @@ def test_another_damping_ratio_than_that_of_the_spectrum_is_doubtful():
 
 
 def test_the_same_structural_system_counts_where_roofs_are_level():
-    """Mexico City halves at every level for four storeys beside four, at none for four beside two."""
+    """Mexico City halves at each level for four storeys beside four, never for four beside two."""
     facts = {"zone": "II", "floors_align": True}
     for other, share in ((TALL, 0.5), (LOW, 1.0)):
         usual, alike = (

@@ -17,7 +17,7 @@ def pair(first=1.0, second=1.6, **options):
 
 
 def elastic_peaks(*periods, ground, seconds=SECONDS):
-    """Quantiles of elastic peaks from their mean and standard deviation, by a Gumbel distribution."""
+    """Quantiles of elastic peaks from mean and standard deviation, by a Gumbel distribution."""
     scale = np.sqrt(6) / np.pi
     reduced = -np.log(-np.log(CONFIDENCE)) - np.euler_gamma
     tables = [sl.peak_response(sl.Bilinear(period, 0.05), ground, seconds) for period in periods]

@@ -1,4 +1,4 @@
-"""The table of rules: what stands in it is what its parts say, and the parts agree with the samples."""
+"""The table of rules: what it has is what its parts say, and the parts agree with the samples."""
 
 import numpy as np
 import pytest

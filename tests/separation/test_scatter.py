@@ -1,4 +1,4 @@
-"""Gaps in motions that differ in strength: of a linear pair they go by the factors of the motions."""
+"""Gaps in motions differing in strength: of a linear pair they go by the factors of the motions."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""The set-back of one building: against its own peaks, a neighbour that hardly moves, and by hand."""
+"""The set-back of a building: against its own peaks, a neighbour that hardly moves, and by hand."""
 
 import numpy as np
 import pytest
@@ -76,7 +76,7 @@ def test_rules_of_two_say_that_they_need_a_second() -> None:
 
 @pytest.mark.paper
 def test_codes_of_one_building_by_hand() -> None:
-    """The paper's families; ASCE 7-16, 12.12.3; Eurocode 8, 4.4.2.7; Mexico City, 1.10; Peru, 33.3."""
+    """The paper's families; ASCE 7-16 12.12.3; Eurocode 8 4.4.2.7; Mexico City 1.10; Peru 33.3."""
     stated = {"share_of_height": 0.005, "fixed_distance": 0.04, "share_of_sum": 0.8}
     one = sl.code_gaps([0.02, 0.1], None, height_1=10.0, zone="III", numbers=stated)
     by_hand = {

@@ -81,7 +81,7 @@ def test_linearized_rule_is_that_of_the_system(answer):
 
 
 def test_finite_motions_are_answered_where_there_is_no_stationary_one():
-    """The weight takes the hardening of a storey: linearized numbers are missing, the rest is there."""
+    """The weight takes a storey's hardening: linearized numbers are missing, the rest is there."""
     soft = sl.ShearBuilding(
         [4e5] * 2, [4e7] * 2, [3.0] * 2, 0.05, 0.05, yield_drifts=0.02, p_delta=True
     )

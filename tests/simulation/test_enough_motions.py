@@ -11,7 +11,7 @@ FIRM = sl.named_ground("firm", intensity=0.01)
 
 
 def grown(spread, most=2048, fallen=0.0):
-    """Lognormal separations of two structures with this spread, and the numbers that were simulated."""
+    """Lognormal separations of two structures with this spread, and the numbers simulated."""
     counts = []
 
     def simulated(count):

@@ -1,4 +1,4 @@
-"""Motions on samples of what is not known exactly, against each sample by itself and brute force."""
+"""Motions on samples of what is not known exactly, against each sample alone and brute force."""
 
 import numpy as np
 import pytest

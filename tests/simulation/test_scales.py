@@ -1,4 +1,4 @@
-"""What holds for any structures in simulated motions: scales, bounds, symmetry and limits of links."""
+"""What holds for any structures in simulated motions: scales, bounds, symmetry, limits of links."""
 
 from dataclasses import replace
 

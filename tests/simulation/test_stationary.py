@@ -1,4 +1,4 @@
-"""Simulation against exact results, earlier simulations, itself at finer steps, and its own errors."""
+"""Simulation against exact results, earlier runs, itself at finer steps, and its own errors."""
 
 import cases
 import numpy as np
@@ -115,7 +115,7 @@ REPEATS, PATHS = 2400, 64
 
 @pytest.fixture(scope="module")
 def repeated():
-    """A short run of an elastic pair, with many seeds; and the exact rho and standard deviations."""
+    """A short run of an elastic pair, many seeds; and the exact rho and standard deviations."""
     pair = [sl.Bilinear(period, 0.05) for period in (0.8, 1.0)]
     run = ensemble(pair, NOISE, paths=PATHS, seed=0, steps_per_period=8, relaxation_times=40.0)
     rho = float(sl.rho_white_noise(0.8, 1.0, 0.05, 0.05).rho)

@@ -1,4 +1,4 @@
-"""Time steps against solutions that share no formula with them: adaptive integrators and algebra."""
+"""Time steps against solutions sharing no formula with them: adaptive integrators and algebra."""
 
 import math
 
@@ -58,7 +58,7 @@ def forcing(t, lane):
 
 
 def one_storey(kind):
-    """A function with the arguments of `bilinear_block`, for a building of one storey of this kind."""
+    """A function with the arguments of `bilinear_block` for a building of one such storey."""
 
     def block(f, dt, law, u, v, z, *rest):
         (d, k, h, scale, *own), one = law[0], np.ones((1, 1))
@@ -246,7 +246,7 @@ def ground_system(filters, structures=()):
 @every_ground
 @every_step
 def test_stationary_covariance_of_elastic_structures_is_exact_for_any_step(filters, dt):
-    """The compiled step, driven by unit vectors, is a matrix; its covariance is the continuous one."""
+    """The compiled step, driven by unit vectors, is a matrix; its covariance the continuous one."""
     stiffness, damping = np.array([W**2, 0.3 * W**2]), np.array([0.1 * W, 0.04 * W])
     size, intensity = len(filters), 0.7
     continuous, noise, _ = ground_system(filters, list(zip(stiffness, damping, strict=True)))
@@ -277,7 +277,7 @@ def test_stationary_covariance_of_elastic_structures_is_exact_for_any_step(filte
 
 @pytest.mark.parametrize("steps", [30.8, 32.9, 33.4])
 def test_a_peak_between_two_steps_is_known_to_1e_5(steps):
-    """Of ``1 - cos``, whose steps miss it by 1e-3 or more, also in the difference of two of them."""
+    """Of ``1 - cos``, whose steps miss it by 1e-3 or more, and in the difference of two of them."""
     path = 1 - np.cos(2 * np.pi / steps * np.arange(1.0, 41.0))
     assert 2 - path.max() > 1e-3
     out = np.repeat(np.stack([3 * path, path], axis=1)[..., None], LANES, axis=2)

@@ -34,7 +34,7 @@ def in_g(period: Array) -> Array:
 
 
 def peru(period: Array) -> Array:
-    """E.030 (2018), article 28, without R: Z U C S with TP = 0.6 and TL = 2 s, from its plateau on."""
+    """E.030 (2018), article 28, without R: Z U C S, TP = 0.6 and TL = 2 s, from its plateau on."""
     after = np.maximum(period, 0.6)
     return 0.45 * 1.05 * 2.5 * 0.6 / after * np.minimum(1, 2 / after)
 
@@ -93,7 +93,7 @@ WAYS = {
 @pytest.mark.oracle
 @pytest.mark.parametrize("way", WAYS)
 def test_the_gap_is_that_of_both_elastic_displacements_by_hand(way: str, tmp_path: Path) -> None:
-    """Sa (T/2 pi)^2 at 0.4 and 1 s, 1 g and 0.5 g: whatever the file was divided by, if that is said."""
+    """Sa (T/2 pi)^2 at 0.4 and 1 s, 1 g and 0.5 g: whatever divided the file, if that is said."""
     divided, said, words = WAYS[way]
     spectrum = sl.read_spectrum(written(tmp_path, EVEN, in_g(EVEN) / divided), **said)
     assert taken_in_words(spectrum) == f"PGA 0.4 g, plateau 1 g, {words}"

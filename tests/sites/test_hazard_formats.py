@@ -1,4 +1,4 @@
-"""Hazards of OpenQuake, of the USGS and in columns: known curves come back, and others are refused."""
+"""Hazards of OpenQuake, the USGS and in columns: known curves come back, others are refused."""
 
 import json
 import re
@@ -18,7 +18,7 @@ PGA = "hazard_curve-mean-PGA_17.csv"
 
 
 def frequency(period=0.0):
-    """A power law, in which the acceleration of the same frequency falls with the period to the 0.8."""
+    """A power law; the acceleration of the same frequency falls with the period to the 0.8."""
     return 1e-6 * (LEVELS / (period**-0.8 if period else 1.0)) ** -2.5
 
 
@@ -128,7 +128,7 @@ def test_every_form_gives_the_same_curve(tmp_path, case):
 @pytest.mark.filterwarnings("ignore::stochlin.messages.ImplausibleInput")  # of low seismicity
 @pytest.mark.parametrize("period", [0.2, 0.7, 2.0])
 def test_between_two_files_a_power_law_is_exact(tmp_path, period):
-    """Its accelerations of one frequency are a power of the period, so that logarithms lie on lines."""
+    """Its accelerations of one frequency are a power of the period: logarithms lie on lines."""
     files = [
         write(tmp_path, openquake(of), f"{of}.csv")
         for of in ("SA(2.0)", "PGA", "SA(0.2)", "SA(0.5)")
@@ -156,7 +156,9 @@ REFUSALS = {
         SITES,
         {"site": 1, "investigation_time": 1},
     ),
-    "imt, iml, poe; allowed: a hazard curve": "lon,lat,imt,iml,poe\n12,41,PGA,.1,.3\n12,41,PGA,.2,.1\n",
+    "imt, iml, poe; allowed: a hazard curve": (
+        "lon,lat,imt,iml,poe\n12,41,PGA,.1,.3\n12,41,PGA,.2,.1\n"
+    ),
     "pga-0.02; allowed: a hazard curve": "lon,lat,PGA-0.1,PGA-0.02\n12,41,.3,.7\n13,41,.3,.6\n",
     r"allowed: imt='PGA' or imt='SA\(0\.5\)', or a folder SA0P5": (TOTAL, {"site": 1}),
     "line 3, column 4: 'x.0E-02' is not a probability": re.sub(r"\d\.\d+E", "x.0E", ONE, count=1),
@@ -220,7 +222,9 @@ REFUSALS = {
     r"period = 0\.1 is beyond .*PGA, SA\(0\.2": (USGS, {"measure": "sa", "period": 0.1}),
     "units = 'g'; allowed with intensity: none": (USGS, {"measure": "intensity", "units": "g"}),
     "measure = 'intensity' is not in .*; allowed: PGA": (USGS, {"measure": "intensity"}),
-    "1 'first', 2 .*; give column= .* and frequency_column=": "first,second,third\n.1,5,.2\n.2,6,.1\n",
+    "1 'first', 2 .*; give column= .* and frequency_column=": (
+        "first,second,third\n.1,5,.2\n.2,6,.1\n"
+    ),
     "site = 1 does not apply: .* is a response of the USGS": (USGS, {"site": 1}),
 }
 

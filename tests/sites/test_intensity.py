@@ -23,7 +23,7 @@ GROUNDS = {
 
 
 def off(samples: np.ndarray, wanted: float, ground: sl.KanaiTajimi) -> float:
-    """How many standard errors a mean of other motions is from what was wanted, both errors counted."""
+    """Standard errors from a mean of other motions to what was wanted, both errors counted."""
     error = samples.std(ddof=1) * math.sqrt(1 / samples.size + 1 / 1024)
     assert "standard error of" in ground.source
     return abs(samples.mean() - wanted) / error
@@ -185,7 +185,7 @@ def test_what_is_no_hazard_is_refused(make, message):
     ],
 )
 def test_a_spectral_acceleration_loses_no_peak_between_two_steps(ground, period):
-    """By the exact response to the same motions, straight between their values, at 16 points of a step.
+    """By the exact response to the same motions, straight between values, at 16 points of a step.
 
     The motions are the same, so that nothing is random but what is between steps, 0.25 % of a peak
     at most: of the mean of 256 motions 0.02 %. 64 steps in a period lose 0.04 %, and 16 lost 0.4 to

@@ -34,7 +34,7 @@ def test_the_spectra_are_those_of_the_dataset(of_code, tmp_path):
 
 
 def test_the_fit_of_a_case_is_told_in_the_band_of_its_buildings():
-    """Buildings of 0.5 and 1 s have a band of 0.1 to 1.5 s: errors beyond it do not concern them."""
+    """Buildings of 0.5 and 1 s have a band of 0.1 to 1.5 s: errors beyond do not concern them."""
     period = np.array([0.05, 0.09, 0.11, 0.5, 1.4, 1.6, 8.0])
     ratio = np.array([1.5, 0.6, 1.03, 1.0, 0.96, 2.0, 3.0])
     table = xr.Dataset(

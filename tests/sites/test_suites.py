@@ -162,7 +162,7 @@ SILENT = {
 
 
 def read_horizontal(folder, texts):
-    """Names of the records of a suite of these texts by their names, with a warning on the others."""
+    """Names of the records of a suite of these texts by name, with a warning on the others."""
     for name, text in texts.items():
         (folder / name).write_text(text, encoding="utf-8")
     with pytest.warns(UserWarning, match=r"left out: vertical or in a borehole; read_record"):
@@ -436,7 +436,7 @@ def test_quantiles_of_the_gap_over_a_suite():
 
 @pytest.mark.invariant
 def test_records_that_are_a_copy_or_of_one_earthquake_are_asked_about(tmp_path):
-    """By their values, by how many are of a station, and by their lengths; else nothing is asked."""
+    """By their values, by how many a station has, and by their lengths; else nothing is asked."""
     motions = sl.simulated_motions(sl.named_ground("firm", 0.01), 3.0, paths=6, seed=3)
 
     def asked(folder, names, event, length):

@@ -1,4 +1,4 @@
-"""A wrong number is named, with its value and what is allowed; in a table it spoils its cell only."""
+"""A wrong number is named with its value and what is allowed; in tables it spoils its cell only."""
 
 import numpy as np
 import pytest
@@ -88,7 +88,7 @@ def test_lone_case_that_does_not_converge_raises_with_the_cure(closure):
 
 
 def test_an_array_in_another_unit_is_refused():
-    """Its values would be taken for metres: a gap of 5 cm for one of 5 m, which is always enough."""
+    """Its values would be taken for metres: a 5 cm gap for one of 5 m, which is always enough."""
     values = xr.DataArray([0.05, 0.08], dims="x")
     samples = xr.DataArray([0.1, 0.2], dims="path")
     for units, call, message in (

@@ -26,6 +26,6 @@ VERBS: dict[str, Callable[[Any], xr.Dataset]] = {
 @pytest.mark.parametrize("verb", VERBS)
 @pytest.mark.parametrize("duration", [0.001, 0.05, 0.9])
 def test_shorter_than_a_period_is_refused(verb: str, duration: float) -> None:
-    """With the same words, in every verb: nothing is known of structures that have not swung once."""
+    """In the same words in every verb: nothing is known of structures that have not swung once."""
     with pytest.raises(ValueError, match=f"duration = {duration:g} s is shorter than the period"):
         VERBS[verb](duration)

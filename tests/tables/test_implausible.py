@@ -1,4 +1,4 @@
-"""Numbers that no building and no motion has are allowed, and asked about where they are written."""
+"""Numbers that no building and no motion has are allowed, and asked about where written."""
 
 import re
 import warnings

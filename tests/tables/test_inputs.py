@@ -1,4 +1,4 @@
-"""What is read of the files that a user or a case file names, and what is refused, by what it is."""
+"""What is read of files that a user or a case file names, and what is refused, by what it is."""
 
 import os
 import re

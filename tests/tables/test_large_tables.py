@@ -1,4 +1,4 @@
-"""The page on large tables: its programs go on where they stopped, and the rest of the page runs."""
+"""The page on large tables: its programs go on where they stopped; the rest of the page runs."""
 
 import os
 import re
@@ -120,7 +120,7 @@ def test_the_gaps_of_a_district_are_the_same_after_it_was_killed(district: Path)
 @pytest.mark.oracle
 @pytest.mark.skipif(not hasattr(os, "killpg"), reason="kills a group of processes")
 def test_five_rows_of_the_district_agree_with_simulation(district: Path) -> None:
-    """Within 15 % of the gap, .1 of the probability, and a factor of 1.5 of the annual frequency."""
+    """Within 15 % of the gap, .1 of the probability, a factor of 1.5 of the annual frequency."""
     program = runpy.run_path(str(district / "district.py"))
     rows, gaps = (pd.read_csv(district / name) for name in ("district.csv", "gaps.csv"))
     for place in CHECKED:

@@ -1,4 +1,4 @@
-"""Tables that dask holds: lazy, and the same to the last bit, but for rounding of the drift closure."""
+"""Tables of dask: lazy, and the same to the last bit, but for rounding of the drift closure."""
 
 import numpy as np
 import pytest
@@ -86,7 +86,7 @@ LINEARIZED = (
 @pytest.mark.parametrize("closure", ["gaussian", "clipped", "drift"])
 @pytest.mark.parametrize("ground", GROUNDS)
 def test_chunks_change_the_drift_closure_by_rounding_alone(ground, closure):
-    """Also beside a structure that differs by 1e-4, whose relative displacement magnifies rounding."""
+    """Also beside a structure differing by 1e-4, whose relative displacement magnifies rounding."""
     periods = np.append(np.geomspace(0.1, 3, 20), [1.0, 1.0001])
     beside = sl.Bilinear(1.0, 0.05, 0.05, reduction_factor=3)
 

@@ -1,4 +1,4 @@
-"""One bad cell spoils no table: its neighbours have the numbers that they have alone, it has a status.
+"""One bad cell spoils no table: its neighbours have the numbers they have alone, it has a status.
 
 Everything that is reduced over the cells of a table is at stake: what is shared by all of them, and
 what goes on until the last one has converged.
@@ -171,7 +171,7 @@ ONE_BY_ONE = {
 
 
 def check(table, alone, bad, rtol=1e-12, atol=1e-14):
-    """The first cells are those of ``alone``, to rounding; the last ``bad`` are NaN with a status."""
+    """The first cells are as ``alone``, to rounding; the last ``bad`` are NaN with a status."""
     for n, lone in enumerate(alone):
         for name, value in lone.drop_vars(MIXED, errors="ignore").data_vars.items():
             here = table[name].isel(case=n, missing_dims="ignore")

@@ -1,4 +1,4 @@
-"""What a TOML parser would take minutes or memory for ever to read is refused at once, with its line."""
+"""What would take a TOML parser minutes or memory for ever is refused at once, with its line."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What asks for too much memory or time is refused before the work, with the number and the cure."""
+"""What asks for too much memory or time is refused before the work, with the number and cure."""
 
 from collections.abc import Callable
 

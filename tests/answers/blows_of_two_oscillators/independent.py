@@ -1,4 +1,4 @@
-"""Free vibration about the shifted rest, in closed form from blow to blow; times by root finding."""
+"""Free vibration about the shifted rest, closed form from blow to blow; times by root finding."""
 
 from itertools import pairwise
 from math import pi

@@ -1,4 +1,4 @@
-"""First modes in closed form, the spectrum by its formula, and one line for each code; in metres."""
+"""First modes in closed form, the spectrum by its formula, and one line per code; in metres."""
 
 from math import hypot, pi, sqrt
 

@@ -1,4 +1,4 @@
-"""Modes in closed form, one ordinate for all of them, and a double sum over the three; in metres."""
+"""Modes in closed form, one ordinate for all of them, a double sum over the three; in metres."""
 
 from math import hypot, pi, sqrt
 

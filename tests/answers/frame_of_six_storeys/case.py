@@ -1,4 +1,4 @@
-"""A frame of six Bouc-Wen storeys in white noise: mean peak drifts and probabilities of large ones."""
+"""A frame of six Bouc-Wen storeys in white noise: mean peak drifts, probabilities of large ones."""
 
 import xarray as xr
 

@@ -1,4 +1,4 @@
-"""A frame of ten Bouc-Wen storeys in white noise: mean peak drifts and probabilities of large ones."""
+"""A frame of ten Bouc-Wen storeys in white noise: mean peak drifts, probabilities of large ones."""
 
 import numpy as np
 import xarray as xr

@@ -1,4 +1,4 @@
-"""A building of four storeys beside one of two; the same with a link; and a table of coefficients."""
+"""A building of four storeys beside one of two; the same with a link; a table of coefficients."""
 
 import numpy as np
 import xarray as xr
