@@ -1,4 +1,4 @@
-"""The charts, in one place: functions that make their data, what draws them, and the looks of curves.
+"""The charts in one place: functions that make their data, what draws them and the looks of curves.
 
 ``sl.charts.draw(sl.charts.restitution_chart())`` is Fig. 8.
 """

@@ -34,7 +34,7 @@ class Commands(click.Group):
     """The commands; they are imported when the first is used."""
 
     def main(self, *args: Any, **kwargs: Any) -> Any:
-        """Run the command, with warnings in sentences; signs that the output lacks are spelled out."""
+        """Run the command, with warnings in sentences; signs the output lacks are spelled out."""
         for stream in (sys.stdout, sys.stderr):
             if isinstance(stream, io.TextIOWrapper):
                 stream.reconfigure(errors=SPELLED)

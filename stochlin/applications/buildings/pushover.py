@@ -317,7 +317,10 @@ def _hardening(ratio: float) -> float:
     """The hardening ratio of an idealization, or the least one with a warning."""
     if ratio >= LEAST_HARDENING:
         return ratio
-    what = f"pushover: the hardening ratio is {ratio:.3g}; {LEAST_HARDENING:g} is taken; give hardening"
+    what = (
+        f"pushover: the hardening ratio is {ratio:.3g}; {LEAST_HARDENING:g} is taken; give "
+        "hardening"
+    )
     warnings.warn(what, DoubtfulInput, stacklevel=4)
     return LEAST_HARDENING
 

@@ -27,7 +27,10 @@ if TYPE_CHECKING:
 
 APPLIED = "_applied"  # end of the names of such rules
 KIND = "applied"  # of such rules
-APPLY = "A code as you apply it: displacements under design forces times its factors, combined as it asks."
+APPLY = (
+    "A code as you apply it: displacements under design forces times its factors, combined as it "
+    "asks."
+)
 GIVEN = "given"
 BY_SPECTRUM = "by the first mode under the design spectrum"
 EC8 = "eurocode_8"  # name of its rule and of its spectrum
@@ -132,7 +135,7 @@ def stated(case: Case, rule: CodeRule) -> str:
 
 
 def _beyond(case: Case, building: Building) -> str:
-    """Why the spectrum of the site has no value for a building; empty if it has, or is not needed."""
+    """Why the site's spectrum has no value for a building; empty if it has, or is not needed."""
     if building.form.displacements or case.site.spectrum is None:
         return ""
     period = case.site.spectrum.period.values

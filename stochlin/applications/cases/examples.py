@@ -37,7 +37,7 @@ def _keys_of(name: str, header: str, forms: Sequence[type[Form]]) -> Iterator[st
 
 
 def example_record() -> str:
-    """Text of an example of a record, a PEER AT2 file, as ``stochlin gap --example-record`` prints it.
+    """Text of an example record, a PEER AT2 file, as ``stochlin gap --example-record`` prints it.
 
     It is synthetic: ``simulated_motions(named_ground("firm", 0.01), 20.0, AminAng(4.0, 15.0, 0.35),
     paths=2)[0]``, written in g: a motion of the site of `short_example`.

@@ -218,7 +218,7 @@ def energy_of(table: xr.Dataset, where: str) -> xr.DataArray:
 
 
 def closest_contacts(table: xr.Dataset) -> list[int]:
-    """Number of the contact of each gap with the least clearance, which is negative where it is hit."""
+    """Number of the contact of each gap with the least clearance, negative where it is hit."""
     clearance = table.least_clearance.values
     return [
         int(np.flatnonzero(table.left == left)[clearance[table.left == left].argmin()])

@@ -1,4 +1,4 @@
-"""Results for a case: separation or set-back, limits of an existing gap, risk, and site spectrum."""
+"""Results for a case: separation or set-back, limits of an existing gap, risk and site spectrum."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ class CaseAnswer:
     matters: xr.Dataset | None = None  # sensitivities of the gap
 
     def table(self, samples: bool = True) -> xr.Dataset:
-        """All results in one dataset; without samples, only variables with one value for each rule."""
+        """All results in one dataset; without samples, only variables with one value per rule."""
         table = self.separation
         if samples:
             table = table.assign(self.shaking.data_vars)
@@ -87,7 +87,7 @@ class CaseAnswer:
 
 @checked
 def separation_case(case: Case, progress: Progress | None = None) -> xr.Dataset:
-    """Gap of the buildings of a case by simulation and by every rule, as ``stochlin gap`` answers it.
+    """Gap of the buildings of a case by simulation and every rule, as ``stochlin gap`` answers it.
 
     Parameters
     ----------
@@ -195,7 +195,7 @@ def answer_case(case: Case, progress: Progress | None = None) -> CaseAnswer:
 
 
 def _parts(case: Case, gap: float | None, progress: Progress | None) -> list[Progress]:
-    """Progress of the risk, the gap, the gap with scatter, the existing gap and the sensitivities."""
+    """Progress of the risk, the gap, the gap with scatter, the existing gap and sensitivities."""
     work = [OF_RISK if case.site.hazard else 0.0, 1.0, float(case.site.leaves_out_scatter)]
     work.append(0.0 if gap is None else OF_SEARCH)
     work.append(sum(work) * (1 / WITH_SENSITIVITIES - 1) if case.uncertain else 0.0)
@@ -224,7 +224,7 @@ def _with_scatter(
 
 
 def _spectrum(case: Case) -> xr.Dataset:
-    """Response spectrum of the motions beside the target or the record; empty if there is neither."""
+    """Response spectrum of the motions beside the target or record; empty if there is neither."""
     options: Any = {"paths": SPECTRUM_PATHS, "seed": case.simulated.seed}
     motion = case.site.course[:2]
     if case.site.spectrum is not None:
@@ -256,7 +256,7 @@ def _simulated_risk(case: Case, models: Any, progress: Progress | None) -> Simul
 
 
 def _risk_table(simulated: SimulatedRisk, case: Case, answer: float) -> xr.Dataset | None:
-    """Risk with the existing gap, the required gap ``answer`` [m], and the gap for the allowed risk.
+    """Risk with the existing gap, the required gap ``answer`` [m] and the gap for the allowed risk.
 
     Gaps of 0 are left out, since any shaking closes them; None if all are 0. Names of variables
     begin with ``risk_``, so that they can be merged with those of the separation.

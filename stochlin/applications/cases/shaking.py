@@ -27,12 +27,12 @@ LEVELS = (0.5, 0.84)  # quantiles over more records, besides the confidence of t
 
 
 def shaking_of(case: Case) -> xr.Dataset:
-    """Mean intensity of the motions of a case: PGA, rms, S0, and Sa at the period of each building."""
+    """Mean intensity of the motions of a case: PGA, rms, S0, and Sa at each building's period."""
     return shaking(case.site.ground, np.array(case.periods), *case.site.course[:2])
 
 
 def recorded_shaking(record: xr.DataArray, periods: list[float]) -> dict[str, xr.DataArray]:
-    """Intensity of a record: PGA, rms of its strong part, and Sa at each period over ``structure``."""
+    """Intensity of a record: PGA, rms of its strong part, and Sa at periods over ``structure``."""
     shown, place = np.unique(periods, return_inverse=True)
     accelerations = response_spectrum(record, shown, USUAL_DAMPING).pseudo_acceleration.to_numpy()[
         place

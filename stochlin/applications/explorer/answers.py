@@ -1,4 +1,4 @@
-"""Answers that are computed again and again: the gap of a case, and its correlation, by few motions."""
+"""Answers computed again and again: the gap of a case, and its correlation, by few motions."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ PATHS = 256  # motions
 
 
 def gap_by_few_motions(case: Case, progress: Progress | None = None) -> CaseAnswer:
-    """The answer of `answer_case` with few motions, without what would make an existing gap sufficient.
+    """The answer of `answer_case` with few motions, without what would make an existing gap enough.
 
     The search for that takes longer than all else.
     """

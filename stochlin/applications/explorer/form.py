@@ -72,7 +72,7 @@ class FormEntry(NamedTuple):
         return self.read(f"{shown}{written[2]}")
 
     def reach(self) -> tuple[float, float] | None:
-        """Lowest and highest power for which the key accepts the value; None if it has no slider."""
+        """Lowest and highest power whose value the key accepts; None if it has no slider."""
         reached = {}
         for at in (number * STEP for number in range(-round(1 / STEP), round(1 / STEP) + 1)):
             with suppress(ValueError):

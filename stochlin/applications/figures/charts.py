@@ -129,7 +129,7 @@ class ChartSettings(metaclass=Named):
 
     @property
     def ground(self) -> Ground:
-        """The model grounds over ``ground``, the titles of their panels; a ground alone has none."""
+        """The model grounds over ``ground``, the titles of panels; a ground alone has none."""
         dampings = self.ground_dampings
         if len(dampings) == 1:
             return KanaiTajimi(self.ground_period, dampings[0])
@@ -140,7 +140,7 @@ class ChartSettings(metaclass=Named):
 
     @property
     def motion(self) -> xr.DataArray:
-        """The record, or a simulated motion of the first ground, as strong as Mexico City in 1985."""
+        """The record, or a simulated one of the first ground, as strong as Mexico City in 1985."""
         if self.record is not None:
             return self.record
         duration, envelope = design_motion(self.ground_period)

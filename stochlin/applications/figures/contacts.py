@@ -91,7 +91,8 @@ def contact_history_chart(settings: ChartSettings = USUAL) -> xr.Dataset:
     --------
     >>> from stochlin.charts import contact_history_chart
     >>> chart = contact_history_chart()
-    >>> [round(float(t), 3) for t in chart.scaled_contact_time.sel(element=["Kelvin", "ImpactKelvin"])]
+    >>> times = chart.scaled_contact_time.sel(element=["Kelvin", "ImpactKelvin"])
+    >>> [round(float(t), 3) for t in times]
     [3.628, 2.78]
     """
     models = [kind(1.0, damping_ratio=HISTORY_DAMPING) for kind in _with_ratio()]

@@ -23,8 +23,8 @@ OF_PAPER = "jeng_kasai_maison_1992_unverified"
 DAMPING = (0.01, 0.02, 0.05, 0.1, 0.2)  # of the curves of Fig. 3a
 RATIOS = (0.25, 4.0)  # first and last period ratio of an axis
 ESTIMATES = (
-    "Estimates, which do not depend on the ground. Compared with nonlinear simulation, separations by "
-    "them are off by tens of per cent in both directions."
+    "Estimates, which do not depend on the ground. Compared with nonlinear simulation, separations "
+    "by them are off by tens of per cent in both directions."
 )
 ALIKE = 0.01  # of rho, below which two curves cannot be told apart
 VARIABLES = {"rho": ("1", "correlation coefficient ρ")}
@@ -114,7 +114,9 @@ def effective_rules_chart(
     Examples
     --------
     >>> from stochlin.charts import effective_rules_chart
-    >>> chart = effective_rules_chart(0.05, 0.05, ductility=4.0, points=5, rules=["iwan_1980", "secant"])
+    >>> chart = effective_rules_chart(
+    ...     0.05, 0.05, ductility=4.0, points=5, rules=["iwan_1980", "secant"]
+    ... )
     >>> chart.rule.values.tolist()
     ['iwan_1980', 'secant']
     """
@@ -138,8 +140,8 @@ def effective_rules_chart(
     return labels.label(chart, VARIABLES).assign_attrs(
         chart="curves",
         title="Stationary correlation of bilinear structures by eq. (4) with effective properties",
-        caption=f"White noise. Bilinear structures: ξ = {damping:g}, α = {hardening:g}, peak ductility "
-        f"{ductility:g} of both; ratio of the elastic periods",
+        caption=f"White noise. Bilinear structures: ξ = {damping:g}, α = {hardening:g}, peak "
+        f"ductility {ductility:g} of both; ratio of the elastic periods",
         comment=" ".join([ESTIMATES, *remarks]),
         references="; ".join([labels.PAPER, *(rule.reference for rule in chosen)]),
         history=f"stochlin {__version__}: rho_effective()",

@@ -214,8 +214,9 @@ def with_errors(
         shown = (f"{band}{mean:.2g} ({most:.2g})" for band, mean, most in of_grounds)
         texts.append(f"{method} {', '.join(shown)}")
     comment = (
-        f"Mean (largest) {'' if of_rho else 'relative '}error against simulation on {settings.paths} "
-        f"paths, where plastic drifts relax within {chart.longest_memory_s:.3g} s: {'; '.join(texts)}. "
+        f"Mean (largest) {'' if of_rho else 'relative '}error against simulation on "
+        f"{settings.paths} paths, where plastic drifts relax within "
+        f"{chart.longest_memory_s:.3g} s: {'; '.join(texts)}. "
         f"{'Bars: 95 % intervals' if 'reduction_factor' in chart.dims else 'White: slower ones'}."
     )
     return chart.assign_attrs(comment=comment)

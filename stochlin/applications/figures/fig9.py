@@ -40,7 +40,10 @@ SIMULATED_POINTS = 11  # along a curve
 REPEATED = 32  # times the motions of other charts, since a quantile needs more of them than a mean
 CONFIDENCE = 0.9
 GAP = "required_gap"
-SOURCES = "The drift closure simulates nothing; eq. (3) and SRSS combine simulated peaks of both structures"
+SOURCES = (
+    "The drift closure simulates nothing; eq. (3) and SRSS combine simulated peaks of both "
+    "structures"
+)
 RULES = {  # of `separation`, which combine simulated peaks, each with its name in the picture
     "eq_3_drift": "eq. (3), ρ with drift",
     "eq_3_linearized": "eq. (3), ρ linearized",
@@ -151,6 +154,6 @@ def _errors(chart: xr.Dataset, paths: int) -> str:
     known = simulated.notnull()
     flagged = int((known & (chart.caution > 0)).sum())
     return (
-        f"Errors in % against {paths} simulated motions{on}: {'; '.join(texts)}. The drift closure has "
-        f"its caution at {flagged} of {int(known.sum())} points. Bars: 95 % intervals."
+        f"Errors in % against {paths} simulated motions{on}: {'; '.join(texts)}. The drift closure "
+        f"has its caution at {flagged} of {int(known.sum())} points. Bars: 95 % intervals."
     )

@@ -1,4 +1,4 @@
-"""Figs. 1 and 2, of a motion: pseudo energy radius, energies, and the critical gap over the periods."""
+"""Figs. 1 and 2, of a motion: pseudo energy radius, energies and critical gap over the periods."""
 
 from __future__ import annotations
 
@@ -164,8 +164,8 @@ def energy_chart(
         chart="energies",
         title=f"Pseudo energy radius and energies of structures in {source_of(record)}",
         caption=f"T = {period:.3g} s, ξ = {damping:.3g}; yielding: R = {reduction_factor:g} and "
-        f"hardening ratio {hardening:.3g}. An energy E of a structure of mass m is drawn as √(2E/m)/ω."
-        f"{about(record)}",
+        f"hardening ratio {hardening:.3g}. An energy E of a structure of mass m is drawn as "
+        f"√(2E/m)/ω.{about(record)}",
     )
 
 
@@ -176,7 +176,9 @@ def _fig2(settings: ChartSettings) -> xr.Dataset:
 
 @checked
 def recorded_gap_chart(record: xr.DataArray, damping: float, points: Points = 61) -> xr.Dataset:
-    """Fig. 2: critical gap over the periods of two elastic structures; in the paper for the Taft record.
+    """Fig. 2: critical gap over the periods of two elastic structures.
+
+    In the paper it is that for the Taft record.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Comparison of mitigation measures against pounding in one table, and the least sufficient ones."""
+"""Comparison of measures against pounding in one table, and the least sufficient ones."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ def mitigate(
     seed: Seed = 0,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Compare mitigation measures against pounding in the same motions, and find the least sufficient.
+    """Compare measures against pounding in the same motions, and find the least sufficient.
 
     The rows of the table are the buildings as built and each given measure. Further rows are the
     least damping, added to both buildings or to one of them, and the least dashpot between both,
@@ -244,7 +244,7 @@ class MitigatedPair:
         return self.prepared.enough(self.confidence)
 
     def simulated(self, measure: Measure, paths: int | None = None) -> xr.Dataset:
-        """The simulated motions, as many as for the buildings as built or another number of them."""
+        """The simulated motions, as many as for the buildings as built or another number."""
         return self.prepared.simulated(
             paths or self.built.sizes["path"],
             self.confidence,
@@ -273,7 +273,7 @@ class MitigatedPair:
         return table.assign(columns).merge(devices)
 
     def _linearized(self, measure: Measure) -> dict[str, float]:
-        """Correlation and standard deviation of ``u_1 - u_2`` by linearization; NaN if not solved."""
+        """Correlation and standard deviation of ``u_1 - u_2`` by linearization; NaN if unsolved."""
         rho = apart = np.nan
         # There is no solution, or no stationary response: storeys without stiffness.
         with suppress(ArithmeticError, ValueError):
@@ -328,7 +328,7 @@ class MitigatedPair:
                 yield f"a link has {share:.2g} of 2 m w, or of m w^2, of the buildings; {text}"
 
     def _scales_of_links(self) -> tuple[float, float] | None:
-        """``2 m w`` [N s/m] and ``m w^2`` [N/m], by the reduced mass and the mean of the first modes.
+        """``2 m w`` [N s/m] and ``m w^2`` [N/m], by the reduced mass and the mean of first modes.
 
         None if a structure has no mass or no floors are at the same level.
         """
@@ -360,7 +360,7 @@ def _dashpot(constant: float) -> Measure:
 
 
 def _of_dashpots(links: Sequence[Link]) -> float:
-    """Damping constant of all links between both structures; NaN if some dashpots are not linear."""
+    """Damping constant of all links between both structures; NaN if a dashpot is not linear."""
     dashpots = [link for link in links if not link.within_one and link.damping_constant]
     if any(link.exponent != 1 for link in dashpots):
         return np.nan

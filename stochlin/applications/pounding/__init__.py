@@ -1,1 +1,1 @@
-"""Pounding: response histories of buildings in a row, and the estimate of an impact from energies."""
+"""Pounding: response histories of buildings in a row, and an impact estimated from energies."""

@@ -1,4 +1,4 @@
-"""Pounding of buildings in a row: response histories in one motion, statistics over many motions."""
+"""Pounding of buildings in a row: response histories in one motion, statistics over many."""
 
 from __future__ import annotations
 
@@ -63,8 +63,8 @@ FEWEST_STEPS = 4
 MOST_STEPS = 4096
 
 REFERENCES = (
-    f"{labels.PAPER} Newmark, N. M. (1959), J. Eng. Mech. Div. ASCE 85, for the time steps; Quispel, "
-    "G. R. W. and McLaren, D. I. (2008), J. Phys. A 41, for mean forces over a step."
+    f"{labels.PAPER} Newmark, N. M. (1959), J. Eng. Mech. Div. ASCE 85, for the time steps; "
+    "Quispel, G. R. W. and McLaren, D. I. (2008), J. Phys. A 41, for mean forces over a step."
 )
 PATH = "path"
 NEIGHBOURS = "neighbours"

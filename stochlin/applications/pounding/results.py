@@ -61,7 +61,7 @@ def floor_coords(standing: Standing) -> dict[str, Any]:
 
 
 def _course(standing: Standing, response: RowResponse, ground: SampledMotion) -> Quantities:
-    """Displacements, velocities, accelerations, forces and energies in the history of a response."""
+    """Displacements, velocities, accelerations, forces and energies in a response history."""
     row = standing.row
     assembly = standing.assembly
     system = row.elements.system
@@ -115,7 +115,7 @@ def _course(standing: Standing, response: RowResponse, ground: SampledMotion) ->
 
 
 def _drags(standing: Standing, rate: Array) -> Array:
-    """Forces of the dashpots with an exponent among the elements [N] (times, e), zero of the others."""
+    """Forces of dashpots with an exponent among the elements [N] (times, e), zero of the others."""
     elements, drag = standing.row.elements, np.zeros_like(rate)
     for i in standing.row.parts.dashpot[standing.row.parts.dashpot >= 0]:
         c, a = elements.parameters[i, :2]

@@ -77,7 +77,7 @@ class Meeting(NamedTuple):
 
     @property
     def storey(self) -> int:
-        """Storey of the column, counted from 0, which is below the floor on the side of the column."""
+        """Storey of the column, counted from 0, below the floor on the side of the column."""
         return self.floor_left if self.struck == "left" else self.floor_right
 
 
@@ -243,7 +243,7 @@ def build_row(
 
 
 def _of_wall(places: Sequence[Meeting], side: str) -> Array:
-    """Weights (c,) of the displacement of walls that are fixed in space, on one side of contacts."""
+    """Weights (c,) of the displacement of walls fixed in space, on one side of contacts."""
     weight = 1.0 if side == SIDES[0] else -1.0
     in_space = [m.wall == side and m.fixed == SPACE for m in places]
     return np.where(in_space, weight, 0.0)

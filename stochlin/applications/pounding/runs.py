@@ -67,7 +67,7 @@ def paces_of(
 
 
 def _half_period(contact: Element, reduced: float) -> float:
-    """Half a period of a contact [s], or the time in which its dashpot stops both sides, if shorter."""
+    """Half a period of a contact [s], or the time until its dashpot stops both sides if shorter."""
     law = contact.force_law(reduced)
     n = float(law.exponent)
     scale = float((reduced * TYPICAL ** (1 - n) / law.stiffness) ** (1 / (n + 1)))
@@ -88,8 +88,8 @@ def _check_runs(
     seconds = sum(ground.dt * (size - 1) for ground, size in zip(grounds, samples, strict=True))
     operations = 3.0 * n * n + OPERATIONS * n
     check_work(
-        f"{len(grounds)} motions, {seconds:g} s of motion, in steps near contact of {finest:.3g} s, "
-        "would take",
+        f"{len(grounds)} motions, {seconds:g} s of motion, in steps near contact of "
+        f"{finest:.3g} s, would take",
         "take softer structures, a softer contact, or fewer and shorter motions",
         numbers=OPERATIONS * n * max(samples),
         seconds=2 * float(np.dot(near, samples)) * (1e-9 * operations + 3e-6 / lanes),
@@ -180,7 +180,7 @@ def _batches(runs: Sequence[RowRun]) -> Iterator[list[int]]:
 
 
 def _motions(runs: Sequence[RowRun], shortest: float) -> kernel.GroundMotions:
-    """The motions of runs that are stepped together; ``shortest`` is that of the first periods [s]."""
+    """The motions of runs stepped together; ``shortest`` is that of the first periods [s]."""
     members = [run.ground.acceleration for run in runs]
     sizes = np.array([samples.size for samples in members])
     acceleration = np.zeros((sizes.max(), len(runs)))
@@ -192,7 +192,7 @@ def _motions(runs: Sequence[RowRun], shortest: float) -> kernel.GroundMotions:
 
 
 def failure(standing: Standing, response: RowResponse) -> str:
-    """Why a motion was ended before its end: a building falls, or numbers do; empty if it was not."""
+    """Why a motion was ended early: a building falls, or numbers do; empty if it was not."""
     failed = float(response.end.motions.failed)
     if failed == np.inf:
         return ""
@@ -202,13 +202,13 @@ def failure(standing: Standing, response: RowResponse) -> str:
     fallen = np.flatnonzero(system.fallen(drifts, system.limits))
     if fallen.size:
         return (
-            f"pound: structure {fallen[0] + 1} falls over {failed:.4g} s after the beginning: it has "
-            "drifted so far that no force is left to hold it, since its stiffness after yielding is "
-            "negative; give it more hardening or strength, or a weaker motion"
+            f"pound: structure {fallen[0] + 1} falls over {failed:.4g} s after the beginning: it "
+            "has drifted so far that no force is left to hold it, since its stiffness after "
+            "yielding is negative; give it more hardening or strength, or a weaker motion"
         )
     return (
-        f"pound: the response is no longer finite {failed:.4g} s after the beginning; the rates of the "
-        f"law {names_of_laws(system.sticks)} grow without end, or a structure, link or contact is too "
-        "stiff for the time steps: give a law in which all states stay bounded, make it "
+        f"pound: the response is no longer finite {failed:.4g} s after the beginning; the rates of "
+        f"the law {names_of_laws(system.sticks)} grow without end, or a structure, link or contact "
+        "is too stiff for the time steps: give a law in which all states stay bounded, make it "
         "softer, or take more steps_per_contact"
     )

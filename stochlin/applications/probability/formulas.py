@@ -58,7 +58,7 @@ class Variances(NamedTuple):
 
 
 class PairMoments(NamedTuple):
-    """Second moments of a pair, with ``d = u_1 - u_2``: (times, m, h), in m motions at h heights."""
+    """Second moments of a pair, with ``d = u_1 - u_2``: (times, m, h) in m motions at h heights."""
 
     u_1: Array  # [m^2], E[u_1^2]
     u_2: Array  # [m^2]
@@ -144,7 +144,7 @@ class RelativeMotion(NamedTuple):
         return result
 
     def gap_for(self, confidence: float) -> Array:
-        """Gap (h,) [m] for a confidence of no pounding in the motion; 0 without relative displacement.
+        """Gap (h,) [m] for a confidence of no pounding in the motion; 0 without relative motion.
 
         The crossings come in clumps.
         """
@@ -201,7 +201,7 @@ class DriftingMotion(NamedTuple):
         return dict(zip(names, rows, strict=True))
 
     def chances(self, gap: Array, height: Array) -> Chances:
-        """Probabilities (instants of the result, c) of exceeding gaps (c,) [m], and of no pounding."""
+        """Probabilities (instants of the result, c) to exceed gaps (c,) [m], and of no pounding."""
         apart = self.motions.difference[self.shown]
         now = exceeding(gap[:, None], apart[:, None]) @ self.motions.course.weights
         stays = (
@@ -319,7 +319,7 @@ def _at_all_heights(table: xr.Dataset) -> xr.Dataset:
 
 
 def checked_gaps(gap: Parameter, *names: str) -> Gap:
-    """The gaps; a ValueError if a dimension has a name of a dimension, or of ``names``, of the result.
+    """The gaps; a ValueError if a dimension is named as one of the result or of ``names``.
 
     Gaps along the motions would be those of one motion each.
     """

@@ -52,7 +52,7 @@ STATUS = {
 
 
 def _by_factor(arguments: Mapping[str, Any]) -> bool:
-    """Whether the strength of a structure is a reduction factor, so that it has that of the ground."""
+    """Whether a structure's strength is a reduction factor, so that it has that of the ground."""
     pair = [median_of(arguments.get(role)) for role in ("first", "second")]
     return any(getattr(each, "reduction_factor", None) is not None for each in pair)
 

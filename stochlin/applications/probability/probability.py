@@ -48,8 +48,9 @@ PathsIfAny = Annotated[int, Whole(0)]  # 0 for no simulation
 STEM = "confidence_of_no_pounding"
 OF_FORMULA = 0.5  # share of the progress that the formula has beside a simulation
 REFERENCES = (
-    f"{labels.PAPER} Vanmarcke, E. H. (1975), J. Appl. Mech. 42; Rice, S. O. (1945), Bell Syst. Tech. "
-    "J. 24; Roberts, J. B. and Spanos, P. D. (1990). Random vibration and statistical linearization."
+    f"{labels.PAPER} Vanmarcke, E. H. (1975), J. Appl. Mech. 42; Rice, S. O. (1945), Bell Syst. "
+    "Tech. J. 24; Roberts, J. B. and Spanos, P. D. (1990). Random vibration and statistical "
+    "linearization."
 )
 
 
@@ -185,7 +186,9 @@ def pounding_probability(
     >>> import stochlin as sl
     >>> one, two = (sl.Bilinear(T, 0.05) for T in (0.6, 1.0))
     >>> quake = {"envelope": sl.AminAng(4.0, 15.0, 0.35), "duration": 25.0}
-    >>> table = sl.pounding_probability(one, two, sl.named_ground("firm", 0.01), 0.3, paths=256, **quake)
+    >>> table = sl.pounding_probability(
+    ...     one, two, sl.named_ground("firm", 0.01), 0.3, paths=256, **quake
+    ... )
     >>> last = table.isel(time=-1)
     >>> bool(last.confidence_of_no_pounding > last.confidence_of_no_pounding_poisson)
     True
@@ -271,7 +274,7 @@ def _with_simulation(
 
 
 def closure_in_time(closure: InTime | None, structures: Sequence[AnyStructure]) -> str:
-    """The closure that is taken for motions of finite length: by default that with the drift, if any."""
+    """The closure for motions of finite length: by default that with the drift, if any."""
     missing = why_no_drift(structures)
     if closure == DRIFT and missing:
         raise ValueError(f"closure = {DRIFT!r}: {missing}; allowed: {GAUSSIAN!r}")

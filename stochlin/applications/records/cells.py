@@ -94,7 +94,7 @@ class RecordedMotions(NamedTuple):
 
 
 def checked_motions(record: Records, may_be_still: bool = False) -> RecordedMotions:
-    """The records, checked, with names: in a list sources if they are labels and differ, or numbers.
+    """The checked records with names: in a list sources if they are labels and differ, or numbers.
 
     A ground that ``may_be_still`` has zeros alone.
     """
@@ -153,7 +153,7 @@ OscillatorOnRecord = Annotated[Structure, OfClass((Structure,)), check_structure
 
 
 class RecordCells(NamedTuple):
-    """One or two bilinear structures on records, in the valid cells of a table of their parameters."""
+    """One or two bilinear structures on records, in valid cells of a table of their parameters."""
 
     motions: RecordedMotions
     flat: Flat

@@ -41,7 +41,7 @@ class TextFile(NamedTuple):
 
     @classmethod
     def of(cls, name: str, lines: Sequence[str], skip: int) -> TextFile | None:
-        """The text after ``skip`` lines; None if its head is not titles, names and units of columns."""
+        """The text after ``skip`` lines; None if its head is not titles, column names and units."""
         lines = [*[""] * skip, *lines[skip:]]
         first = next((n for n, line in enumerate(lines) if line.strip()), 0)
         if (head := table_of(text_sheet(lines[: first + _HEAD], name))) is None:
@@ -90,7 +90,7 @@ class TextFile(NamedTuple):
         return Series(values, times, None, units, about, rows, time_column is not None, title)
 
     def table(self) -> Table:
-        """The table of all lines, as wide as the first: numbers by pandas, or texts if it has others."""
+        """The table of all lines, as wide as the first: numbers by pandas, or else texts."""
         head = self.head
         sheet = self.head.sheet
         start = int(self.head.rows.index[0])
@@ -137,7 +137,7 @@ class TextFile(NamedTuple):
         return file.numbers(len(above) + 1, len(file.lines))
 
     def _stated_above(self) -> tuple[int, float | None]:
-        """Number of samples and time step of a first row with both, ``1559 0.02``; None without one."""
+        """Number of samples and time step of a first row like ``1559 0.02``; None without one."""
         numbers = [
             number_in(cell, ".,") or 0.0 for cell in self.head.sheet.row(self.head.rows.index[0])
         ]

@@ -137,7 +137,7 @@ def titled_as_vertical(title: str) -> bool | None:
 
 
 def is_vertical(stated: str, title: str, in_name: ComponentWord | None) -> bool:
-    """Whether a record is vertical, by the best evidence: what is stated, the title, then the name."""
+    """Whether a record is vertical, by the best evidence: a statement, the title, then the name."""
     for said in (stated_as_vertical(stated), titled_as_vertical(title)):
         if said is not None:
             return said
@@ -160,7 +160,7 @@ def _places(name: str) -> Iterator[Place]:
 
 
 def _word_in(run: re.Match[str]) -> tuple[int, int, ComponentWord | None]:
-    """First and last place of a word for a component in a run of letters and digits, and the word."""
+    """Start and end of a word for a component in a run of letters and digits, and the word."""
     if word := word_of(run[0]):
         return run.start(), run.end(), word
     if match := _BEHIND.fullmatch(run[0]):
@@ -218,7 +218,7 @@ class FileNames:
 
 
 def identifies(event: str) -> bool:
-    """Whether a text is of one earthquake: it has a date or a number besides that of the magnitude."""
+    """Whether a text is of one earthquake: it has a date, or a number besides the magnitude."""
     return any(sign.isdigit() for sign in re.sub(r"\bM[A-Za-z]?\W*\d+(\.\d+)?\b", "", event))
 
 

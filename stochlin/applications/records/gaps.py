@@ -1,4 +1,4 @@
-"""Gap that two structures would have needed in a recorded motion, or the set-back of one structure."""
+"""Gap that two structures would have needed in a recorded motion, or set-back of one structure."""
 
 from __future__ import annotations
 

@@ -92,7 +92,7 @@ def best_fit(
 
 
 class _Problem(NamedTuple):
-    """A kind of ground; its parameters are fitted by their logarithms, times over the ground period."""
+    """A kind of ground; its parameters are fitted by logarithms, times over the ground period."""
 
     kind: type[Ground]
     bounds: Mapping[
@@ -159,8 +159,8 @@ def ground_of_record(
     values = np.exp(logs) * [*np.ones(logs.size - 1), scale]
     resolved = _LINE_WIDTH * values[0] / (2 * np.pi * duration)
     source = (
-        f"{chosen.text} of {record.attrs.get('source', 'a record')}, {strong.attrs['energy_part']} part "
-        f"({duration:.4g} s), {low:.3g} to {high:.3g} rad/s; "
+        f"{chosen.text} of {record.attrs.get('source', 'a record')}, {strong.attrs['energy_part']} "
+        f"part ({duration:.4g} s), {low:.3g} to {high:.3g} rad/s; "
         f"standard errors: period {100 * errors[0]:.1f} %, damping {100 * errors[1]:.1f} %, "
         f"intensity {100 * errors[-1]:.1f} %"
     )
@@ -214,7 +214,7 @@ def _starts(
 def _standard_errors(
     frequency: Array, logs: Array, problem: _Problem, estimator: Estimator
 ) -> Array:
-    """Relative standard errors of the parameters [-], by the sandwich estimator of their covariance."""
+    """Relative standard errors of parameters [-], by the sandwich estimator of their covariance."""
     shifts = _STEP * np.eye(logs.size)
     up = problem.psd(logs + shifts, frequency)
     down = problem.psd(logs - shifts, frequency)

@@ -59,15 +59,15 @@ def read_record(
 ) -> xr.DataArray:
     r"""Read a strong-motion record.
 
-    Formats are recognized by their header, which states time step and units: PEER AT2 (``NPTS=  5372,
-    DT=   .0100 SEC`` or ``4096    0.0100    NPTS, DT``), CSMIP Volume 2 (``.V2``), COSMOS 1.20
-    (``.V2c``), K-NET and KiK-net, the Engineering Strong Motion database (ESM), and the standard file of
-    UNAM and other Mexican networks. A file with columns of text, separated by comma, semicolon or white
-    space, may begin with two lines of titles, a row of names and a row of units. It states the time step
-    only in a first row of the number of samples and it, such as ``1559 0.02``, and the units only in a
-    name such as ``acc [g]``. Between semicolons or tabs numbers may have decimal commas. A line that
-    begins with ``#`` or ``%``, and what follows them beside numbers, is a comment. Missing information
-    is never guessed.
+    Formats are recognized by their header, which states time step and units: PEER AT2
+    (``NPTS=  5372, DT=   .0100 SEC`` or ``4096    0.0100    NPTS, DT``), CSMIP Volume 2 (``.V2``),
+    COSMOS 1.20 (``.V2c``), K-NET and KiK-net, the Engineering Strong Motion database (ESM), and the
+    standard file of UNAM and other Mexican networks. A file with columns of text, separated by
+    comma, semicolon or white space, may begin with two lines of titles, a row of names and a row of
+    units. It states the time step only in a first row of the number of samples and it, such as
+    ``1559 0.02``, and the units only in a name such as ``acc [g]``. Between semicolons or tabs
+    numbers may have decimal commas. A line that begins with ``#`` or ``%``, and what follows them
+    beside numbers, is a comment. Missing information is never guessed.
 
     Parameters
     ----------
@@ -184,7 +184,7 @@ def doubts_of_motion(acceleration: Array, step: float) -> Iterator[str]:
 
 
 def _peak_over_others(magnitude: Array) -> float:
-    """The largest sample over all that are neither equal nor next to it; 1 unless it stands alone."""
+    """The largest sample over those neither equal nor next to it; 1 unless it stands alone."""
     largest = magnitude == magnitude.max()
     near = np.convolve(largest, [1, 1, 1], "same") > 0
     others = magnitude[~near].max(initial=0.0)
@@ -226,7 +226,9 @@ def _doubt_of_direction(series: Series, name: str) -> Iterator[str]:
     in_name = FileNames([name]).component(name)
     if is_vertical(component, series.title, in_name if in_name and in_name.weight > WEAK else None):
         which = brief(component or series.title or name)
-        yield f"{which} is vertical, and gaps follow from horizontal components; is it the right one?"
+        yield (
+            f"{which} is vertical, and gaps follow from horizontal components; is it the right one?"
+        )
     if _IN_BUILDING.search(series.title):
         yield f"{brief(series.title)} may be the motion of a building; is it that of the ground?"
 
@@ -258,7 +260,7 @@ def strong_part(record: xr.DataArray, start: float = 0.05, end: float = 0.95) ->
 
 
 def checked_array(array: xr.DataArray, role: str, dim: str) -> tuple[Array, Array]:
-    """Coordinate and accelerations [m/s^2] of an array over one dimension, checked; raises errors."""
+    """Coordinate and accelerations [m/s^2] of an array of one dimension, checked; raises errors."""
     if not isinstance(array, xr.DataArray):
         raise TypeError(f"{role} is a {type(array).__name__}; allowed: an xarray.DataArray")
     if array.dims != (dim,) or dim not in array.coords:
@@ -342,7 +344,7 @@ def _labelled(series: Series, name: str, dt: float | None, units: str | None) ->
 
 
 def _time_step(time: npt.NDArray[np.float64], dt: float | None = None, of: str = "time") -> float:
-    """Step of an evenly spaced time [s] of this name, which is ``dt`` if this is given and agrees."""
+    """Step of an evenly spaced time [s] of this name, ``dt`` if this is given and agrees."""
     steps = np.diff(time)
     if not steps.size or not np.isfinite(time).all():
         raise ValueError(f"{of} is not a series of finite numbers; allowed: increasing, in seconds")

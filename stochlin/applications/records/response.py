@@ -297,7 +297,7 @@ def respond(
 
 
 def _until_fall(table: xr.Dataset, structure: AnyStructure) -> xr.Dataset:
-    """A history with NaN after the structure falls, and with the time at which it does, if it does."""
+    """A history with NaN after the structure falls, and the time at which it does, if it does."""
     system = assembly_of([structure])
     drifts = table.storey_drift if structure.has_storeys else table.displacement
     fallen = system.fallen(drifts.values.reshape(table.time.size, -1), system.limits)[:, 0]
@@ -312,7 +312,7 @@ def _until_fall(table: xr.Dataset, structure: AnyStructure) -> xr.Dataset:
 
 @np.errstate(all="ignore")  # of structures that fall beyond all numbers
 def _energies(parameters: Array, states: Array) -> tuple[Array, ...]:
-    """The `ENERGIES` of structures with parameters (..., 4) in states (..., STATE); they balance."""
+    """The `ENERGIES` of structures with parameters (..., 4) in states (..., STATE), in balance."""
     w, _, hardening, _ = parameters.T
     u, v, y, put_in, hysteretic = np.moveaxis(states, -1, 0)
     kinetic = 0.5 * v**2

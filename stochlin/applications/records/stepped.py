@@ -1,4 +1,4 @@
-"""Response to records of buildings with storeys and structures of any law, by steps that are halved."""
+"""Response to records of buildings with storeys and structures of any law, by halved steps."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ def stepped_response(
 def halved(
     system: Assembly, followed: Callable[[int], SteppedResponse], cuts: int, most: int
 ) -> SteppedResponse:
-    """The response of a system with steps halved from ``cuts`` until it converges, or ``most`` times.
+    """The response of a system by steps halved from ``cuts`` until it converges, or ``most`` times.
 
     The steps are of second order, so that the remaining error is about a third of the last change.
     Warns of a response that has not converged, and raises an ArithmeticError if it is not finite.
@@ -116,7 +116,10 @@ def _first_cuts(connected: Sequence[SteppedGroup], ground: SampledMotion) -> int
 def _size(connected: Sequence[SteppedGroup], ground: SampledMotion) -> str:
     """The subject of a message on the size of a response."""
     shortest = min(group.shortest for group in connected)
-    return f"{ground.acceleration.size} samples, with a shortest period of {shortest:.3g} s, would take"
+    return (
+        f"{ground.acceleration.size} samples, with a shortest period of {shortest:.3g} s, would "
+        "take"
+    )
 
 
 def _within(limits: Array, values: Array) -> Array:

@@ -1,1 +1,1 @@
-"""Risk of pounding: its annual frequency from the hazard of a site, and the gap for an allowed risk."""
+"""Risk of pounding: its annual frequency from a site's hazard, and the gap for an allowed risk."""

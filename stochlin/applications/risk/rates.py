@@ -1,4 +1,4 @@
-"""Annual frequencies of pounding and fragilities from separations in the same motions, over intensity.
+"""Annual pounding frequencies and fragilities from separations in the same motions, over intensity.
 
 Between two intensities, the logarithm of the separation in a motion is interpolated linearly in the
 logarithm of the intensity, which is exact for linear structures. Below the lowest intensity it is

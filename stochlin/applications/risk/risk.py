@@ -55,8 +55,8 @@ ROUNDING = 1e-12  # relative rounding error allowed at the end of a hazard curve
 UNITS = {"pga": "m/s^2", "sa": "m/s^2", "intensity": "m^2/s^3"}
 _RISK = re.compile(r"\s*(\d++\.?\d*+|\.\d++)\s*%\s*in\s*(\d++\.?\d*+)\s*(?:yr|years|a)\s*")
 REFERENCES = (
-    "Cornell, C. A. (1968), Bull. Seismol. Soc. Am. 58; McGuire, R. K. (2004), Seismic Hazard and Risk "
-    "Analysis."
+    "Cornell, C. A. (1968), Bull. Seismol. Soc. Am. 58; McGuire, R. K. (2004), Seismic Hazard and "
+    "Risk Analysis."
 )
 
 
@@ -304,7 +304,7 @@ def doubt_of_text(risk: str | float) -> str:
 
 
 def check_target(hazard: Hazard, risk: str | float) -> float:
-    """The annual frequency of a risk [1/yr]; a ValueError if it is outside of those of the hazard."""
+    """The annual frequency of a risk [1/yr]; a ValueError if it is outside those of the hazard."""
     target, _ = allowed_rate(risk)
     rarest, commonest = (float(hazard.frequency(im)) for im in simulated_at(hazard)[[-1, 0]])
     if not rarest < target < commonest:
@@ -335,7 +335,7 @@ class SimulatedRisk(NamedTuple):
     hazard: Hazard
 
     def _frequency(self, intensity: Array) -> Array:
-        """Annual frequency of exceedance [1/yr]; constant below a table of the hazard, zero beyond."""
+        """Annual frequency of exceedance [1/yr]; constant below a hazard table, zero beyond."""
         least = 0.0
         top = HIGHEST
         if isinstance(self.hazard, HazardCurve):
@@ -395,7 +395,7 @@ class SimulatedRisk(NamedTuple):
         return stronger, np.exp(rate) * np.expm1(further)
 
     def rate_with_ends(self, gap: float) -> dict[str, float]:
-        """Annual frequency of pounding [1/yr] and its interval, by the ends of the names of variables.
+        """Annual frequency of pounding [1/yr] and its interval, by the ends of variable names.
 
         The upper end includes the largest frequencies beyond the table of the hazard.
         """

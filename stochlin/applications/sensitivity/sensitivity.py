@@ -142,7 +142,8 @@ def sensitivity(
             **labels.of_scatter(motion.scatter),
         ),
         f"What matters for {subject}, {usual.name} ground",
-        f"sensitivity(duration={duration:g}, confidence={confidence:g}, paths={paths}, seed={seed})",
+        f"sensitivity(duration={duration:g}, confidence={confidence:g}, paths={paths}, "
+        f"seed={seed})",
         {**structures, "ground": ground},
         REFERENCES,
     )
@@ -232,7 +233,7 @@ def _table(
 
 
 def changed_quantiles(response: Array, changed: Array, level: float) -> tuple[Array, Array]:
-    """Quantiles of ``changed`` responses (k, motions) minus that of ``response``, and their errors (k,).
+    """Quantiles of ``changed`` responses (k, motions) minus that of ``response``, and errors (k,).
 
     The differences of the sorted responses are interpolated at the quantile by a local linear
     regression over ``response`` (Cleveland 1979). This has less noise than the difference of two

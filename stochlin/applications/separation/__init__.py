@@ -1,1 +1,1 @@
-"""Required separation of buildings: by simulation, eq. (3) and codes, and limits of an existing gap."""
+"""Required separation of buildings: by simulation, eq. (3) and codes; limits of an existing gap."""

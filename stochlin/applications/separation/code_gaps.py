@@ -44,7 +44,8 @@ SPECTRAL = (
 )
 NEEDS = "needs "  # begins what is missing
 TEXTS: Mapping[str, str] = {
-    "family": "what governs a building code: SRSS or sum of the peaks, the height, or a fixed distance",
+    "family": "what governs a building code: SRSS or sum of the peaks, the height, or a fixed "
+    "distance",
     "reference": "source of the rule",
     "mark": "how the rule was checked: S seen in a copy of its source, C derived and checked, "
     "P in the text of the paper, M not compared with its source; high or low says how sure it is",
@@ -84,7 +85,7 @@ class Rule:
 def _check_source(
     peak_1: object, peak_2: object, modes_1: object, modes_2: object, spectrum: object
 ) -> None:
-    """Raise a ValueError unless displacements are given once, as peaks or as modes with a spectrum."""
+    """Raise a ValueError unless displacements are given once, as peaks or modes with a spectrum."""
     if (modes_1 is None) != (spectrum is None) or (modes_2 is not None and modes_1 is None):
         raise ValueError(
             "modes_1 and spectrum go together, and modes_2 with both; give what is missing"
@@ -245,7 +246,9 @@ def code_gaps(
     >>> alone = sl.code_gaps(0.03, None, height_1=12.0, zone="II")  # from its property line
     >>> float(alone.gap.sel(rule="asce_7")), round(float(alone.gap.sel(rule="mexico_city")), 6)
     (0.03, 0.066)
-    >>> stated = sl.code_gaps(0.03, 0.04, height_1=12, height_2=20, numbers={"share_of_height": 0.01})
+    >>> stated = sl.code_gaps(
+    ...     0.03, 0.04, height_1=12, height_2=20, numbers={"share_of_height": 0.01}
+    ... )
     >>> float(stated.gap.sel(rule="share_of_height"))
     0.12
     >>> frame, wall = (
@@ -329,7 +332,7 @@ def code_gaps(
 
 
 def inputs_in_words(site: Site, numbers: Mapping[str, float] | None) -> str:
-    """What is true of both buildings, the zone and the numbers of rules, for the run information."""
+    """What is true of both buildings, the zone and numbers of rules, for the run information."""
     inputs = {name: value for name in ("zone", *BOTH) if (value := getattr(site, name))}
     if numbers:
         inputs["numbers"] = {str(name): float(value) for name, value in numbers.items()}

@@ -30,7 +30,7 @@ class CorrelatedPeaks(Model):
 
 @checked
 def critical_gap(peak_1: Parameter, peak_2: Parameter, rho: Parameter) -> xr.Dataset:
-    """Critical gap by the double difference combination, ``sqrt(p1^2 + p2^2 - 2 rho p1 p2)``, eq. (3).
+    """Critical gap ``sqrt(p1^2 + p2^2 - 2 rho p1 p2)``, eq. (3), the double difference combination.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ def _by_equation_3(pair: CorrelatedPeaks) -> xr.Dataset:
 
 
 def equation_3(peak_1: Array, peak_2: Array, rho: Array) -> Array:
-    """Eq. (3) [m] with a correlation of rounding errors; 0 where it is one of two equal structures."""
+    """Eq. (3) [m] with a correlation of rounding errors; 0 where it is one of equal structures."""
     gaps = double_difference(peak_1, peak_2, np.clip(rho, -1, 1))
     return np.where(gaps < ALIKE * np.maximum(peak_1, peak_2), 0.0, gaps)
 

@@ -111,7 +111,7 @@ class Required:
     def end(
         self, grid: Sequence[float] | Array, order: Iterable[int], way: int, open_end: Edge
     ) -> Edge:
-        """End, on one side, of the sufficient values around the first of them in this order of a grid.
+        """End, on one side, of the sufficient values around the first in this order of a grid.
 
         It is `NONE` if there is no such value, and ``open_end`` if all on that side are sufficient.
         """
@@ -267,7 +267,7 @@ class GapSearch:
         return cls(structures, prepared, gap, confidence)
 
     def limits(self, samples: xr.DataArray, progress: Progress | None) -> xr.Dataset:
-        """The result of `existing_gap`, from the gap [m] that each motion (``path``) needs as built."""
+        """The result of `existing_gap`, from the gap [m] each motion (``path``) needs as built."""
         as_built = quantile_interval(samples.values, self.confidence)
         prepared = self.prepared
         done = 0.0

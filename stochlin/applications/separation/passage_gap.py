@@ -133,7 +133,8 @@ def passage_gap(
     shape = "none" if envelope is None else envelope.describe()
     return labels.with_run_information(
         table.assign_attrs(known, envelope_model=shape, comment=labels.CAUTION_FINITE_DRIFT),
-        f"Required {'gap' if second else 'set-back'} by the drift closure in time, {ground.name} ground",
+        f"Required {'gap' if second else 'set-back'} by the drift closure in time, {ground.name} "
+        "ground",
         f"passage_gap(duration={duration:g}, confidence={confidence:g})",
         models,
     )

@@ -1,4 +1,4 @@
-"""Two structures, or one beside its property line, in simulated motions, and their gap by every rule."""
+"""Two structures, or one beside a property line, in simulated motions; their gap by every rule."""
 
 from __future__ import annotations
 
@@ -47,8 +47,8 @@ EQ_3 = "eq. (3) with the peaks of both structures"
 COMBINES = "needs a second building: eq. (3) combines the peaks of two"
 EQUATION_3 = "equation_3"  # kind of the rules by eq. (3)
 ELASTIC_MODES = (
-    "CQC over all elastic modes, with their peaks and correlations on the ground; what yields moves as "
-    "far as if it were elastic"
+    "CQC over all elastic modes, with their peaks and correlations on the ground; what yields "
+    "moves as far as if it were elastic"
 )
 OF_DUCTILITY = "rho by eq. (4) at the simulated mean peak ductility"
 PAPER = "Valles-Mattox and Reinhorn (1996), eq. (3) and Fig. 5"
@@ -61,7 +61,7 @@ Gaps = tuple[Array, Array | None]
 
 @dataclass(frozen=True)
 class PairInMotion:
-    """Two structures, or one beside its property line, with their simulated motions of finite length.
+    """Two structures, or one beside its property line, with simulated motions of finite length.
 
     Rules take the structures at their medians, and the peaks of all samples. Arrays are over the
     heights at which the structures could meet, or cross the line. Without storeys there is one
@@ -116,7 +116,7 @@ class PairInMotion:
 
     @cached_property
     def peaks(self) -> Array:
-        """Quantile of the peak ``|u|`` at the probability ``confidence`` [m], (structures, heights)."""
+        """Quantile of the peak ``|u|`` at probability ``confidence`` [m], (structures, heights)."""
         peaks = self.motions.peak
         if self.has_storeys and not self.alone:
             peaks = self.motions.peak_at_height.sel(height=self.heights)
@@ -224,7 +224,7 @@ class PairInMotion:
         return np.atleast_1d(rho_effective(**arguments, rule=rule).rho.values)
 
     def linearized_gaps(self) -> Array:
-        """Quantile of the peak of the linearized ``u_1 - u_2``, or ``u_1`` if alone [m], (heights,)."""
+        """Quantile of the peak of linearized ``u_1 - u_2``, or ``u_1`` if alone [m], (heights,)."""
         weights_1, *weights_2 = self.of_coordinates
         apart = weights_1 - sum(weights_2)
         moments = (xr.DataArray(each[0]) for each in self.linearized.spectral_moments(apart))

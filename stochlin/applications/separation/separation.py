@@ -60,8 +60,8 @@ VERDICT_ATTRS: Mapping[str, Any] = {
 SET_BACK = "Set-back of one building from its property line"
 COMBINED = (
     "A code's combination of simulated peaks: the peaks that are not exceeded with the confidence, "
-    "combined as the code combines displacements of its own. This is not the gap that the code asks "
-    "for, and it has no verdict."
+    "combined as the code combines displacements of its own. This is not the gap that the code "
+    "asks for, and it has no verdict."
 )
 EXACT = "nonlinear simulation of the given models"
 ASKED = (*BOTH, "height_1", "height_2", "storeys_1", "storeys_2", "zone", "design_pga")  # by codes
@@ -283,7 +283,7 @@ def _facts_of(codes: Mapping[str, Any] | None) -> dict[str, Any]:
 
 
 def verdict_of(apart: Mapping[Any, xr.DataArray], confidence: float) -> xr.DataArray:
-    """Verdict by the 95 % interval of the probability of no pounding: enough, too low or undecided."""
+    """Verdict by a 95 % interval of the probability of no pounding: enough, too low, undecided."""
     lower = apart["no_pounding_probability_lower"]
     upper = apart["no_pounding_probability_upper"]
     undecided = xr.where(upper < confidence, LESS, WITHIN_ERROR)  # type: ignore[no-untyped-call]
@@ -319,7 +319,7 @@ def judged_rules(
 
 
 def _judged(rules: list[Rule], pair: PairInMotion) -> xr.Dataset:
-    """Table of the simulated gap and the gaps of the rules, each judged by the simulated motions."""
+    """Table of the simulated gap and the gaps of rules, each judged by the simulated motions."""
     motions = pair.motions
     samples = pair_separation(motions)
     required, lower, upper = required_gaps(motions)

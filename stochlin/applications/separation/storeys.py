@@ -41,7 +41,7 @@ SAME_DAMPING = 0.01  # difference of damping ratios, as a share, up to which the
 
 
 def facing_heights(system: Assembly) -> Array:
-    """Heights [m] at which two structures could meet, or those of the floors of one; NaN if unknown."""
+    """Heights [m] at which two structures could meet, or of the floors of one; NaN if unknown."""
     return meeting_heights(*system.sticks) if system.sticks[1:] else system.sticks[0].levels
 
 
@@ -54,7 +54,7 @@ def weights_at(system: Assembly, heights: Array) -> list[Array]:
 def linearized_at_roof(
     structures: tuple[AnyStructure, AnyStructure], ground: Ground, links: Sequence[Link]
 ) -> tuple[float, float]:
-    """Correlation [-], and standard deviation of ``u_1 - u_2`` [m], at the level of the lower roof."""
+    """Correlation [-], and standard deviation of ``u_1 - u_2`` [m], at the lower roof."""
     motion = linearized_motion(structures, ground, links)
     system = assembly_of(structures)
     height = meeting_heights(*system.sticks)[-1]
@@ -76,7 +76,7 @@ def correlation_of(motion: StationaryResponse, weights_1: Array, weights_2: Arra
 
 
 def combined(covariance: Array, weights: Sequence[Array]) -> tuple[Array, Array]:
-    """Standard deviations (s, heights) of sums with these weights, and correlation of first and last.
+    """Standard deviations (s, heights) of sums with these weights; correlation of first and last.
 
     The weights (heights, n) are those of n quantities with this covariance.
     """
@@ -167,7 +167,7 @@ def combine_modes(
 def spectral_peaks(
     structures: Sequence[AnyStructure], spectrum: xr.DataArray, site: Site
 ) -> tuple[Site, xr.DataArray]:
-    """The site with displacements by the modes at the heights where they could meet, and ``rho`` there.
+    """The site with displacements by the modes at heights where they could meet, and ``rho`` there.
 
     Raises a ValueError if an oscillator has arrays as parameters, heights contradict the storeys or
     the spectrum has no value for a mode.

@@ -144,7 +144,10 @@ class Need(NamedTuple):
         if None not in (said.period, self.period) and said.period != self.period:
             return f"is that of {said.period:g} s; allowed: that of {self.period:g} s"
         if not self._is_damped(column):
-            return f"has a damping ratio of {said.damping:g}; give damping={said.damping:g}, or another"
+            return (
+                f"has a damping ratio of {said.damping:g}; give damping={said.damping:g}, or "
+                "another"
+            )
         return ""
 
 
@@ -248,7 +251,7 @@ def check_one_kind(table: Table, column: int, what: str) -> None:
 
 
 def noted(choices: Sequence[Choice], converted: Collection[Quantity] = ()) -> dict[str, str]:
-    """The attribute ``columns``, on those that are asked for by number, or of which others follow."""
+    """The attribute ``columns``, on those asked for by number, or of which others follow."""
     parts = []
     for choice in choices:
         changed = choice.quantity in converted or choice.column.said.base is not None

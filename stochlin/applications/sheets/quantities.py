@@ -12,7 +12,7 @@ from stochlin.models.units import size_of
 
 @dataclass(frozen=True)
 class Quantity:
-    """What a column may hold, by its name with an article; ``unit`` is the one in which it is read."""
+    """What a column may hold, by its name with an article; ``unit`` is that in which it is read."""
 
     name: str
     words: frozenset[str]  # of titles

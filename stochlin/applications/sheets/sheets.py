@@ -1,4 +1,4 @@
-"""Files of cells: text with separators, or the sheets of a workbook; errors name line and column."""
+"""Files of cells: text with separators, or sheets of a workbook; errors name line and column."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ class Sheet(NamedTuple):
         return values.reshape(texts.shape)
 
     def _where_from(self, text: str) -> str:
-        """Where the sheet has the decimal comma because of which a text with a point is no number."""
+        """Where the sheet has the decimal comma by which a text with a point is no number."""
         if self.decimal != "," or number_in(text, ".") is None:
             return ""
         commas = self.cells.apply(lambda cells: cells.str.fullmatch(r"[-+]?\d*,\d+")).stack()
@@ -98,7 +98,10 @@ class Sheet(NamedTuple):
         line, column = commas.idxmax()
         cell = self.cells.at[line, column]
         whole = cell.replace(",", "")
-        return f", as {brief(cell)} in line {line} has it, which is {whole} if ',' is between thousands"
+        return (
+            f", as {brief(cell)} in line {line} has it, which is {whole} if ',' is between "
+            "thousands"
+        )
 
     def check_width(self, lines: Sequence[int], width: int) -> None:
         """Raise a ValueError for cells beyond the columns, such as the rest of 190,000."""
@@ -118,7 +121,7 @@ class Sheet(NamedTuple):
 
 
 class Table(NamedTuple):
-    """A line of titles, maybe one of units below it, and lines with numbers; 0 if there is no line."""
+    """A line of titles, maybe one of units below it, and lines with numbers; 0 if there is none."""
 
     name: str  # in messages
     sheet: Sheet
@@ -159,7 +162,7 @@ class Table(NamedTuple):
         return [self.alike.get(name, name) for name in names]
 
     def column(self, name: str) -> int:
-        """The last column of a name that a program writes, from 0; a ValueError if there is none."""
+        """The last column of a name that a program writes, from 0; a ValueError without one."""
         fitting = [n for n, other in enumerate(self.names) if other == spelled(with_unit(name)[0])]
         if not fitting:
             raise self.error(
@@ -185,7 +188,7 @@ class Table(NamedTuple):
         return said_by(title, below)
 
     def in_si(self, name: str, quantity: str, unit: str | None, allowed: Range | None) -> Array:
-        """The numbers of a column in SI, by the unit of its title, of the line of units, or this one."""
+        """The numbers of a column in SI by the unit of its title, the line of units or this one."""
         column = self.column(name)
         line = self.units or self.titles or self.rows.index[0]
         stated = self.said_of(column).unit
@@ -247,7 +250,7 @@ def _without_empty_end(row: Array) -> tuple[str, ...]:
 
 
 def table_in(sheets: Sequence[Sheet], what: str) -> Table:
-    """The only table of numbers in a file; a ValueError if there is none, or if there are several."""
+    """The only table of numbers in a file; a ValueError if there are none or several."""
     tables = [table for sheet in sheets if (table := table_of(sheet))]
     if not tables:
         raise ValueError(f"{sheets[0].name} has no line of numbers; allowed: {what}")
@@ -298,7 +301,7 @@ def number_in(text: str, decimal: str = ".") -> float | None:
 
 
 def with_unit(title: str) -> tuple[str, str]:
-    """The name and the unit in a title such as ``S(T) [g]``, in lower case; the unit may be empty."""
+    """The name and unit in a title such as ``S(T) [g]``, in lower case; the unit may be empty."""
     match = _UNIT.fullmatch(title)
     name, unit, rest = match.groups() if match else (title, "", "")
     return f"{name.strip()} {rest.strip()}".strip().lower(), unit.strip()

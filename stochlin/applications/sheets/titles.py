@@ -59,7 +59,8 @@ _ASIDE = re.compile(
     r"quantile|fractil|percentil|\d\s*(?:st|nd|rd|th)\b|sigma|σ|\bstd|deviation|\bcov\b|±|[+-]\s*1\b"
     r"|stor(?:e?y|ies)[\s_-]*(?:drift|shear|force|disp|defl)|entrepiso|interpiano|geschoss"
     r"|\bsrss\b|/\s*(?:pga|a_?gr?|r|q)\b|\b[rq]\s*=\s*\d|\bdesign\b"
-    r"|\bs_?d\b(?:\(t\))?\s*[\[(]\s*(?:m?g\b|gal|[cm]*m/s)[^\])]*[\])]?"  # of Eurocode 8, divided by q
+    # S_d of Eurocode 8, divided by q:
+    r"|\bs_?d\b(?:\(t\))?\s*[\[(]\s*(?:m?g\b|gal|[cm]*m/s)[^\])]*[\])]?"
     r"|\bno[nt]?[\s_-].*ex[cz]e|(?<!damping )\bratio|normali[sz]|amplification|residual|\berror",
     re.IGNORECASE,
 )
@@ -164,7 +165,7 @@ def _meant(name: str, stated: Sequence[str]) -> tuple[tuple[Quantity, ...], str]
 def _without_brackets(
     name: str, named: tuple[Quantity, ...], remark: str
 ) -> tuple[tuple[Quantity, ...], str]:
-    """The quantities and the unit of ``Sa_g`` and of ``s``; the remark in place of a unit otherwise."""
+    """The quantities and unit of ``Sa_g`` and of ``s``; the remark in place of a unit otherwise."""
     if "".join(_words(name)) not in QUANTITIES:
         for edge in _EDGE.finditer(name):
             rest = _named(name[: edge.start()])

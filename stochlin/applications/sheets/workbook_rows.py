@@ -25,7 +25,7 @@ REFUSED = 3  # exit status, with a message in place of cells
 
 
 def take_limits() -> None:
-    """Let the system end this process when it takes more, without an image of its memory on the disk."""
+    """Let the system end this process when it takes more, without a memory image on the disk."""
     try:
         import resource
     except ImportError:

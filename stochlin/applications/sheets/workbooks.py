@@ -71,7 +71,7 @@ def _read_apart(content: bytes, library: Path) -> str:
 
 
 def _unpacked(content: bytes) -> bytes:
-    """The tables of a workbook, not compressed; a ValueError if they take too much time or memory."""
+    """The tables of a workbook, uncompressed; a ValueError if they take too much time or memory."""
     copy = BytesIO()
     if content.count(b"PK\x01\x02") > MOST_PARTS:  # signature of the entry of each
         raise ValueError(f"it has more than {MOST_PARTS} parts")

@@ -46,7 +46,7 @@ _FACTOR = Number(Range(1, include_lower=True), "a number of at least 1")
 
 
 def check_divided_by(name: str, value: object) -> None:
-    """Raise an error unless ``value`` is a factor of at least 1, or an array of these over period."""
+    """Raise an error unless ``value`` is a factor of at least 1 or an array of them over period."""
     if not isinstance(value, xr.DataArray):
         _FACTOR(name, value)
         return
@@ -67,7 +67,7 @@ DividedBy = Annotated[float | xr.DataArray, check_divided_by]
 def as_elastic(
     spectrum: xr.DataArray, elastic: bool | None, divided_by: float | xr.DataArray | None
 ) -> xr.DataArray:
-    """A valid spectrum as an elastic one, multiplied by what it was divided by, with how it was taken.
+    """A valid spectrum as an elastic one, times what it was divided by, with how it was taken.
 
     A ValueError is raised for contradictions. A warning is given, where a public function was
     called that calls this one, if nothing says what the spectrum is, or if its shape speaks against
@@ -101,7 +101,7 @@ def as_elastic(
 
 
 def marked(spectrum: xr.DataArray, how: str) -> xr.DataArray:
-    """The spectrum with what it was taken for, and with the middle of its plateau, where that holds."""
+    """The spectrum with what it was taken for, and the middle of its plateau, where that holds."""
     period = spectrum.period.values
     values = spectrum.values
     above = period > 0
@@ -112,7 +112,7 @@ def marked(spectrum: xr.DataArray, how: str) -> xr.DataArray:
 
 
 def _share_left(spectrum: xr.DataArray) -> float:
-    """The ordinate over that for which the spectrum was said to be elastic; 1 where that is unknown."""
+    """The ordinate over that for which the spectrum was said to be elastic; 1 where unknown."""
     period, ordinate = spectrum.attrs.get(ELASTIC_AT, (np.nan, np.nan))
     known = spectrum.period.values
     if not known[0] <= period <= known[-1]:
@@ -147,7 +147,10 @@ def _not_stated(spectrum: xr.DataArray, share: float) -> str:
         stated = f"is it divided by {1 / share:.3g}, and not elastic?"
         shown = stated if spectrum.attrs[ELASTIC] == STATED else cure
         return f"its ordinates are {share:.3g} of those that were elastic; {shown}"
-    return f"nothing says that it is elastic ({plateau_in_words(spectrum)}), and it is taken so; {cure}"
+    return (
+        f"nothing says that it is elastic ({plateau_in_words(spectrum)}), and it is taken so; "
+        f"{cure}"
+    )
 
 
 def _doubts(spectrum: xr.DataArray) -> Iterator[str]:
@@ -183,9 +186,9 @@ def _doubts(spectrum: xr.DataArray) -> Iterator[str]:
     low = first <= values.size - LEVEL and (not first or values[-1] < 0.9 * values.max())
     if low and period[first] < LEVEL_FROM * (1 - SAME):
         yield (
-            f"it is level at {_in_g(values[-1])} from {period[first]:g} s on, as at the lower bound of "
-            f"divided spectra, and elastic ones of codes are so from {LEVEL_FROM:g} s on (IS 1893, "
-            "NBC 2010); is it divided by R or q?"
+            f"it is level at {_in_g(values[-1])} from {period[first]:g} s on, as at the lower "
+            f"bound of divided spectra, and elastic ones of codes are so from {LEVEL_FROM:g} s on "
+            "(IS 1893, NBC 2010); is it divided by R or q?"
         )
 
 
@@ -208,14 +211,14 @@ def _doubt_of_rows(period: Array, values: Array) -> Iterator[str]:
 
 
 def doubt_of_pga(spectrum: xr.DataArray, pga: float) -> str:
-    """What speaks against an elastic spectrum at a site with this peak ground acceleration [m/s^2]."""
+    """What contradicts an elastic spectrum at a site with this peak ground acceleration [m/s^2]."""
     top = float(spectrum.max())
     below = f"is above the plateau of the spectrum, {_in_g(top)}; is that divided by R or q?"
     return below if top < pga * (1 - SAME) else ""
 
 
 def _begins_on_plateau(values: Array) -> bool:
-    """Whether a code leaves out the rise from the peak ground acceleration, as that of Peru does."""
+    """Whether a code omits the rise from the peak ground acceleration, as that of Peru does."""
     first = values[:2] / values.max()
     return bool((first >= 1 - SAME).all())
 

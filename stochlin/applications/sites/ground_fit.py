@@ -183,8 +183,8 @@ def fit_ground(
     ----------
     .. [1] P. Whittle, "Estimation and information in stationary time series", Arkiv foer
        Matematik 2, 423-434, 1953.
-    .. [2] E. H. Vanmarcke, "On the distribution of the first-passage time for normal stationary random
-       processes", J. Appl. Mech. 42, 215-220, 1975.
+    .. [2] E. H. Vanmarcke, "On the distribution of the first-passage time for normal stationary
+       random processes", J. Appl. Mech. 42, 215-220, 1975.
 
     Examples
     --------
@@ -237,8 +237,8 @@ def fit_ground(
     text = (
         f"fitted to {target.attrs.get('source', 'a spectrum')} ({taken_in_words(target)}), damping "
         f"{wanted.damping:g}, {range_of_fit}; motions of {duration:g} s, {under}, "
-        f"have this spectrum in the mean with errors of {100 * fit.rms:.1f} % (root mean square) and "
-        f"{100 * fit.worst:.1f} % (largest)"
+        f"have this spectrum in the mean with errors of {100 * fit.rms:.1f} % (root mean square) "
+        f"and {100 * fit.worst:.1f} % (largest)"
     )
     if fit.worst > POOR:
         what = f"fit_ground: the mean spectrum of motions differs by up to {100 * fit.worst:.0f} %"
@@ -393,7 +393,7 @@ class _Search:
         )
 
     def corrected(self, fit: FittedFilters, accelerations: Array) -> FittedFilters:
-        """The fit with the peak factors of a simulation, whose mean spectrum is ``accelerations``."""
+        """The fit with peak factors of a simulation, whose mean spectrum is ``accelerations``."""
         peaks = self.wanted._replace(accelerations=accelerations).displacements
         std = np.sqrt(self._moments[0] @ _psd(fit.logs, self._frequency))
         return self._best(peaks / std, [fit.logs])

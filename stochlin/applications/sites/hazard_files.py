@@ -1,4 +1,4 @@
-"""Hazard curves from files: columns, and the results of OpenQuake and of the U.S. Geological Survey."""
+"""Hazard curves from files: columns, and results of OpenQuake and of the U.S. Geological Survey."""
 
 from __future__ import annotations
 

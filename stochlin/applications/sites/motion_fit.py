@@ -1,4 +1,4 @@
-"""Fit of ground and envelope to one or both components of a station: energy and response spectrum."""
+"""Fit ground and envelope to one or both components of a station: energy and response spectrum."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def energy_of(values: Array, dt: float) -> Array:
 
 
 def checked_components(record: Records) -> Components:
-    """The component, or both; a ValueError if two cannot be those of one station in one earthquake."""
+    """The component, or both; a ValueError if two cannot be of one station in one earthquake."""
     motions = checked_motions(record)
     names = motions.names or ["record"]
     records = motions.records
@@ -282,7 +282,7 @@ def fit_motion(
 
 
 def periods_of_fit(duration: float) -> Array:
-    """Periods [s] at which the spectra of a record and of motions of this length [s] are compared."""
+    """Periods [s] at which spectra of a record and of motions of this length [s] are compared."""
     return np.geomspace(SHORTEST, min(LONGEST, duration / CYCLES), POINTS)
 
 
@@ -305,7 +305,10 @@ def _misfits(
 ) -> Iterator[str]:
     """Sentences on what motions miss: significant durations [s] and ratios of spectra."""
     if not 1 / LIKE_DURATION <= duration / wanted <= LIKE_DURATION:
-        what = f"the motions have a significant duration of {duration:.3g} s, the record {wanted:.3g} s"
+        what = (
+            f"the motions have a significant duration of {duration:.3g} s, the record "
+            f"{wanted:.3g} s"
+        )
         yield f"{what}; try another envelope"
     inside = (periods >= band[0]) & (periods <= band[1])
     off = np.log(ratio[inside])

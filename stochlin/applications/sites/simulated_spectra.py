@@ -65,7 +65,7 @@ class SpectrumMotions:
     progress: Progress | None = field(default=None, compare=False)
 
     def accelerations(self) -> xr.DataArray:
-        """Accelerations of the ground [m/s^2] over ``path`` and ``time``, in steps of `PGA_STEP`."""
+        """Ground accelerations [m/s^2] over ``path`` and ``time``, in steps of `PGA_STEP`."""
         return simulated_motions(**vars(self), step=PGA_STEP, scatter=0.0)
 
     def models(self) -> dict[str, Model]:

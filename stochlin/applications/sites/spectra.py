@@ -1,4 +1,4 @@
-"""Response spectra as labelled arrays, pseudo-acceleration over period: from files, and their checks."""
+"""Response spectra as labelled arrays, pseudo-acceleration over period: from files, with checks."""
 
 from __future__ import annotations
 

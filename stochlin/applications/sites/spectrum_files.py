@@ -1,4 +1,4 @@
-"""Points of response spectra in files: in columns, or in a row for each site as OpenQuake writes them.
+"""Points of response spectra in files: in columns, or in a row per site as OpenQuake writes them.
 
 GEM, OpenQuake Engine manual, Uniform hazard spectra, ``hazard_uhs-mean_20.csv``: the columns
 ``lon,lat,0.1~PGA,0.1~SA(0.2),...``, whose names have a probability of exceedance and the period
@@ -122,7 +122,7 @@ def points_in(path: Path, request: AskedSpectrum) -> Points:
 
 
 def _doubts_of_remarks(table: Table, request: AskedSpectrum) -> Iterator[str]:
-    """Texts on remarks of another damping ratio, or of the factor by which ordinates are divided."""
+    """Texts on remarks of another damping ratio, or of a factor by which ordinates are divided."""
     for place, text in table.remarks():
         damping = damping_in_remark(text)
         factor = divided_by_remark(text)
@@ -172,7 +172,7 @@ def _converted(table: Table, abscissa: Choice, ordinate: Choice, units: str | No
 
 
 def _check_one_spectrum(table: Table, columns: Sequence[Column]) -> None:
-    """Raise a ValueError if a column of names, as ETABS exports it, has those of several spectra."""
+    """Raise a ValueError if a column of names, as ETABS exports it, names several spectra."""
     for column in columns:
         names = table.rows[column.number - 1]
         if NAME in column.said.quantities and names.nunique() < len(names):

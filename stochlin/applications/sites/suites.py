@@ -187,7 +187,7 @@ def _components(
     component: ColumnName | None,
     **reading: Any,
 ) -> Iterator[tuple[str, _Read]]:
-    """The components of a file with their names: the one that is asked for, or all of up to three."""
+    """The components of a file with their names: the one asked for, or all of up to three."""
     source, channels = read_channels(path, **reading)
     if component is None and 1 < len(channels) <= 3:
         for channel in channels:
@@ -241,7 +241,7 @@ def _without_earthquake(suite: Suite) -> Iterator[str]:
 
 
 def _alike(suite: Suite) -> Iterator[str]:
-    """Sentences on records that may be a vertical component, a copy, or a component of another one."""
+    """Sentences on records that may be a vertical component, a copy, or a component of another."""
     of_events: dict[object, list[str]] = {}
     lengths: dict[object, list[str]] = {}
     names = [*suite]
@@ -352,7 +352,7 @@ def scale_records(
     elastic: Truth | None = None,
     divided_by: DividedBy | None = None,
 ) -> Suite:
-    """Scale each record of a suite by its own factor to a peak or spectral acceleration or a spectrum.
+    """Scale each record of a suite by its factor to a peak or spectral acceleration or a spectrum.
 
     Parameters
     ----------

@@ -20,7 +20,7 @@ MAXIMUM = "multiPeriodMCErSpectrum", "twoPeriodMCErSpectrum"
 
 
 class UsgsSpectrum(NamedTuple):
-    """A spectrum of a response: its name, periods [s], ordinates [g], and the place of each point."""
+    """A spectrum of a response: name, periods [s], ordinates [g], and the place of each point."""
 
     name: str
     periods: Array

@@ -36,7 +36,8 @@ USUAL_DAMPING = 0.05  # which changes nothing that is shown
 @click.option(
     "--pushover",
     type=FILE,
-    help="Pushover curve of the building under forces of its first mode: the strength of that mode.",
+    help="Pushover curve of the building under forces of its first mode: the strength of that "
+    "mode.",
 )
 @click.option(
     "--pushover-units",

@@ -88,8 +88,8 @@ def _assumed(table: xr.Dataset, building: ModalBuilding) -> Iterator[str]:
         yield "Participation factors and modal masses are computed from shapes and floor masses."
     else:
         yield (
-            "Participation factors and modal masses are those of the file: the building turns, or other "
-            "masses move, too. Storey shears above the first storey are not known."
+            "Participation factors and modal masses are those of the file: the building turns, or "
+            "other masses move, too. Storey shears above the first storey are not known."
         )
     if "left_out" in table.attrs:
         left_out = table.attrs["left_out"]
@@ -100,7 +100,9 @@ def _assumed(table: xr.Dataset, building: ModalBuilding) -> Iterator[str]:
         yield TURNS.format(building=table.attrs["source"])
     if "below_ground" in table.attrs:
         count = _count(table.attrs["below_ground"], "floor")
-        yield f"Left out: {count} at or below the ground, with whose mass the lowest floor is shown."
+        yield (
+            f"Left out: {count} at or below the ground, with whose mass the lowest floor is shown."
+        )
     yield "Only the motion along the gap is described; that across it is neglected."
 
 
@@ -115,12 +117,13 @@ def _strength(
     force = float(ideal["yield_force"])
     share = force / (GRAVITY * float(table["mass"].sum()))
     yield (
-        f"Strength of mode 1 by the pushover curve {ideal['base_shear'].attrs['source']}, idealized by "
-        f"ASCE 41: yield at {force / 1e3:.5g}{SPACE}kN, "
-        f"{per_cent(share, 1)} of the weight, and {length(float(ideal['yield_displacement']))} of the "
-        f"roof; hardening ratio {float(ideal['hardening']):.3g}. The other modes stay elastic."
+        f"Strength of mode 1 by the pushover curve {ideal['base_shear'].attrs['source']}, "
+        f"idealized by ASCE 41: yield at {force / 1e3:.5g}{SPACE}kN, "
+        f"{per_cent(share, 1)} of the weight, and {length(float(ideal['yield_displacement']))} of "
+        f"the roof; hardening ratio {float(ideal['hardening']):.3g}. The other modes stay elastic."
     )
     yield (
-        f"Mode 1 with the curve: period {building.mode_periods()[0].item():.4g}{SPACE}s up to yield, "
-        f"yield displacement of its oscillator {length(first.arrays()['yield_displacement'].item())}."
+        f"Mode 1 with the curve: period {building.mode_periods()[0].item():.4g}{SPACE}s up to "
+        "yield, yield displacement of its oscillator "
+        f"{length(first.arrays()['yield_displacement'].item())}."
     )

@@ -47,7 +47,7 @@ PATHS = "Number of simulated motions, with --method simulation."
 @click.option("--out", type=FILE, help="Save the table as .nc or .csv.")
 @quiet_option
 def rho(out: Path | None, method: Any, **options: Any) -> None:
-    """Compute the correlation coefficient of a pair of bilinear structures, or a table over parameters.
+    """Compute the correlation coefficient of two bilinear structures, or a table over parameters.
 
     A number is a value (0.5s), a list (0.5s,1s,2s) or a sweep start:stop:count, with :log for a
     geometric one (0.2s:4s:81:log). Periods have their unit, as in case files: 0.7s, 700ms. Both
@@ -82,7 +82,7 @@ def rho(out: Path | None, method: Any, **options: Any) -> None:
 
 
 def of_these(table: xr.Dataset) -> str:
-    """The errors of linearization for the pairs of a table, by its bias; empty if any is not known."""
+    """The errors of linearization for pairs of a table, by its bias; empty if any is not known."""
     names = "bias", "bias_1", "bias_2", "relative_displacement_bias"
     if not all(name in table and bool(table[name].notnull().all()) for name in names):
         return ""

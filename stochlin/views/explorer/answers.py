@@ -24,9 +24,9 @@ if TYPE_CHECKING:
 
 MARKERS = "o", "s"
 CAPTION = (
-    "Building 1 stays, and the period of building 2 changes. Lines: linearization. Points: simulation, "
-    "with 95 % intervals. The white noise is as strong as the ground of the case at the period of "
-    "building 1. The vertical line is the ratio of the case."
+    "Building 1 stays, and the period of building 2 changes. Lines: linearization. Points: "
+    "simulation, with 95 % intervals. The white noise is as strong as the ground of the case at "
+    "the period of building 1. The vertical line is the ratio of the case."
 )
 
 
@@ -56,7 +56,7 @@ def gap_of(folder: str, name: str, text: str, progress: Progress) -> str:
 
 
 def correlation_of(folder: str, name: str, text: str, progress: Progress) -> str:
-    """The correlation over the ratio of the periods, on the ground of the case and on a broad band."""
+    """The correlation over the ratio of periods, on the ground of the case and on a broad band."""
     case, doubts = read_upload(folder, name, text)
     ratio = pair_of(case)[1].period / pair_of(case)[0].period
     grounds = list(correlations(case, progress))

@@ -109,7 +109,7 @@ class Page:
             self._compute(PAUSE)
 
     def _compute(self, pause: float = 0.0) -> None:
-        """Stop what is computed, and compute the present tab anew after a pause, if a browser looks."""
+        """Stop what is computed; compute the present tab anew after a pause, if a browser looks."""
         self._job.wanted = False
         tab = str(self._tabs.value)
         text, self._answer.content = self._answered.get(tab, (None, ""))

@@ -122,7 +122,8 @@ def serve(start: Upload, port: int, show: bool) -> None:
         Page(start, worker)
 
     async def ready() -> None:
-        gc.freeze()  # so that a search for garbage is one of what pages leave, and not of all libraries
+        # So that a search for garbage is one of what pages leave, and not of all libraries:
+        gc.freeze()
         background_tasks.create(worker.answer(Job(), answers.READY))
         click.echo(f"The explorer is at http://{HOST}:{port} (Ctrl+C ends it)")
 

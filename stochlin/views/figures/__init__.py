@@ -1,1 +1,1 @@
-"""The figures of the paper and those of a record: the data and the picture of each in one module."""
+"""The figures of the paper and those of a record: the data and picture of each in one module."""

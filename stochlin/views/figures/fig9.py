@@ -31,7 +31,7 @@ TICKS = (0.2, 0.4, 0.6, 0.8, 1.0)
 
 @PICTURES.register("required_gaps")
 def draw_required_gaps(figure: Figure, dataset: xr.Dataset) -> None:
-    """A panel for each strength and ground; in a narrow picture the grounds are beside one another."""
+    """A panel for each strength and ground; in a narrow picture grounds are beside one another."""
     across = "reduction_factor"
     down = "ground"
     if "ground" not in dataset.dims:

@@ -1,4 +1,4 @@
-"""Figs. 1 and 2, of a motion: pseudo energy radius, energies, and the critical gap over the periods."""
+"""Figs. 1 and 2, of a motion: pseudo energy radius, energies and critical gap over the periods."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def draw_portrait(figure: Figure, dataset: xr.Dataset) -> None:
 
 @PICTURES.register("energies")
 def draw_energies(figure: Figure, dataset: xr.Dataset) -> None:
-    """Largest radius and energies so far over time, of the elastic and of the yielding structure."""
+    """Largest radius and energies so far over time, of the elastic and the yielding structure."""
     times = float(dataset.significant_begin), float(dataset.significant_end)
     shown = [("pseudo energy radius", "radius")]
     shown += [(f"{kind} energy", f"{kind}_energy_radius") for kind in ENERGIES]

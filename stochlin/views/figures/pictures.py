@@ -207,7 +207,7 @@ def in_cm(table: xr.DataArray) -> xr.DataArray:
 
 
 def shown(dataset: xr.Dataset) -> xr.DataArray:
-    """Variable that a chart shows: the one that ``shows`` names, or the first one that is no status."""
+    """Variable that a chart shows: the one that ``shows`` names, or the first that is no status."""
     first = next(name for name in dataset.data_vars if name != "status")
     return dataset[dataset.attrs.get("shows", first)]
 
@@ -391,7 +391,7 @@ def planes(
 
 
 def _triangles(x: np.ndarray, y: np.ndarray, z: np.ndarray) -> tuple[Triangulation, np.ndarray]:
-    """The plane of a table cut into triangles along its diagonal: a narrow ridge on it stays whole."""
+    """The plane of a table in triangles along its diagonal: a narrow ridge on it stays whole."""
     from matplotlib.tri import Triangulation
 
     corner = np.arange(z.size).reshape(z.shape)[:-1, :-1].ravel()

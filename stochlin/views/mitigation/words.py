@@ -36,12 +36,12 @@ if TYPE_CHECKING:
 
 WIDE = 34  # characters of a name
 NOTES = {
-    "measure": "Damping: added to buildings 1 and 2, in per cent of critical. Dashpot: damping constant "
-    "of all linear links between the buildings. Needed: the gap for the confidence, and its 95 % "
-    "interval. Apart: share of the simulated motions in which the "
+    "measure": "Damping: added to buildings 1 and 2, in per cent of critical. Dashpot: damping "
+    "constant of all linear links between the buildings. Needed: the gap for the confidence, and "
+    "its 95 % interval. Apart: share of the simulated motions in which the "
     "existing gap prevents pounding. Std: standard deviation of the relative displacement by "
-    "linearization, which is too small where buildings yield. All measures are simulated with the same "
-    "motions.",
+    "linearization, which is too small where buildings yield. All measures are simulated with the "
+    "same motions.",
     "link": "Devices: mean | 95 % quantile over the simulated motions, without contact of the "
     "buildings and without partial factors of codes; 1.3 is floor 3 of building 1.",
 }

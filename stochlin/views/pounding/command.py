@@ -24,28 +24,28 @@ from stochlin.views.shared.screen import (
 @click.option(
     "--out",
     type=FILE,
-    help="Save the histories and impacts in one record, or the results of each of several motions, as "
-    ".nc.",
+    help="Save the histories and impacts in one record, or the results of each of several motions, "
+    "as .nc.",
 )
 @click.option(
     "--picture",
     type=FILE,
-    help="Draw the histories, or how often peaks are exceeded in many motions, as .png, .svg or .pdf, "
-    "and save the data beside the picture.",
+    help="Draw the histories, or how often peaks are exceeded in many motions, as .png, .svg or "
+    ".pdf, and save the data beside the picture.",
 )
 @click.option(
     "--motions",
     type=click.IntRange(min=2),
-    help="Simulate this number of motions of the site in place of its records, and print one table of "
-    "their results.",
+    help="Simulate this number of motions of the site in place of its records, and print one table "
+    "of their results.",
 )
 @click.option(
     "--steps-per-contact",
     type=int,
     default=16,
     show_default=True,
-    help="Time steps in half a period of the contact, 4 to 4096. All time steps become shorter with it; "
-    "the error falls with its square.",
+    help="Time steps in half a period of the contact, 4 to 4096. All time steps become shorter "
+    "with it; the error falls with its square.",
 )
 @quiet_option
 def pound(

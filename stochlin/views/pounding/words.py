@@ -61,10 +61,13 @@ OF_NEIGHBOURS = {
 }
 MEANINGS = "Alone: without pounding. Amplification: displacement over that alone."
 OF_FLOORS = (
-    "Displacements are those of the roof; accelerations and amplifications, those of the floor where "
-    "they are largest."
+    "Displacements are those of the roof; accelerations and amplifications, those of the floor "
+    "where they are largest."
 )
-JUMPS = "Velocities jump in impacts with this contact: accelerations and shears are those between impacts."
+JUMPS = (
+    "Velocities jump in impacts with this contact: accelerations and shears are those between "
+    "impacts."
+)
 ERRORS = (
     "Mean: with its standard error. The 95 % intervals of the quantiles are in brackets; over: the "
     "motions are too few for the upper end of the interval."
@@ -74,8 +77,8 @@ FAILED = (
     "quantiles are too small."
 )
 STRENGTH = (
-    "Strengths given by reduction factor or ductility refer to the ground of the file, {}, not to the "
-    "records."
+    "Strengths given by reduction factor or ductility refer to the ground of the file, {}, not to "
+    "the records."
 )
 
 
@@ -139,8 +142,8 @@ def columns_faced(table: xr.Dataset, end: str = "", when: str = "") -> str:
     return (
         f"SLABS HIT COLUMNS at {hit} contact{'s' * (hit > 1)}, since the floors are not level. "
         f"Hardest, {float(contact.level):.4g} m up: the columns of storey {int(contact.storey)} of "
-        f"building {struck} take {force}{when}. They carry the building above: check them in bending "
-        "and shear, or widen the gap."
+        f"building {struck} take {force}{when}. They carry the building above: check them in "
+        "bending and shear, or widen the gap."
     )
 
 
@@ -153,8 +156,8 @@ def energies(table: xr.Dataset) -> str:
     sinks = zip(SINKS, shares, strict=True)
     spent = ", ".join(f"{word} {share}" for word, share in sinks if meets or word != "contacts")
     return (
-        f"Of the {number(energy, 'kJ')} kJ from the ground, {spent}; {left} are left at the end. The "
-        f"balance is off by {float(table.energy_balance_error.max()):.0e} at most."
+        f"Of the {number(energy, 'kJ')} kJ from the ground, {spent}; {left} are left at the end. "
+        f"The balance is off by {float(table.energy_balance_error.max()):.0e} at most."
     )
 
 
@@ -173,7 +176,7 @@ def roof(building: xr.Dataset) -> xr.Dataset:
 
 
 def _values(case: Case, table: xr.Dataset) -> ViewSection:
-    """Rows of each gap and each building: values in one record, or means and quantiles, and notes."""
+    """Rows of each gap and building: values in one record, or means and quantiles, and notes."""
     single = "time" in table.dims
     meets = "neighbours" in table.dims
     end = "" if single else "_mean"

@@ -1,4 +1,4 @@
-"""The command ``stochlin probability``: a case file in; how likely pounding is, printed and drawn."""
+"""The command ``stochlin probability``: how likely pounding is in a case, printed and drawn."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ from stochlin.views.shared.screen import (
 @click.option("--picture", type=FILE, help="Draw the probability as .png, .svg or .pdf.")
 @quiet_option
 def probability(case: Path, gap: float | None, out: Path | None, picture: Path | None) -> None:
-    """Compute the probability over time that two buildings pound in an earthquake of finite duration.
+    """Compute the probability over time that two buildings pound in earthquakes of finite duration.
 
     CASE is a file like that of 'stochlin gap --example'. As .csv, the table has a row for each
     instant.

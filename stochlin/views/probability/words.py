@@ -32,8 +32,8 @@ ROWS = 11  # instants that are printed
 STEM = "confidence_of_no_pounding"
 FORMULAS = {"clustered crossings": STEM, "independent crossings": f"{STEM}_poisson"}
 UNRELIABLE = (
-    "Do not rely on the formula: for buildings like these it may be far off. The simulated confidence "
-    "has no such error."
+    "Do not rely on the formula: for buildings like these it may be far off. The simulated "
+    "confidence has no such error."
 )
 
 

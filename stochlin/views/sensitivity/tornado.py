@@ -102,7 +102,10 @@ def blocks(table: xr.Dataset, names: Mapping[str, str] = NAMES) -> list[Block]:
     listed = TableBlock.of(
         ["input", "range", "of it", f"{quantity} [cm]"], [row[1:] for row in shown], ("range",)
     )
-    text = f"Change of the {quantity} with each input at the ends of its range; lines: standard errors."
+    text = (
+        f"Change of the {quantity} with each input at the ends of its range; lines: standard "
+        "errors."
+    )
     draw = partial(draw_sensitivity, table, names, caption=False)
     return [
         *texts(sentences),

@@ -34,8 +34,8 @@ MORE = "'--details' adds the shaking, drifts, all other rules and the notes on t
 @click.option(
     "--picture",
     type=FILE,
-    help="Draw the buildings to scale with the gaps and how often they are enough, as .png, .svg or "
-    ".pdf, and save the data beside the picture.",
+    help="Draw the buildings to scale with the gaps and how often they are enough, as .png, .svg "
+    "or .pdf, and save the data beside the picture.",
 )
 @click.option(
     "--details",
@@ -64,7 +64,7 @@ def gap(
     example: str | None,
     example_record: bool,
 ) -> None:
-    """Compute the gap that two buildings need, by simulation, by formulas and by your building codes.
+    """Compute the gap that two buildings need, by simulation, formulas and your building codes.
 
     CASE is a file that describes the site, the motion and the buildings. With one building, the
     command computes its set-back from the property line.

@@ -1,4 +1,4 @@
-"""Pictures of an answer about a gap, one column wide, and for print in grey; the first is to scale."""
+"""Pictures of an answer about a gap, one column wide, for print in grey; the first is to scale."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ POUND = ("#e0906a", "////")
 
 
 def distribution_figure(answer: CaseAnswer) -> Figure:
-    """Probability of no pounding over the gap, in the motions and, if there are many, the records."""
+    """Probability of no pounding over the gap, in the motions and, if many, the records."""
     table = answer.separation
     about = subject_of(answer.case)
     samples = CENTIMETRES * np.sort(table.separation_samples.values)
@@ -205,7 +205,7 @@ def elevation_picture(answer: CaseAnswer) -> Picture:
 
 @styled(PAGE_STYLE | AS_GIVEN)
 def elevation_figure(answer: CaseAnswer) -> Figure:
-    """Buildings with floors and displacements, gaps as dimension lines, and the share of motions."""
+    """Buildings with floors and displacements, gaps as dimension lines and the share of motions."""
     from matplotlib.figure import Figure
 
     gaps = dimensions(answer)
@@ -320,7 +320,7 @@ def _name(building: Building) -> str:
 
 
 def _floors(building: Building) -> np.ndarray:
-    """Levels of the floors [m]; of an oscillator as if its storeys were equal, if they are known."""
+    """Levels of floors [m]; of an oscillator as if its storeys were equal, if they are known."""
     if building.has_storeys:
         levels: np.ndarray = building.structure.levels()
         return levels

@@ -45,8 +45,8 @@ def risk_blocks(answer: CaseAnswer) -> list[Block]:
     )
     note = (
         f"From {table.attrs['risk_paths']} motions at each of {table.sizes['risk_intensity']} "
-        f"intensities of the hazard; the intervals are those of their sampling, 95{SPACE}%, and include "
-        "what shaking beyond the ends of the hazard can add. "
+        f"intensities of the hazard; the intervals are those of their sampling, 95{SPACE}%, and "
+        "include what shaking beyond the ends of the hazard can add. "
         "Different years are taken as independent."
     )
     rows = [_row(answer, of_gap) for of_gap in along(table, "risk_gap")]
@@ -70,7 +70,7 @@ def _row(answer: CaseAnswer, risk: xr.Dataset) -> tuple[str, ...]:
 
 
 def _frequency(risk: xr.Dataset) -> tuple[str, str]:
-    """The annual frequency and its return period; as a bound where the hazard leaves out much of it."""
+    """The annual frequency and return period; as a bound where the hazard leaves out much of it."""
     rate, _, most = with_interval(risk, "risk_annual_rate")
     unseen = float(risk.risk_annual_rate_unseen + risk.risk_annual_rate_unseen_weaker)
     if unseen > NOTICED * rate:
@@ -117,7 +117,7 @@ def risk_sentences(answer: CaseAnswer) -> list[str]:
         sentences.insert(
             0,
             f"The hazard curve ends at {name} {highest}. Stronger shaking could add up to "
-            f"{beyond:.2g} a year to the frequency of pounding, which is in its interval: extend the "
-            "table to rarer shaking.",
+            f"{beyond:.2g} a year to the frequency of pounding, which is in its interval: extend "
+            "the table to rarer shaking.",
         )
     return sentences

@@ -1,4 +1,4 @@
-"""An answer about a gap in plain words and short numbers: each sentence once, for screen and page."""
+"""An answer on a gap in plain words and short numbers: each sentence once, for screen and page."""
 
 from __future__ import annotations
 
@@ -54,8 +54,8 @@ ONE_MASS = (
     "height. Roofs of equal storeys move farther, up to 1.5 times; describe the storeys for that."
 )
 LINE = (
-    "Nothing beyond the property line is in the model: two neighbours that each stay on their own side "
-    "cannot meet; for a neighbour nearer to the line, compute the gap between both buildings."
+    "Nothing beyond the property line is in the model: two neighbours that each stay on their own "
+    "side cannot meet; for a neighbour nearer to the line, compute the gap between both buildings."
 )
 AS_APPLIED = "the code as you apply it"
 COMBINATION = "the code's combination of simulated peaks"
@@ -80,12 +80,12 @@ USUAL = (
     "eq_3_paper",
 )
 NO_CODES = (
-    'For a building code as you apply it write, for instance, codes = ["eurocode_8"] in [separation], '
-    "and in each building displacements of your analysis and the factors of the code."
+    'For a building code as you apply it write, for instance, codes = ["eurocode_8"] in '
+    "[separation], and in each building displacements of your analysis and the factors of the code."
 )
 MARKS = (
-    "Marks: S, compared with its source; C, derived and checked; P, in the text of the paper; M, not "
-    "compared with its source."
+    "Marks: S, compared with its source; C, derived and checked; P, in the text of the paper; M, "
+    "not compared with its source."
 )
 SURE = " high"  # end of marks M of what is well known without its source
 # How a code combines the displacements of two buildings, by the family of its rule.
@@ -96,7 +96,10 @@ COMBINATIONS = {
     "fixed": "a fixed distance, without displacements",
 }
 ON_ONE = ", since both buildings stand on one property"
-ON_TWO = ", since the buildings stand on two properties (on one, write same_property = true in [separation])"
+ON_TWO = (
+    ", since the buildings stand on two properties (on one, write same_property = true in "
+    "[separation])"
+)
 OF_R = "R is three standard deviations of the stationary elastic displacement over that at yield."
 SIGNED = "Date, prepared by, checked by:"
 OF_TWO = "needs a second building"  # the reason why a rule is not available
@@ -213,7 +216,7 @@ def confidence(case: Case) -> str:
 
 
 def meeting_level(answer: CaseAnswer) -> str:
-    """The level at which both buildings could meet, to which peaks refer; empty if it is not known."""
+    """The level at which both buildings could meet, to which peaks refer; empty if unknown."""
     if answer.case.alone:
         return ""
     table = answer.separation
@@ -246,8 +249,8 @@ def cautions(answer: CaseAnswer) -> list[str]:
         floors(answer.case),
         _without_storeys(answer),
         *(
-            f"{building.name} falls in {per_cent(share, 1)} of the motions, for which no gap is enough; "
-            "it has no mean peak."
+            f"{building.name} falls in {per_cent(share, 1)} of the motions, for which no gap is "
+            "enough; it has no mean peak."
             for building, share in shares
             if share > 0
         ),
@@ -256,13 +259,13 @@ def cautions(answer: CaseAnswer) -> list[str]:
     gap = float(table.gap[0])
     if "peak_2" in table and np.isfinite(gap) and gap <= ALIKE * max(of_each(table, "peak")):
         sentences.append(
-            "Both move alike in this model, but no two real buildings do. A small difference of the "
-            "periods needs a gap: repeat the calculation with one."
+            "Both move alike in this model, but no two real buildings do. A small difference of "
+            "the periods needs a gap: repeat the calculation with one."
         )
     if any(MUCH < ductility < np.inf for ductility in of_each(table, "ductility")):
         sentences.append(
-            f"{_ductilities(table)} More than {MUCH:g} is more than most buildings can sustain, and the "
-            "model does not include loss of strength."
+            f"{_ductilities(table)} More than {MUCH:g} is more than most buildings can sustain, "
+            "and the model does not include loss of strength."
         )
     return [sentence for sentence in sentences if sentence]
 
@@ -281,8 +284,8 @@ def _without_storeys(answer: CaseAnswer) -> str:
                 f", although it is {building.height:.4g}{SPACE}m high" if building.height else ""
             )
             return (
-                f"{building.name} is described without storeys: its displacement is compared with that "
-                f"of the roof of {other.name}, {other.height:.4g}{SPACE}m up{height}."
+                f"{building.name} is described without storeys: its displacement is compared with "
+                f"that of the roof of {other.name}, {other.height:.4g}{SPACE}m up{height}."
             )
     return ""
 
@@ -322,7 +325,7 @@ def details(answer: CaseAnswer, on_page: bool = False) -> list[TextBlock]:
 
 
 def _storeys(answer: CaseAnswer) -> str:
-    """The storey of each building with the largest ductility, or the largest drift if none yields."""
+    """The storey of each building with the largest ductility, or drift if none yields."""
     table = answer.separation
     parts = []
     for number, building in enumerate(answer.case.buildings, start=1):
@@ -339,7 +342,10 @@ def _storeys(answer: CaseAnswer) -> str:
         drift = float(row.peak_drift_mean)
         storey = int(row.storey)
         share = drift / float(building.structure.arrays()["heights"][storey - 1])
-        text = f"storey {storey} of {building.name}, {length(drift)}, {per_cent(share, 2)} of its height"
+        text = (
+            f"storey {storey} of {building.name}, {length(drift)}, {per_cent(share, 2)} of its "
+            "height"
+        )
         parts.append(f"{text}, ductility {float(row.ductility):.1f}" if yields else text)
     return f"Mean peak drifts of the worst storeys: {'; '.join(parts)}." if parts else ""
 
@@ -358,8 +364,8 @@ def allowances(answer: CaseAnswer) -> list[Block]:
     where = "" if case.alone else " to both"
     rows.append(_limit(f"damping ratio added{where}", "at least", *damping))
     note = (
-        f"The existing {subject_of(case).gap} is enough after one of these changes alone. The values "
-        f"tried: {limits.attrs['searched']}."
+        f"The existing {subject_of(case).gap} is enough after one of these changes alone. The "
+        f"values tried: {limits.attrs['searched']}."
     )
     heads = ("change", "enough with", "95 % interval")
     return [TableBlock.of(heads, rows, heads[1:]), TextBlock(note, "note")]
@@ -404,8 +410,8 @@ def method(case: Case) -> list[str]:
     by_one_mass = any(not building.has_storeys for building in case.buildings)
     return [
         f"{case.simulated.motions} motions of a stationary random process with an envelope "
-        f"({site_in_words(case)}); the interval covers their sampling only. The strength of the next "
-        f"earthquake is the largest unknown{spread}.",
+        f"({site_in_words(case)}); the interval covers their sampling only. The strength of the "
+        f"next earthquake is the largest unknown{spread}.",
         "Left out: modes beyond the models, torsion, soil under the foundations, loss of strength, "
         f"errors of the parameters{known}; load factors and least distances of codes.",
         *([ONE_MASS] if by_one_mass else []),
@@ -455,7 +461,7 @@ def rows(answer: CaseAnswer) -> list[RuleLine]:
 
 
 def usual_rows(answer: CaseAnswer) -> list[RuleLine]:
-    """The usual rules, and those that the case asks for: codes as applied, and rules with a number."""
+    """The usual rules, and those the case asks for: codes as applied, and rules with a number."""
     return [row for row in rows(answer) if row.usual]
 
 
@@ -518,13 +524,13 @@ def combinations(answer: CaseAnswer) -> Items:
 
 
 def own_codes(answer: CaseAnswer) -> list[RuleLine]:
-    """The codes of the case file as its engineer applies them, and the rules with numbers of its own."""
+    """The codes of the case as its engineer applies them, and the rules with numbers of its own."""
     numbers = answer.case.wanted.numbers.more
     return [row for row in usual_rows(answer) if row.group == AS_APPLIED or row.rule in numbers]
 
 
 def rules_table(answer: CaseAnswer, shown: list[RuleLine]) -> TableBlock:
-    """A row for each rule that has a gap: on the screen by its name in files, on a page by its title."""
+    """A row for each rule with a gap: on screen by its name in files, on a page by its title."""
     about = subject_of(answer.case)
     heads = ("rule", f"{about.gap} [cm]", "error", about.column, "verdict", "mark")
     table_rows = [
@@ -561,6 +567,6 @@ def rules_notes(answer: CaseAnswer) -> TextBlock:
 
 
 def assumptions(answer: CaseAnswer) -> Items:
-    """What the codes of the case assume, and their sources; those of all rules are in the dataset."""
+    """What codes of the case assume, and their sources; those of all rules are in the dataset."""
     shown = [row for row in own_codes(answer) if not row.missing]
     return Items([f"{row.label}: {row.basis}." for row in shown])

@@ -1,4 +1,4 @@
-"""What a command shows, as plain data for the screen and the page, and the symbols of formulas in it."""
+"""What a command shows, as plain data for screen and page, and the symbols of formulas in it."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class Row:
 
 @dataclass(frozen=True)
 class TableBlock:
-    """Numbers below heads such as ``gap [cm]``; the first column and those of words are flush left."""
+    """Numbers below heads like ``gap [cm]``; the first column and those of words are flush left."""
 
     heads: Sequence[str]
     rows: Sequence[Row]
@@ -105,7 +105,7 @@ def typeset(text: str) -> str:
 
 
 def typeset_html(text: str, as_given: Iterable[str] = ()) -> str:
-    """The same as HTML, with all else escaped; ``as_given`` are names without symbols, the user's."""
+    """The same as HTML, all else escaped; ``as_given`` are names without symbols, the user's."""
 
     def symbol(letter: str, index: str) -> str:
         return f"<i>{letter}</i>" + (f"<sub>{index}</sub>" if index else "")

@@ -1,4 +1,4 @@
-"""Options of commands in numbers: quantities with units, lists and sweeps, and models made of them."""
+"""Options of commands in numbers: quantities with units, lists and sweeps, and models of them."""
 
 from __future__ import annotations
 

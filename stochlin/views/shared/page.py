@@ -52,7 +52,7 @@ def page(
 
 
 def _svg(picture: Picture, prefix: str) -> Markup:
-    """A picture for HTML: without prolog, with ids of its own, and with its text for screen readers."""
+    """A picture for HTML: without prolog, with ids of its own and its text for screen readers."""
     import matplotlib as mpl
     from markupsafe import Markup, escape
 

@@ -47,7 +47,7 @@ class TimeLeft:
         self._reports: deque[tuple[float, float]] = deque()
 
     def after(self, share: float) -> float:
-        """The seconds that are left after this share of the work; infinite if that cannot be said."""
+        """The seconds left after this share of the work; infinite if that cannot be said."""
         now = time.monotonic() - self._begin
         self._reports.append((now, share))
         while len(self._reports) > 2 and self._reports[1][0] <= now / 2:

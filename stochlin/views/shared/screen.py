@@ -144,7 +144,7 @@ def check_target(
 def data_target(
     out: Path | None, picture: Path | None, allowed: Sequence[str], inputs: Iterable[Path] = ()
 ) -> Path | None:
-    """Where the data go, where that is asked for or beside the picture; raises as `check_target`."""
+    """Where the data go, where asked for or beside the picture; raises as `check_target`."""
     data = out if out or not picture else picture.with_suffix(allowed[0])
     check_target("--out" if out else "--picture", data, allowed, inputs)
     check_target("--picture", picture, PICTURES, inputs)

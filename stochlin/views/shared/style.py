@@ -73,7 +73,7 @@ def styled(
 
 
 def filled(lines: Iterable[str], width: int, hang: str = "") -> str:
-    """The lines of a caption, none longer than so many characters; units stay with their numbers."""
+    """The lines of a caption, none longer than so many characters; units stay with numbers."""
     fill = partial(textwrap.fill, width=width, subsequent_indent=hang, break_on_hyphens=False)
     return "\n".join(fill(BEFORE_UNIT.sub("\0", line)) for line in lines).replace("\0", " ")
 
@@ -123,7 +123,8 @@ def legend_above(axes: Axes, columns: int = 2, size: float = 8.5) -> None:
     if axes.get_legend_handles_labels()[0]:
         axes.legend(
             loc="lower left", bbox_to_anchor=(-0.02, 1.0), ncols=columns,
-            borderaxespad=0.2, fontsize=size, columnspacing=1.2, handlelength=2.6, labelspacing=0.25,
+            borderaxespad=0.2, fontsize=size, columnspacing=1.2, handlelength=2.6,
+            labelspacing=0.25,
         )  # fmt: skip
 
 

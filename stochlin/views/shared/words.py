@@ -32,14 +32,14 @@ IN_SI = {"1": 1.0, "g": constants.g, "m/s": 1.0, "ms": 1e-3, "kJ": 1e3, "MN": 1e
 FAR = 2.5  # times what most rules ask: gaps beyond are told at the border of a picture, not drawn
 PAPER = "as in Valles-Mattox and Reinhorn (1996)"
 SLABS = (
-    "A slab can break the column that it hits, and the storey with it. Codes that allow a smaller gap "
-    "where floors align, such as Eurocode 8 (4.4.2.7) with 0.7 of the gap within one property, mean "
-    "only floors at the same level."
+    "A slab can break the column that it hits, and the storey with it. Codes that allow a smaller "
+    "gap where floors align, such as Eurocode 8 (4.4.2.7) with 0.7 of the gap within one property, "
+    "mean only floors at the same level."
 )
 
 TURNS = (
-    "Caution: {building} turns in plan, and a gap can be too small: export the displacements of joints "
-    'on the edge that faces the neighbour, and name one on each floor, as points = ["12"].'
+    "Caution: {building} turns in plan, and a gap can be too small: export the displacements of "
+    'joints on the edge that faces the neighbour, and name one on each floor, as points = ["12"].'
 )
 YIELDS = (
     "Mode 1 of {building} has {share} of the mass, bears all of its strength and yields at "
@@ -88,7 +88,7 @@ def per_cent(share: float, digits: int = 0, sign: str = "") -> str:
 
 @checked
 def rule_label(rule: str) -> str:
-    """Name of a rule for a reader, ``eq. (3), Iwan (1980)``; of one without a title by its own name."""
+    """Name of a rule for a reader, ``eq. (3), Iwan (1980)``; of one without a title by its name."""
     stem = rule.removeprefix("eq_3_")
     known = EFFECTIVE_RULES.get(stem) or CODE_RULES.get(stem)
     plain = {"paper": PAPER, "cqc": "CQC"}.get(stem, stem.replace("_", " "))
@@ -220,9 +220,10 @@ def over_records(table: xr.Dataset, count: int, gap: float, what: str = "gap") -
         parts.append(f"{length(needed)} in {share:.4g}{SPACE}% of them ({ends})")
     share, low, high = with_interval(table, "record_no_pounding_probability")
     return (
-        f"The {count} recorded motions would have needed {', '.join(parts)}. A {what} of {length(gap)} "
-        f"is enough in {round(share * count)} of {count}, {per_cent(share)} ({per_cent(low)} to "
-        f"{per_cent(high)}, with {table.attrs['independent']} of them independent)."
+        f"The {count} recorded motions would have needed {', '.join(parts)}. A {what} of "
+        f"{length(gap)} is enough in {round(share * count)} of {count}, {per_cent(share)} "
+        f"({per_cent(low)} to {per_cent(high)}, with {table.attrs['independent']} of them "
+        "independent)."
     )
 
 
@@ -258,7 +259,7 @@ def left_out(case: Case) -> list[str]:
 
 
 def yielding_modes(case: Case) -> str:
-    """What yields of buildings by their modes with a strength of the whole building; maybe nothing."""
+    """What yields of buildings by modes with a strength of the whole building; maybe nothing."""
     return " ".join(
         YIELDS.format(
             building=building.name,
@@ -286,7 +287,8 @@ def with_uncertainty(case: Case, what: str) -> str:
         return ""
     return (
         f"Some parameters are uncertain. Each of the {case.simulated.motions} motions has its own "
-        f"sample, and {what} of motions and samples together. Formulas and shaking are at the medians."
+        f"sample, and {what} of motions and samples together. Formulas and shaking are at the "
+        "medians."
     )
 
 

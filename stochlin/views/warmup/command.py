@@ -1,4 +1,4 @@
-"""The command ``stochlin warmup``: compile now what would otherwise be compiled at its first use."""
+"""The command ``stochlin warmup``: compile now what would otherwise be compiled at first use."""
 
 from __future__ import annotations
 

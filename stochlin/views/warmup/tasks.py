@@ -74,7 +74,7 @@ def records() -> None:
 
 
 def oscillators() -> None:
-    """Simulated motions: all grounds, the laws with time steps of their own, uncertain parameters."""
+    """Simulated motions: all grounds, the laws with their own time steps, uncertain parameters."""
     first, second = _pair()
     for ground in (WhiteNoise(0.01), _ground(), named_ground("firm", intensity=0.01)):
         _finite([first, second], ground)

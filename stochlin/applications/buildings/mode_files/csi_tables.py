@@ -1,4 +1,4 @@
-"""Tables as ETABS exports them, with their names above, on their sheets or as names of their files."""
+"""Tables as ETABS exports them, with names above, on their sheets or as names of their files."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def tables_in(sheets: Sequence[Sheet]) -> dict[str, Table]:
 
 
 def _of_sheet(sheet: Sheet) -> str:
-    """The table that a sheet of a workbook is named after, in 31 characters at most, or a text; or none.
+    """The table that a sheet (in 31 characters at most) or a text is named after; empty if none.
 
     The name of a text may have words before that of the table, such as the name of the building.
     """

@@ -159,7 +159,7 @@ class WithFloors(OfBuilding):
 
 
 def _pushed(structure: Any, ideal: xr.Dataset) -> Any:
-    """A structure, perhaps one of many samples, with an idealized pushover curve, without warnings."""
+    """A structure, perhaps a sample of many, with an idealized pushover curve, without warnings."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DoubtfulInput)
         return structure.with_pushover(ideal)
@@ -272,7 +272,7 @@ FORMS = (OscillatorForm, Regular, Singly, ByModes)
 
 @dataclass(frozen=True)
 class Building:
-    """A building of a case; ``sampled`` has its uncertain parameters, ``structure`` their medians."""
+    """A building of a case; ``sampled`` has uncertain parameters, ``structure`` their medians."""
 
     name: str
     sampled: Any
@@ -338,7 +338,7 @@ class Building:
 
     @unquestioned()
     def on(self, site: CaseSite) -> Building:
-        """The building with the strength that it has on the ground of a site, if it depends on it."""
+        """The building with its strength on the ground of a site, if it depends on it."""
         if self.of_first_mode and self.strength == "reduction_factor":
             with self.form.table.naming("reduction_factor", "gives no strength: "):
                 return replace(self, sampled=applied(self._weaker_mode(site), self.sampled))
@@ -353,7 +353,7 @@ class Building:
         )
 
     def _weaker_mode(self, site: CaseSite) -> Callable[[Any], Any]:
-        """What lets mode 1 yield at its elastic displacement on a ground over the reduction factor."""
+        """To let mode 1 yield at its elastic displacement on a ground over the reduction factor."""
         hardening = float(np.ravel(self.structure.hardening)[0])
         factor = self.form.reduction_factor
         mode = replace(self.structure.oscillator(), hardening=hardening, reduction_factor=factor)
@@ -389,7 +389,7 @@ class SlabOnColumn(NamedTuple):
 
 
 def slabs_of_row(buildings: Sequence[Building]) -> tuple[SlabOnColumn, ...]:
-    """Slabs that meet columns, of all neighbours whose floors are known, pair by pair from the left."""
+    """Slabs that meet columns, of all neighbours with known floors, pair by pair from the left."""
     slabs = []
     for number, pair in enumerate(pairwise(buildings), start=1):
         if not all(building.has_storeys for building in pair):

@@ -117,7 +117,7 @@ class Wanted(Form):
     numbers: Numbers = key(Inner((Numbers,)), "Numbers of rules", Numbers(table=NO_TABLE))
 
     def check(self, buildings: Sequence[Building], site: CaseSite) -> None:
-        """Raise a ValueError for a wrong number of gaps, or a risk that the hazard does not reach."""
+        """Raise a ValueError for a wrong number of gaps, or a risk the hazard does not reach."""
         count = max(len(buildings) - 1, 1)
         if len(self.existing) not in (0, count):
             what = (

@@ -65,7 +65,7 @@ class WithUnit:
         return 1.0 if unit == self.units != "1" else size_of(unit, self.units)
 
     def read(self, written: Any, warn: Warn) -> float | Uncertain:
-        """The number in SI, with a warning if its median is implausible; a ValueError if not valid."""
+        """The number in SI, with a warning for an implausible median; a ValueError if not valid."""
         value = self.with_spread(written)
         if text := self.plausible.doubt(float(median_of(value))):
             warn(f"is doubtful: {text}")
@@ -126,7 +126,7 @@ class WithUnit:
         return number * size
 
     def _check_written(self, number: float, unit: str) -> None:
-        """Raise a ValueError that says how to write what stands in place of a unit, if it is known."""
+        """Raise a ValueError that says how to write what stands in place of a unit, if known."""
         if (other := _HYPHEN.fullmatch(unit)) and self.uncertain:
             raise ValueError(
                 f'has a hyphen between two ends; write "{number:g} to {other[1].strip()}"'

@@ -153,7 +153,7 @@ class Scaled(OfSite):
     )
 
     def goal(self, hazard: Hazard | None) -> dict[str, Any]:
-        """The wanted strength, as arguments of `scale_ground`, or the intensity of a hazard of S0."""
+        """The wanted strength, as arguments of `scale_ground`, or the intensity of an S0 hazard."""
         strength = self.given("pga", "sa")
         period = self.sa_period
         if self.return_period is not None:
@@ -340,7 +340,7 @@ class CaseSite:
 
     @property
     def pga(self) -> float | None:
-        """Peak ground acceleration of the spectrum [m/s^2]; None without one that begins with it."""
+        """Peak ground acceleration of a spectrum [m/s^2]; None without one that begins with it."""
         return None if self.spectrum is None else pga_of(self.spectrum)
 
     @property

@@ -103,7 +103,7 @@ class TomlTable:
     def naming(
         self, name: str | None, what: str = "cannot be used: ", **called: str
     ) -> Iterator[None]:
-        """Add the file, the line and the key, or the one that it names, to errors inside the context.
+        """Add the file, the line and the key, or the one it names, to errors inside the context.
 
         Arguments that an error asks for are written as keys, by the names in ``called`` if these
         differ.
@@ -304,7 +304,7 @@ def _as_table(name: str, written: Any, forms: Sequence[type[Form]]) -> str:
 
 
 def read_table(path: Path, other: str | None = None) -> TomlTable:
-    """The whole file as one table, or another text in its place; errors are those of `read_toml`."""
+    """The whole file as a table, or another text in its place; errors are those of `read_toml`."""
     text, values = read_toml(path, other)
     return TomlTable(Source(path, text, [path]), values)
 

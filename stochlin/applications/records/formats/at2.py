@@ -1,7 +1,8 @@
 """PEER AT2: one component, whose header states the number of samples, the time step and the units.
 
-PEER Ground Motion Database, https://ngawest2.berkeley.edu. ``NPTS`` and ``DT`` stand on one line or on
-two, in any order: ``NPTS=  5372, DT=   .0100 SEC``, or ``4096    0.0100    NPTS, DT`` in older files.
+PEER Ground Motion Database, https://ngawest2.berkeley.edu. ``NPTS`` and ``DT`` stand on one line or
+on two, in any order: ``NPTS=  5372, DT=   .0100 SEC``, or ``4096    0.0100    NPTS, DT`` in older
+files.
 """
 
 from __future__ import annotations
@@ -63,7 +64,7 @@ def _stated(text: str) -> tuple[int, float] | None:
 
 
 def _title(file: RecordFile) -> dict[str, str]:
-    """Event, station and component in PEER's second line: ``Kobe, 1/16/1995, Nishi-Akashi, 090``."""
+    """Event, station and component in the second line: ``Kobe, 1/16/1995, Nishi-Akashi, 090``."""
     if len(file.lines) < 2 or not _OF_PEER.search(file.lines[0]):
         return {}
     *event, station, component = (part.strip() for part in f",,{file.lines[1]}".split(","))

@@ -1,4 +1,4 @@
-"""CSMIP Volume 2 and COSMOS V1 and V2: channels one after the other, each below a header of its own.
+"""CSMIP Volume 2 and COSMOS V1 and V2: channels one after the other, each below its own header.
 
 Shakal, A. F. and Huang, M. J. (1985), Standard tape format for CSMIP strong-motion data tapes,
 Report OSMS 85-03, California Division of Mines and Geology; files ``.V2``. COSMOS (2001), Strong

@@ -18,7 +18,7 @@ from stochlin.registry import Registry
 
 
 class Series(NamedTuple):
-    """Content of a record file: accelerations as written, and time, time step and units if stated."""
+    """Content of a record file: accelerations as written; time, time step and units if stated."""
 
     values: Array
     time: Array | None
@@ -56,7 +56,7 @@ class RecordFile(NamedTuple):
         return values
 
     def block(self, number: int, count: int, end: re.Pattern[str], width: int) -> tuple[Array, int]:
-        """As many numbers as the line above states, up to a line with ``end``, and their last line."""
+        """As many numbers as the line above states, up to one with ``end``, and their last line."""
         after = enumerate(self.lines[number:], number)
         last = next((n for n, text in after if end.search(text)), len(self.lines))
         return self.counted(number + 1, last, count, number, width), last
@@ -78,7 +78,7 @@ class RecordFile(NamedTuple):
         return np.array([number_in(field) for _, field in fields], float)
 
     def check_length(self, count: int, dt: float, seconds: float, number: int) -> None:
-        """Raise a ValueError if samples and time step do not give the length on a line of the header."""
+        """Raise a ValueError if samples and time step do not give the length on a header line."""
         if abs(count * dt - seconds) > 2 * dt + 0.01 * seconds:
             raise self.wrong(number, f"the length of {count} samples with a step of {dt:g} s")
 

@@ -1,4 +1,4 @@
-"""Standard accelerogram file of the Mexican networks, as of UNAM and RACM: a column for each channel.
+"""Standard accelerogram file of the Mexican networks, as of UNAM and RACM: a column per channel.
 
 Instituto de Ingenieria, UNAM, Archivo estandar de aceleracion, version 2.0, 109 lines of header, as
 in Alcantara, L. et al. (1997), Base Mexicana de Datos de Sismos Fuertes. Values of all channels

@@ -37,7 +37,7 @@ class AskedHazard(NamedTuple):
 
 
 def annual_frequencies(probabilities: Array, years: float) -> Array:
-    """Annual frequencies [1/yr] with these probabilities of exceedance in some years, for rare events.
+    """Annual frequencies [1/yr] with these exceedance probabilities in some years, for rare events.
 
     They are those of a Poisson process, and infinite for a probability of 1.
     """

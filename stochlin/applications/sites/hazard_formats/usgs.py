@@ -92,7 +92,7 @@ def _total(parts: Sequence[dict[str, Any]], measure: str) -> dict[str, Any]:
 def paired(
     where: str, series: Mapping[str, Sequence[Any]], what: tuple[str, str]
 ) -> tuple[Array, Array, list[str]]:
-    """Two series of finite numbers, as many of both, and the place of each; ``what`` names a number."""
+    """Two series of finite numbers, as many of both, and their places; ``what`` names a number."""
     (name_1, first), (name_2, second) = series.items()
     if len(first) != len(second):
         counts = f"{len(first)} {name_1} beside {len(second)} {name_2}"
@@ -102,7 +102,7 @@ def paired(
 
 
 def _finite(values: Sequence[Any], places: Sequence[str], what: str) -> Array:
-    """The values as an array; a ValueError, which names the place, unless all are finite numbers."""
+    """The values as an array; a ValueError that names the place unless all are finite numbers."""
     for value, place in zip(values, places, strict=True):
         if not isinstance(value, float) or not math.isfinite(value):
             raise ValueError(f"{place}: the {what} is {brief(value)}; allowed: a finite number")
