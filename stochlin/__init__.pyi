@@ -1,7 +1,7 @@
 """The public names, each listed here and nowhere else, in the order in which a reader needs them.
 
-They are imported when first used. Type checkers and editors read this list, and so does the reference
-page: each of its sections shows what stands below the comment with its heading.
+They are imported when first used. Type checkers and editors read this list, and so does the
+reference page: each of its sections shows what stands below the comment with its heading.
 """
 
 __version__: str

@@ -58,7 +58,7 @@ class ImplausibleInput(DoubtfulInput):
 
 
 class _Short(reprlib.Repr):
-    """The ``repr`` of anything, cut while it is made: a list of a million numbers is not written out."""
+    """The ``repr`` of anything, cut while it is made: a million numbers are not written out."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -133,7 +133,7 @@ def hint(written: str, known: Iterable[str]) -> str:
 
 
 def missing(owner: str, name: str, known: Iterable[str] = ()) -> AttributeError:
-    """The error of a name that is none of the known names of a module or class, or is so no more."""
+    """The error of a name that is none of the known names of a module or class, or no longer."""
     return AttributeError(f"{owner} has no attribute {name!r}; {hint(name, known)}".rstrip("; "))
 
 
@@ -170,7 +170,7 @@ def check_call(
 def as_written(
     text: str, names: Mapping[str, str], written: Callable[[str, str | None], str]
 ) -> str:
-    """A message in which arguments such as ``direction='UX'`` or ``units=`` are named as a user does.
+    """A message with arguments such as ``direction='UX'`` or ``units=`` named as a user does.
 
     ``names`` has the names that the user knows, by those of the arguments, and ``written`` gives
     the text of such a name and of the value, which is None where the message leaves it open.
@@ -184,14 +184,14 @@ def as_written(
 
 
 def refuse(name: str, what: str, arguments: Mapping[str, object]) -> None:
-    """Raise a ValueError for an argument that is given, although it does not apply to what this is."""
+    """Raise a ValueError for an argument that is given but does not apply to what this is."""
     for argument, value in arguments.items():
         if value is not None:
             raise ValueError(f"{argument} = {brief(value)} does not apply: {name} is {what}")
 
 
 class Named(type):
-    """The type of dataclasses that answer an unknown argument with the nearest, and removed names."""
+    """Type of dataclasses that answer an unknown argument with the nearest, and removed names."""
 
     @property
     def __signature__(cls) -> inspect.Signature:

@@ -128,7 +128,7 @@ def as_key(name: object) -> str:
 
 
 def expect_class(thing: Any, base: type, *required: str) -> None:
-    """Raise a ValueError for what is no class of a ``base``, or lacks what the base leaves to it."""
+    """Raise a ValueError for what is no class of a ``base`` or lacks what the base leaves to it."""
     if not (isinstance(thing, type) and issubclass(thing, base)):
         raise ValueError(
             f"{brief(thing)} is registered; allowed: a class derived from {base.__name__}"

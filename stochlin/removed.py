@@ -9,5 +9,5 @@ REMOVED: dict[str, str] = data_of(__package__, "removed.toml")
 
 
 def instead_of(name: str) -> str:
-    """What an error says about a removed name, before what is allowed; empty for all other names."""
+    """What an error says of a removed name, before what is allowed; empty for all other names."""
     return f"it was removed: {REMOVED[name]}; " if name in REMOVED else ""

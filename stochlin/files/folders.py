@@ -1,4 +1,4 @@
-"""Folders that this package makes beside the files of others: marked, and removed after their process.
+"""Folders that this package makes beside files of others: marked, and removed after their process.
 
 A name is no mark, since anybody may choose the same. A folder of this package has a file inside
 that says so, with a digest of the folder's name. The process that made it locks this file before it
@@ -42,7 +42,7 @@ def is_marked(folder: Path) -> bool:
 
 
 def remove_left(place: Path, prefix: str) -> None:
-    """Remove marked folders with names that begin so, if the processes that made them have ended."""
+    """Remove marked folders whose names begin so, if the processes that made them have ended."""
     for folder in _folders(place, prefix):
         with suppress(OSError), _mark_in(folder) as handle:  # another process may remove it, too
             if handle is not None and _lock(handle):
@@ -59,7 +59,7 @@ def remove_unused(place: Path, prefix: str, since: float) -> None:
 
 @contextmanager
 def temporary_folder(place: Path, prefix: str) -> Iterator[Path]:
-    """A new marked folder, removed after the block; those that killed processes left there are, too."""
+    """A new marked folder, removed after the block, as are those left there by killed processes."""
     remove_left(place, prefix)
     folder = Path(tempfile.mkdtemp(prefix=prefix, dir=place))
     try:

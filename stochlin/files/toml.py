@@ -11,7 +11,10 @@ from stochlin.files.file_kinds import check_kind
 from stochlin.files.inputs import read_input
 from stochlin.messages import plain
 
-BACKSLASH = "a backslash begins a special sign in \"double quotes\": write a path in 'single quotes', or with /"
+BACKSLASH = (
+    'a backslash begins a special sign in "double quotes": '
+    "write a path in 'single quotes', or with /"
+)
 VALUES = 'texts, also with a unit, in quotation marks, as period = "0.6 s", and numbers such as 0.5'
 MOST_BYTES = 2**20  # of a case file, which a person writes
 MOST_DOTS = 16  # in a key; the parser's time and memory grow with their square

@@ -140,7 +140,7 @@ def required_gaps(confidence, weights, passage, chain, gaps):  # type: ignore[no
 
 @compiled
 def _follow(gap, case, passage, chain, now, modes, shares):  # type: ignore[no-untyped-def]
-    """Write the probabilities that ``d`` of a case stays below the gap; ``now``, ``modes`` are work."""
+    """Write probabilities that ``d`` of a case stays below the gap; ``now``, ``modes`` are work."""
     places = len(now)
     instants = passage.std.shape[1]
     warped = len(passage.gaussian) > 0

@@ -6,11 +6,12 @@ corr(d, d')``; ``h = g/s`` for the level ``g`` (the gap). Two crossing rates fol
 formula, the density at the level times the mean positive part of the derivative there, which is
 Gaussian:
 
-* for ``d`` through ``g``: the density is ``phi(h)/s``, and the derivative has the mean ``kappa sv h``
-  and the standard deviation ``sqrt(1 - kappa^2) sv``;
-* for the envelope ``R`` of ``d`` and its Hilbert transform ``c``: the density is ``(h/s) e^(-h^2/2)``.
-  Since ``R' = (d d' + c c')/R``, the derivative has the same mean, and the standard deviation
-  ``sqrt(1 - kappa^2) delta sv`` with the bandwidth ``delta^2 = 1 - l1^2/[(1 - kappa^2) l0 l2]``.
+* for ``d`` through ``g``: the density is ``phi(h)/s``, and the derivative has the mean
+  ``kappa sv h`` and the standard deviation ``sqrt(1 - kappa^2) sv``;
+* for the envelope ``R`` of ``d`` and its Hilbert transform ``c``: the density is
+  ``(h/s) e^(-h^2/2)``. Since ``R' = (d d' + c c')/R``, the derivative has the same mean, and the
+  standard deviation ``sqrt(1 - kappa^2) delta sv`` with the bandwidth
+  ``delta^2 = 1 - l1^2/[(1 - kappa^2) l0 l2]``.
 
 For ``kappa = 0`` their ratio is ``sqrt(2 pi) delta h``, as in Vanmarcke (1975, J. Appl. Mech. 42).
 His empirical exponent, ``delta^1.2``, was fitted to single oscillators. For the difference of two
@@ -40,7 +41,7 @@ CERTAIN = 1e-9  # 1 - |rho| below which the phase difference counts as certain
 
 
 def positive_part(mean: Array, deviation: Array) -> Array:
-    """Mean positive part ``E[max(x, 0)]`` of a Gaussian ``x`` with this mean and standard deviation.
+    """Mean positive part ``E[max(x, 0)]`` of Gaussian ``x`` with this mean and standard deviation.
 
     It is exact for a deviation of 0, and computed without cancellation for a negative mean.
     """
@@ -95,7 +96,7 @@ def accumulated(rate: Array, times: Array) -> Array:
 
 
 def concentration(rho: float) -> float:
-    """Concentration ``k`` of the von Mises density with ``E cos D = rho``; infinite for rho of 1, -1."""
+    """Concentration ``k`` of a von Mises density with ``E cos D = rho``; infinite at rho = +-1."""
     if 1 - abs(rho) < CERTAIN:
         return float(np.copysign(np.inf, rho))
     if rho == 0:
@@ -107,7 +108,7 @@ def concentration(rho: float) -> float:
 
 
 def least_phase(radius_1: Array, radius_2: Array, gap: Array) -> Array:
-    """Phase difference in [0, pi] beyond which ``A > g``; infinite if ``A`` never exceeds the gap."""
+    """Phase difference in [0, pi] beyond which ``A > g``; infinite if ``A`` never exceeds ``g``."""
     with np.errstate(divide="ignore", invalid="ignore"):
         cosine = (radius_1**2 + radius_2**2 - gap**2) / (2 * radius_1 * radius_2)
     phase = np.arccos(np.clip(np.nan_to_num(cosine, nan=-2.0), -1, 1))

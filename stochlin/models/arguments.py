@@ -125,7 +125,7 @@ class OneOf:
     names: Collection[str]
 
     def __call__(self, name: str, value: object) -> None:
-        """Raise a ValueError, which suggests the nearest name, unless the value is one of the names."""
+        """Raise a ValueError with the nearest name, unless the value is one of the names."""
         if not isinstance(value, str) or value not in self.names:
             said = hint(value, self.names) if isinstance(value, str) else ""
             known = ", ".join(self.names)
@@ -293,7 +293,7 @@ def _of_types(function: Callable[..., Any], values: dict[str, Any]) -> Iterator[
 
 
 def check_fields(described: Any, prefix: str = "") -> None:
-    """Check the fields of a dataclass as `checked` checks arguments; messages begin with ``prefix``."""
+    """Check fields of a dataclass as `checked` checks arguments; messages begin with ``prefix``."""
     for name, check in checks_of(described.__class__):
         check(f"{prefix}{name}", getattr(described, name))
 

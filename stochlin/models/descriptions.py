@@ -63,7 +63,7 @@ def stated(name: str, value: Any, units: str | None) -> str:
 
 
 def roles_in_words(attrs: Mapping[Any, Any], *roles: str) -> list[str]:
-    """A line for each of these roles that the attributes of a dataset describe; all if none is named."""
+    """A line for each of these roles that a dataset's attributes describe; all if none is named."""
     return [
         f"{NAMES.get(r, r)}: {three_digits(attrs[r].removeprefix(f'{r} '))}"
         for r in roles or ROLES

@@ -28,7 +28,7 @@ _ROUNDING = 1e-9  # relative rounding error allowed at the ends of a curve
 
 @dataclass(frozen=True)
 class Hazard(Model, base=True):
-    """Base of the hazards, for peak ground acceleration, ``Sa`` at a period, or intensity ``S0``."""
+    """Base of hazards, for peak ground acceleration, ``Sa`` at a period, or intensity ``S0``."""
 
     measure: Exceeded = field(default="pga", kw_only=True)
     period: float | None = field(default=None, kw_only=True)
@@ -52,7 +52,7 @@ class Hazard(Model, base=True):
         raise NotImplementedError
 
     def of_design(self) -> float:
-        """Intensity, in the unit of the measure, with a return period of 475 years; NaN for a scan."""
+        """Intensity, in the measure's unit, with a return period of 475 years; NaN for a scan."""
         return float("nan")
 
     def often(self, years: float) -> float:
@@ -83,7 +83,9 @@ class Hazard(Model, base=True):
         for years in OFTEN if self.measure == "pga" else ():
             often = self.often(years)
             if text := PLAUSIBLE[f"pga of {years:g} years"].doubt(often):
-                yield f"its pga with a return period of {years:g} years is {often:.3g} m/s^2; {text}"
+                yield (
+                    f"its pga with a return period of {years:g} years is {often:.3g} m/s^2; {text}"
+                )
                 return
 
 
@@ -144,7 +146,7 @@ class HazardCurve(Hazard):
     source: str = field(default="", kw_only=True, compare=False)
 
     def doubts(self) -> Iterator[str]:
-        """Texts of ``Hazard``, on a curve that ends early, and on a level part between steep ones."""
+        """Texts of ``Hazard``, on a curve that ends early, and a level part between steep ones."""
         of_shaking = [*super().doubts()]
         yield from of_shaking
         rarest = 1 / self.frequencies[-1]
@@ -190,7 +192,7 @@ class HazardCurve(Hazard):
         return float(self.intensity(years) * (OF_DESIGN / years) ** exponent)
 
     def often(self, years: float) -> float:
-        """Intensity, in the unit of the measure, with a short return period; NaN beyond the curve."""
+        """Intensity, in the measure's unit, with a short return period; NaN beyond the curve."""
         known = self.frequencies[-1] <= 1 / years <= self.frequencies[0]
         return float(self.intensity(years)) if known else float("nan")
 
@@ -276,7 +278,7 @@ class PowerLawHazard(Hazard):
         return _applied(lambda years, k0, k: np.power(k0 * years, 1 / k), value, *law.values())
 
     def of_design(self) -> float:
-        """Intensity, in the unit of the measure, with a return period of 475 years; NaN for a scan."""
+        """Intensity, in the measure's unit, with a return period of 475 years; NaN for a scan."""
         return self._of_law(OF_DESIGN)
 
     def often(self, years: float) -> float:
@@ -289,7 +291,7 @@ class PowerLawHazard(Hazard):
 
 
 def check_curve(intensities: Array, frequencies: Array, places: Sequence[str]) -> None:
-    """Raise a ValueError unless these are a hazard curve; ``places`` name each point in messages."""
+    """Raise a ValueError unless these are a hazard curve; ``places`` name points in messages."""
     if intensities.size < FEWEST:
         where = places[0] if places else "hazard curve"
         raise ValueError(
@@ -323,7 +325,7 @@ def _numbers(name: str, values: object) -> Array:
 
 
 def _applied(function: Any, *values: Any) -> Any:
-    """The function of the values: a number if all are numbers, else an array with their dimensions."""
+    """Function of the values: a number if all are numbers, else an array with their dimensions."""
     with np.errstate(all="ignore"):
         result = xr.apply_ufunc(function, *values, join="exact", keep_attrs=False)
     return result if isinstance(result, xr.DataArray) and result.ndim else float(result)

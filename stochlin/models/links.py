@@ -145,7 +145,7 @@ class Link(Model):
 
     @property
     def parts(self) -> tuple[Any, ...]:
-        """``post``, ``couple`` [N/m], strength [m] of the spring; constant, exponent of the dashpot.
+        """``post``, ``couple`` [N/m], strength [m] of a spring; constant, exponent of a dashpot.
 
         The force of the spring is ``post x + couple z``, where ``x`` is ``u1 - u2`` and ``z`` its
         elastic part. They are numbers, or arrays where the parameters are.

@@ -44,7 +44,9 @@ class Measure(Model):
     >>> sl.Measure(added_damping_1=0.1, link=sl.Link(damping_constant=1e6)).describe()
     'added damping of building 1: 0.1, Link (damping constant 1 MN s/m)'
     >>> braces = [
-    ...     sl.Link(5e7, hardening=0.02, yield_displacement=0.003, structures=(2, 2), floors=(n, n - 1))
+    ...     sl.Link(
+    ...         5e7, hardening=0.02, yield_displacement=0.003, structures=(2, 2), floors=(n, n - 1)
+    ...     )
     ...     for n in (1, 2, 3)
     ... ]
     >>> sl.Measure(link=braces).describe().partition(" at ")[2]
@@ -93,7 +95,8 @@ class Measure(Model):
             kind = link.describe().replace(f", {link.ends}", "") if link.ends else link.describe()
             alike.setdefault(kind, []).append(link)
         return [
-            f"{len(those)} times {kind} at {', '.join(link.ends or 'level floors' for link in those)}"
+            f"{len(those)} times {kind} at "
+            f"{', '.join(link.ends or 'level floors' for link in those)}"
             if those[1:]
             else those[0].describe()
             for kind, those in alike.items()

@@ -1,4 +1,4 @@
-"""Parameters of models: each is declared once with its unit and range, and checked when it is given."""
+"""Parameters of models: each is declared once with its unit and range, and checked when given."""
 
 from __future__ import annotations
 
@@ -33,7 +33,10 @@ Parameter = (
 )
 """A number, a DataArray (broadcast by dimension name) or a 1-D array (dimension ``case``)."""
 
-ALONE = "one building alone is first, with None as second, in separation, recorded_gap and pounding_risk"
+ALONE = (
+    "one building alone is first, with None as second, "
+    "in separation, recorded_gap and pounding_risk"
+)
 TAKERS = (
     "separation, existing_gap, sensitivity, pounding_probability, pounding_risk, required_gap, "
     "mitigate, and simulate with a duration, take them"
@@ -42,7 +45,7 @@ TAKERS = (
 
 @dataclasses.dataclass(frozen=True)
 class Range:
-    """Interval of allowed values, open at each end unless ``include_lower`` or ``include_upper``."""
+    """Interval of allowed values, open at an end unless ``include_lower`` or ``include_upper``."""
 
     lower: float = 0.0
     upper: float = np.inf
@@ -164,7 +167,7 @@ class Model(ByValue, metaclass=_ModelType):
 
     @classmethod
     def kinds(cls) -> Collection[type[Model]]:
-        """What messages list as allowed: this class, or of a base the classes that derive from it."""
+        """What messages list as allowed: this class, or of a base the classes derived from it."""
         return (
             {kind for each in cls.__subclasses__() for kind in each.kinds()}
             if cls.is_base
@@ -247,7 +250,7 @@ class Model(ByValue, metaclass=_ModelType):
         return iter(())
 
     def describe(self) -> str:
-        """The model with its parameters in one line, for metadata and charts; arrays by their range."""
+        """The model with its parameters in one line, for metadata and charts; arrays by range."""
         shown = ", ".join([*self.stated(), *self.further()])
         name = getattr(self, "name", hyphenated(type(self).__name__))
         return shown if self.of_arguments else f"{name} ({shown})"
@@ -266,7 +269,7 @@ class Model(ByValue, metaclass=_ModelType):
 
 
 def expect(value: object, kind: type[Model] | tuple[type[Model], ...], role: str) -> None:
-    """Raise a TypeError unless ``value``, the argument named ``role``, is of a class in ``kind``."""
+    """Raise a TypeError unless ``value``, the argument ``role``, is of a class in ``kind``."""
     if not isinstance(value, kind):
         kinds = kind if isinstance(kind, tuple) else (kind,)
         names = ", ".join(sorted(c.__name__ for each in kinds for c in each.kinds()))
@@ -295,7 +298,7 @@ def check_alignment(what: str, *arrays: xr.DataArray) -> None:
 
 
 def check_units(label: str, stated: object, units: str) -> None:
-    """Raise a ValueError if an array states a unit in which its values are not taken, or an unknown one.
+    """Raise a ValueError if an array states an unknown unit, or one in which values are not taken.
 
     Another quantity is no reason, but for the inverse: arithmetic with arrays keeps the attributes
     of the first of them.

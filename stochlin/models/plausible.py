@@ -1,4 +1,4 @@
-"""Limits of what buildings, ground motions and gaps really have; a value beyond them gives a warning."""
+"""Limits of real buildings, ground motions and gaps; a value beyond them gives a warning."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from stochlin.messages import ImplausibleInput
 
 
 class Plausible(NamedTuple):
-    """Lowest and highest plausible value in SI units, their source, the usual ones, and questions."""
+    """Lowest and highest plausible value in SI units, their source, usual ones, and questions."""
 
     low: float
     high: float
@@ -29,7 +29,7 @@ class Plausible(NamedTuple):
     above: str = ""
 
     def holds(self, value: float) -> bool:
-        """Whether a value is plausible; 0 is none, less is refused elsewhere, and NaN is not known."""
+        """Whether a value is plausible; 0 is none, less is refused elsewhere, NaN is not known."""
         return value <= 0 or not (value < self.low or value > self.high)
 
     def doubt(self, value: float) -> str:
@@ -103,7 +103,7 @@ def implausible(
 
 
 def _nearest(value: object, known: Plausible) -> object:
-    """A number as it is; of an array in memory that number, or limit, that is nearest to usual ones."""
+    """A number as it is; of an array in memory the number, or limit, nearest to usual ones."""
     data = value.data if isinstance(value, xr.DataArray) else value
     if (
         known is ANY
@@ -136,7 +136,7 @@ def doubts_of_factors(behaviour: float, deflection: float) -> Iterator[str]:
 
 
 def doubts_of_size(period: float, height: float | None, storeys: float | None) -> Iterator[str]:
-    """Texts on first period [s], height [m] and number of storeys of a building, as far as known."""
+    """Texts on first period [s], height [m] and number of storeys of a building, where known."""
     if height and storeys and (text := doubt_of_storeys(height, storeys)):
         yield text
     if known := height or STOREY * (storeys or 0.0):
@@ -152,7 +152,7 @@ def _is_number(value: object) -> TypeGuard[float]:
 
 @contextmanager
 def unquestioned() -> Iterator[None]:
-    """Give no warnings of numbers inside: the library has them from its caller, or computed them."""
+    """Give no warnings of numbers inside: the library has them from its caller or computed them."""
     token = UNQUESTIONED.set(True)
     try:
         yield

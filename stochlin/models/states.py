@@ -50,7 +50,7 @@ class NotLinearizedError(ArithmeticError):
 
 
 def cannot_be_linearized(law: str, states: int) -> NotLinearizedError:
-    """The error where a law would be linearized that has so many states; 0 if not given by rates."""
+    """The error where a law with so many states would be linearized; 0 if not given by rates."""
     why = "it has more than one state" if states else "its rates are not given in symbols"
     by = "transient_response, or " if states else ""
     what = f"{law} cannot be linearized: {why}; follow it in time"

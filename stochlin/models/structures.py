@@ -34,7 +34,9 @@ HARDENING = Range(
     lower=-1.0,
     upper=1.0,
     include_upper=True,
-    reason="0 is elastic-plastic, less softens as by P-delta; a stationary response needs more than 0",
+    reason=(
+        "0 is elastic-plastic, less softens as by P-delta; a stationary response needs more than 0"
+    ),
 )
 STATIONARY_HARDENING = Range(
     upper=1.0, include_upper=True, reason="without hardening there is no stationary displacement"
@@ -106,7 +108,7 @@ class AnyStructure(Model, base=True):
 
 @dataclass(frozen=True)
 class Structure(AnyStructure, base=True):
-    """Base of the oscillators, eq. (5): ``mu'' + 2 xi w mu' + alpha w^2 mu + (1 - alpha) w^2 z = f/uy``.
+    """Base of oscillators, eq. (5): ``mu'' + 2 xi w mu' + w^2 (alpha mu + (1 - alpha) z) = f/uy``.
 
     The strength is given by ``yield_displacement`` or by ``reduction_factor``; without either of
     them the structure stays elastic. A mass is needed only by structures that act on one another,
@@ -222,14 +224,14 @@ class Structure(AnyStructure, base=True):
         return CLOSURES[name](cls) if name in CLOSURES else None
 
     def symbolic(self) -> sympy.Expr | Mapping[str, sympy.Expr]:
-        """``G`` of ``z' = G(v, z)`` as a sympy expression, in ``v``, ``z`` and the `own_parameters`.
+        """``G`` of ``z' = G(v, z)`` as a sympy expression in ``v``, ``z`` and the `own_parameters`.
 
         A law of several states gives a mapping of their rates by name.
         """
         raise NotImplementedError
 
     def closure(self, name: str) -> Closure:
-        """The closure ``name`` of this law: equivalent coefficients as a function of latent moments.
+        """Closure ``name`` of this law: equivalent coefficients as a function of latent moments.
 
         It raises an ArithmeticError if the law has none in closed form, and none accurate by
         quadrature.
@@ -242,7 +244,7 @@ class Structure(AnyStructure, base=True):
         return closed or self._compiled.gaussian
 
     def closure_in_time(self) -> tuple[Any, ...]:
-        """The Gaussian closure; of a law with further states also their number and their mean rates.
+        """The Gaussian closure; of a law with further states also their number and mean rates.
 
         Their means are then parameters after those of the law. It raises an ArithmeticError as
         ``closure`` does, or if a further state has no mean.
@@ -270,7 +272,7 @@ class Structure(AnyStructure, base=True):
         return hardening.copy(data=STATIONARY_HARDENING.contains(hardening.data))
 
     def check_settles(self, role: str) -> None:
-        """Raise a ValueError if the hardening is one number, and leaves no stiffness after yielding."""
+        """Raise a ValueError if hardening is one number and leaves no stiffness after yielding."""
         scalar = self.yields and not isinstance(self.hardening, xr.DataArray)
         if scalar and not STATIONARY_HARDENING.contains(self.hardening):
             what = f"{role}: hardening = {self.hardening:g} leaves no stiffness after yielding"
@@ -280,11 +282,14 @@ class Structure(AnyStructure, base=True):
         """Raise a ValueError if the displacement, or a state of the law, grows for ever."""
         self.check_settles(role)
         if self.yields and (growing := self.growing()):
-            what = f"{role}: {self._name} has no stationary response: it depends on what grows for ever"
+            what = (
+                f"{role}: {self._name} has no stationary response: "
+                "it depends on what grows for ever"
+            )
             raise ValueError(f"{what} ({listed(growing)}); {CURE}")
 
     def growing(self) -> tuple[str, ...]:
-        """What the law depends on that grows for ever: states that keep their sign, as an energy does.
+        """What the law depends on that grows for ever: states that keep their sign, as energy does.
 
         A law whose ``symbolic`` has such states besides z names them here.
         """
@@ -299,7 +304,7 @@ class Structure(AnyStructure, base=True):
         return self._compiled.step
 
     def law_parameters(self) -> list[xr.DataArray]:
-        """What closures and time steps of this law take: the `own_parameters`, in the same order."""
+        """What closures and time steps of this law take: the `own_parameters` in the same order."""
         values = self.arrays()
         return [values[name] for name in self.own_parameters()]
 

@@ -1,4 +1,4 @@
-"""Closure and time steps derived from the sympy expressions of a hysteresis law, one for each state."""
+"""Closure and time steps derived from sympy expressions of a hysteresis law, one for each state."""
 
 from __future__ import annotations
 
@@ -189,7 +189,7 @@ class SymbolicLaw:
         return rate_law(of_rates, len(rates), sympy.srepr(writes))
 
     def _function(self, *expressions: sympy.Expr) -> Callable[[Array, Any, Any], Array]:
-        """The expressions (k, ...) as a function of ``v``, the states and the parameters as rows."""
+        """The expressions (k, ...) as a function of ``v``, the states and parameters as rows."""
         names = [name for name, _ in self.rates], self.parameters
         rows = [tuple(sympy.Symbol(name, real=True) for name in each) for each in names]
         function = sympy.lambdify((_V, *rows), expressions, "numpy", cse=True)
@@ -201,7 +201,7 @@ class SymbolicLaw:
         return broadcast
 
     def _named(self, values: tuple[float, ...]) -> str:
-        """The law as messages name it, with the values of the parameters for which it was checked."""
+        """The law as messages name it, with the parameter values for which it was checked."""
         text = ", ".join(f"{n} = {x:g}" for n, x in zip(self.parameters, values, strict=True))
         return f"law = {in_words(self.rates)}" + (f" with {text}" if text else "")
 
@@ -237,7 +237,10 @@ class SymbolicLaw:
         """Raise an ArithmeticError if `held` is not accurate, or if a further state has no mean."""
         further = [name for name, _ in self.rates[1:]]
         if turning := [name for name in further if name not in self.growing]:
-            what = f"{self._named(sets[0])} cannot be linearized in time: {listed(turning)} has no mean"
+            what = (
+                f"{self._named(sets[0])} cannot be linearized in time: "
+                f"{listed(turning)} has no mean"
+            )
             raise NotLinearizedError(f"{what}; use simulate with a duration")
         held = ((*values, *(mean for _ in further)) for values in sets for mean in MEANS)
         self.held.check_expectations(tuple(held), ACCURACY_IN_TIME)
@@ -252,7 +255,10 @@ class SymbolicLaw:
             fine = slip_expectations(self.slip_rate, _LATENT, parameters, 3 * ORDER)
             errors = np.abs(coarse - fine) / (np.abs(fine) + _LATENT[0])
             if not (error := np.nan_to_num(errors.max(), nan=np.inf)) < allowed:
-                what = f"{self._named(values)} cannot be linearized: its Gaussian expectations have the"
+                what = (
+                    f"{self._named(values)} cannot be linearized: "
+                    "its Gaussian expectations have the"
+                )
                 cure = "write kinks in z as Abs, sign, Max, Min or Piecewise, or use simulation"
                 raise NotLinearizedError(f"{what} error {error:.1e}, allowed {allowed:.0e}; {cure}")
 
@@ -325,7 +331,7 @@ def _is_rate_independent(rates: Callable[[Array], Array]) -> bool:
 
 
 def _kinks(expression: sympy.Expr) -> set[sympy.Expr]:
-    """Values of ``z`` where the law may jump or bend for ``v > 0``, and which do not depend on ``v``.
+    """Values of ``z`` where the law may jump or bend for ``v > 0``, which do not depend on ``v``.
 
     The quadrature takes no others: where ``v`` is positive, the kinks of ``1 - z*sign(v)`` are at
     1.

@@ -40,7 +40,7 @@ class StickModel(NamedTuple):
     # with as many elements as coordinates; without ``couple`` where they stay elastic
     system: System
     levels: Array  # (f,) [m], heights of the floors above the ground; NaN for an oscillator
-    law: Structure  # hysteresis law of all elements; a structure without strength if they stay elastic
+    law: Structure  # hysteresis law of all elements; without strength if they stay elastic
     shear_shares: Array  # (f, n) [-], of the forces of the elements in the storey shears
     # whether coordinates and elements are modes in place of floors and storeys
     by_modes: bool = False
@@ -66,7 +66,7 @@ class StickModel(NamedTuple):
 
     @property
     def limits(self) -> Array:
-        """Extension of each element at which the structure falls (..., n) [m]; infinite if it cannot.
+        """Extension of an element at which the structure falls (..., n) [m]; infinite if it cannot.
 
         An element without stiffness after yielding has lost all its force there; a storey has also
         fallen where its drift is its height.
@@ -115,12 +115,12 @@ class Assembly(NamedTuple):
 
     @property
     def first(self) -> Array:
-        """Number of the first floor of each structure, followed by the count of all floors (s + 1,)."""
+        """Number of the first floor of each structure, then the count of all floors (s + 1,)."""
         return np.concatenate([[0], np.cumsum([stick.levels.size for stick in self.sticks])])
 
     @property
     def first_coordinate(self) -> Array:
-        """Number of the first coordinate of each structure, followed by the count of all (s + 1,)."""
+        """Number of the first coordinate of each structure, then the count of all (s + 1,)."""
         return np.concatenate([[0], np.cumsum([stick.coordinates for stick in self.sticks])])
 
     @property
@@ -141,7 +141,7 @@ class Assembly(NamedTuple):
 
     @property
     def shear_shares(self) -> Array:
-        """Shares of the forces of the elements in the storey shears (f, n) [-]; NaN if not known."""
+        """Shares of the forces of elements in the storey shears (f, n) [-]; NaN if not known."""
         return scipy.linalg.block_diag(*(stick.shear_shares for stick in self.sticks))
 
     @property
@@ -152,13 +152,13 @@ class Assembly(NamedTuple):
 
     @property
     def watched(self) -> list[str]:
-        """Names of what is reported as elements: the storeys below all floors, and modes that yield."""
+        """Names of what is reported as elements: storeys below all floors, and modes that yield."""
         names = self.coordinates
         return [*self.floors, *(names[mode] for mode in self.yielding_modes)]
 
     @property
     def of_watched(self) -> Array:
-        """Number of the element of each of the `watched`; -1 for storeys of a building by its modes."""
+        """Number of the element of each of the `watched`; -1 for storeys of a building by modes."""
         storeys = [
             np.full(stick.levels.size, -1)
             if stick.by_modes
@@ -200,7 +200,7 @@ class Assembly(NamedTuple):
 
     @property
     def limits(self) -> Array:
-        """Drift of each of the `watched` at which its structure falls (w,) [m]: `StickModel.limits`."""
+        """Drift of each `watched` at which its structure falls (w,) [m]: `StickModel.limits`."""
         limits = np.concatenate([stick.limits for stick in self.sticks])
         return self.of_elements(limits, np.inf, np.inf)
 
@@ -255,7 +255,7 @@ def numbered(name: str, count: int) -> list[str]:
 
 
 def falls_at(post: Array, couple: Array, strength: Array) -> Array:
-    """Extension [m] at which the force of an element that yields is 0 again; infinite if it is not."""
+    """Extension [m] at which the force of an element that yields is 0 again; infinite if never."""
     with np.errstate(all="ignore"):
         return np.where((post < 0) & (couple > 0), couple * strength / -post, np.inf)
 

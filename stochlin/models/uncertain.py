@@ -199,7 +199,7 @@ class UncertainModel(ByValue, WithoutCells):
         return self.at({})
 
     def at(self, factors: Mapping[str, Any]) -> Any:
-        """The model with these factors times the medians of its parameters; factors default to 1."""
+        """The model with these factors times the medians of parameters; factors default to 1."""
         values = {
             name: factors.get(name, 1.0) * np.asarray(value.median)
             for name, value in self.uncertain.items()
@@ -238,7 +238,7 @@ def applied(change: Callable[[Any], Any], model: Any) -> Any:
 
 
 def takes_uncertain(build: Callable[..., One]) -> Callable[..., One]:
-    """Decorate what becomes a classmethod: with `Uncertain` arguments it makes an UncertainModel."""
+    """Decorate what becomes a classmethod; of `Uncertain` arguments it makes an UncertainModel."""
     own = {
         n: p for n, p in inspect.signature(build).parameters.items() if n not in ("cls", "others")
     }

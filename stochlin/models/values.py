@@ -1,4 +1,4 @@
-"""Models are values: they are compared by what they describe, arrays included, and written as Python.
+"""Models are values: compared by what they describe, arrays included, and written as Python.
 
 A dataclass would compare its fields by ``==``, which for arrays is no truth value.
 """
@@ -45,7 +45,7 @@ class ByValue:
         return hash((type(self), self._content()))
 
     def __repr__(self) -> str:
-        """What Python makes an equal one from, without the arguments that are left at their defaults."""
+        """What Python makes an equal one from, without arguments left at their defaults."""
         return call(type(self).__name__, self.constructor_arguments())
 
     def constructor_arguments(self) -> dict[str, Any]:
@@ -89,7 +89,7 @@ def call(name: str, arguments: Mapping[str, Any]) -> str:
 
 
 def written(value: Any) -> str:  # noqa: PLR0911
-    """A value as it is written in Python, with numpy as ``np``, xarray as ``xr`` and names of sympy.
+    """A value as written in Python, with numpy as ``np``, xarray as ``xr`` and names of sympy.
 
     Arrays that are large, or not in memory, are not written out, and then Python does not take the
     text.

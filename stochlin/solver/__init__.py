@@ -1,1 +1,1 @@
-"""Second floor: linearization, tables of rho, and simulation beside them. Models in, datasets out."""
+"""Second floor: linearization, tables of rho, simulation beside them. Models in, datasets out."""

@@ -1,1 +1,1 @@
-"""Tools of several kernels: small linear algebra, interpolation, threads, compilation with numba."""
+"""Tools of several kernels: small linear algebra, interpolation, threads, compilation by numba."""

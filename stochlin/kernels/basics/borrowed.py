@@ -33,7 +33,7 @@ def borrowed(fields: Tuple) -> Tuple:
 
 
 class Columns:
-    """A block of numbers (columns, ..., lanes); each annotation of a subclass names a column of it."""
+    """A block of numbers (columns, ..., lanes); each annotation of a subclass names a column."""
 
     _fields: ClassVar[tuple[str, ...]] = ()
 
@@ -66,7 +66,7 @@ def _column_of(number: int) -> Callable[[Columns], Array]:
 
 
 class BorrowedType(nb.types.NamedTuple):
-    """The type of a tuple in compiled code: its fields are those of a named tuple, its memory is not."""
+    """The type of a tuple in compiled code with the fields of a named tuple, but not its memory."""
 
 
 class ColumnsType(nb.types.NamedTuple):

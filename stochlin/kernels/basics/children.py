@@ -41,5 +41,5 @@ def environment(variables: Mapping[str, str] | None = None) -> dict[str, str]:
 
 
 def isolated(program: Path, *arguments: str) -> list[str]:
-    """The command line of a child that runs the program of a file with the library of Python alone."""
+    """The command line of a child that runs the program of a file with Python's library alone."""
     return [sys.executable, "-I", "-S", str(program), *arguments]

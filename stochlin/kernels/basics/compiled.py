@@ -1,11 +1,12 @@
-"""The decorators that compile kernels with numba, and the folder in which numba keeps compiled code.
+"""Decorators that compile kernels with numba, and the folder in which numba keeps compiled code.
 
 ================  ==================================================================================
 `entry`           for functions called from Python; the compiled code is kept on the disk
 `compiled`        for functions called from compiled code; from Python they are plain Python
-`called_often`    as `compiled`, for functions so short that a call takes longer than their work: inlined
-`called_once`     as `compiled`, for functions with one caller, of which they become a part: not compiled
-                  apart, which halves the time of the compiler
+`called_often`    as `compiled`, for functions so short that a call takes longer than their work:
+                  inlined
+`called_once`     as `compiled`, for functions with one caller, of which they become a part: not
+                  compiled apart, which halves the time of the compiler
 ================  ==================================================================================
 
 numba compiles a function again only if its own source file has changed. The folder is therefore
@@ -43,19 +44,20 @@ PROGRAM = KERNELS.parent / "__pycache__"
 CONFIG: Any = nb.config
 UNCOMPILED = bool(CONFIG.DISABLE_JIT)
 NOT_COMPILED = (
-    "the environment variable NUMBA_DISABLE_JIT is set: nothing is compiled, and simulations take a "
-    "thousand times as long, hours for what takes seconds; unset it, unless that is wanted"
+    "the environment variable NUMBA_DISABLE_JIT is set: nothing is compiled, and simulations take "
+    "a thousand times as long, hours for what takes seconds; unset it, unless that is wanted"
 )
 NOT_KEPT = (
-    "compiled code cannot be kept: the folder that NUMBA_CACHE_DIR names, or without it both stochlin's "
-    "own folder and the user's cache folder, cannot be written, or not by this user alone, or the disk "
-    "is full. Every process then compiles anew what it uses, which takes seconds to a minute; set the "
-    "environment variable NUMBA_CACHE_DIR to a folder that can be written"
+    "compiled code cannot be kept: the folder that NUMBA_CACHE_DIR names, or without it both "
+    "stochlin's own folder and the user's cache folder, cannot be written, or not by this user "
+    "alone, or the disk is full. Every process then compiles anew what it uses, which takes "
+    "seconds to a minute; set the environment variable NUMBA_CACHE_DIR to a folder that can be "
+    "written"
 )
 NOT_PRIVATE = (
-    "the folder that NUMBA_CACHE_DIR names is not used, since others could put code there that this "
-    "user would run: compiled code is kept in stochlin's own folder; name a folder that this user alone "
-    "can write, and so all folders above it"
+    "the folder that NUMBA_CACHE_DIR names is not used, since others could put code there that "
+    "this user would run: compiled code is kept in stochlin's own folder; name a folder that this "
+    "user alone can write, and so all folders above it"
 )
 PREFIX = "kernels-"  # of folders of compiled code
 OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
@@ -197,7 +199,7 @@ def by_pointer(function: Any, *arguments: Any) -> Any:
 
 @cache
 def c_function(function: Any, signature: Any) -> Any:
-    """A C function with this signature, compiled now or found on the disk under its qualified name."""
+    """A C function with this signature, compiled now or found on the disk by its qualified name."""
     try:
         with _kept_on_disk(function) as can_be_kept:
             return nb.cfunc(signature, cache=can_be_kept, error_model="numpy")(function)

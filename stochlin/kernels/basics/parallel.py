@@ -14,7 +14,7 @@ Progress = Callable[[float], None]
 
 
 def cores() -> int:
-    """Number of processor cores that this process may use; what is not compiled uses one at a time."""
+    """Number of processor cores this process may use; what is not compiled uses one at a time."""
     from stochlin.kernels.basics.compiled import UNCOMPILED  # which imports the compiler
 
     if UNCOMPILED:

@@ -23,7 +23,7 @@ WIDTH = 128  # of these along the last dimension, of which the others are column
 def in_slabs(
     function: Callable[..., Any], *inputs: Array, kinds: Sequence[npt.DTypeLike] = (float,)
 ) -> tuple[Array, ...]:
-    """Results of ``function`` for inputs that broadcast, without temporary arrays of the table's size.
+    """Results of ``function`` for inputs that broadcast, without temporary arrays of table size.
 
     The function is called for slabs of about `CHUNK` cells. It returns an array, or a tuple with
     one for each data type of ``kinds``.
@@ -42,7 +42,7 @@ def in_slabs(
 
 
 def in_ranges(task: Callable[[slice], Any], cells: int, size: int = CHUNK) -> list[Any]:
-    """Results of a task for each range of ``size`` of the cells; for no cells, of an empty range."""
+    """Results of a task for each range of ``size`` cells; for no cells, of an empty range."""
     return [task(slice(begin, min(begin + size, cells))) for begin in range(0, max(cells, 1), size)]
 
 

@@ -95,7 +95,7 @@ class System(NamedTuple):
         return 1 / float(-np.linalg.eigvals(self.state_matrix).real.max())
 
     def modes(self) -> Modes:
-        """Modes of one system, each with the displacement of its floors by its participation factor."""
+        """Modes of one system, each with the displacement of floors by its participation factor."""
         root = np.sqrt(self.mass)
         squares, vectors = scipy.linalg.eigh(self.stiffness / np.outer(root, root))
         w = np.sqrt(squares)

@@ -1,4 +1,4 @@
-"""Two bilinear structures by numbers alone, for programs in which each pair depends on the last one."""
+"""Two bilinear structures by numbers alone, for programs in which each pair depends on the last."""
 
 from __future__ import annotations
 

@@ -49,7 +49,7 @@ def double_difference(peak_1: Array, peak_2: Array, rho: Array) -> Array:
 def white_noise_correlation(
     period_1: Array, period_2: Array, damping_1: Array, damping_2: Array
 ) -> Array:
-    """Eq. (4), exactly symmetric in both oscillators, since frequencies are over their geometric mean.
+    """Eq. (4), exactly symmetric in both oscillators: frequencies are over their geometric mean.
 
     With these, ``w1 w2 = 1`` and
     ``rho = 8 sqrt(x1 x2) (x1 w1 + x2 w2) / [(w1^2 - w2^2)^2 + 4 (x1 w1 + x2 w2)(x1 w2 + x2 w1)]``.

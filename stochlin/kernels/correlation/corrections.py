@@ -31,7 +31,7 @@ SAFE = 0.12  # margin on ln(1 - rho), up to twice this for structures independen
 
 
 class Signature(NamedTuple):
-    """The quantities of a structure in eq. (11); the signatures have an axis (k, ...) of references."""
+    """Quantities of a structure in eq. (11); the signatures have an axis (k, ...) of references."""
 
     simulated: Array  # c
     derived: Array  # d times ``ratio``
@@ -50,7 +50,7 @@ def by_signatures(derived: Array, first: Signature, second: Signature) -> Array:
 
 
 def product(left: Array, right: Array) -> Array:
-    """Scalar products of vectors (k, ...); those of a column and a row are a product of matrices."""
+    """Scalar products of vectors (k, ...); those of a column and a row are a matrix product."""
     if left.ndim == right.ndim == 3 and left.shape[2] == right.shape[1] == 1:
         return left[:, :, 0].T @ right[:, 0]
     total = left[0] * right[0]

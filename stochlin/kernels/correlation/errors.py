@@ -1,4 +1,4 @@
-"""Expected errors of a pair: of ``rho`` by the drift closure, and of the deviation of ``u_1 - u_2``.
+"""Expected errors of a pair in ``rho`` by the drift closure and in the deviation of ``u_1 - u_2``.
 
 Those of ``rho`` were measured on simulated pairs of unequal bilinear structures, by kind of ground
 and by strength. The expected error of the standard deviation of ``u_1 - u_2`` follows from the

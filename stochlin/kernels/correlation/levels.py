@@ -93,7 +93,7 @@ def pair_rows(first: AtLevels, second: AtLevels, added: Array) -> PairRows:
 
 
 def covariances_with_rates(first: Motion, second: Motion, of_pair: Residues) -> tuple[Array, Array]:
-    """``E[u_1 v_2]`` and ``E[v_1 v_2]`` of a pair, by the integrals of `displacement_covariance`."""
+    """``E[u_1 v_2]`` and ``E[v_1 v_2]`` of a pair, by integrals of `displacement_covariance`."""
     kick_1 = (0.0, first.relaxation, 1.0)
     kick_2 = (0.0, second.relaxation, 1.0)
     free_1 = _free_rate(first)
@@ -121,7 +121,7 @@ def _integral(of_pair: Residues, p: Polynomial, q: Polynomial) -> Array:
 
 
 def decay(first: AtLevels, second: AtLevels, joint: Array, ahead: Array, velocity: Array) -> Array:
-    """``-Int_0^inf R'(tau) e^(-s tau) dtau`` at the `NODES`; ``R`` is the correlation of ``u_1 - u_2``.
+    """``-Int_0^inf R'(tau) e^(-s tau) dtau`` at `NODES`; ``R`` is the correlation of ``u_1 - u_2``.
 
     The covariances of both structures are ``joint``, ``E[u_1 v_2] = ahead`` and ``velocity``. It is
     as in `spectral_moments`, for two structures whose states have covariances with ``u_1 - u_2``.

@@ -91,7 +91,7 @@ def drifting_pair(errors: Array, first: Drifting, second: Drifting) -> tuple[Arr
 
 
 def compared_pair(errors: Array, first: Compared, second: Compared) -> tuple[Array, ...]:
-    """The correlation by linearization with its bias; the truth of two elastic structures is itself.
+    """Correlation by linearization with its bias; the truth of two elastic structures is itself.
 
     The results are ``rho``, its bias and the expected error of that, and the standard deviation of
     ``u_1 - u_2`` with its bias.

@@ -50,7 +50,7 @@ ENOUGH = 6
 
 @cache
 def functions_of(closure: Closure) -> Array:
-    """Cubic polynomials (4, 4, POINTS - 1) in the distance from the point before, highest power first.
+    """Cubics (4, 4, POINTS - 1) in the distance from the point before, highest power first.
 
     Their values are the logarithms of ``1 + c_e``, ``k_e/sv`` and ``Var z``, and ``atanh r``.
     """
@@ -81,7 +81,7 @@ def interpolated(functions: Array, place: Array) -> tuple[Array, Array]:
 
 
 def cubic(coefficients: Any, x: Any) -> tuple[Any, Any]:
-    """Value and slope of cubic polynomials, whose coefficients begin with that of the highest power."""
+    """Value and slope of cubic polynomials, whose coefficients begin with the highest power."""
     c3 = coefficients[0]
     c2 = coefficients[1]
     c1 = coefficients[2]
@@ -179,7 +179,7 @@ class BalancedStructures(NamedTuple):
         return self._replace(structure=self.structure[:, cells], ground=self.ground[:, cells])
 
     def step(self, unknowns: Array, number: int) -> tuple[Array, Array, Array]:
-        """Step (2, n) from these unknowns, norm of their mismatch, and whether they are a solution."""
+        """Step (2, n) from unknowns, norm of their mismatch, and whether they are a solution."""
         v, z = unknowns
         (slip, relaxation, z_z), slopes = interpolated(self.functions[:, :3], z)
         closed = np.exp(slip), np.exp(relaxation + v), z_z, *slopes
@@ -189,7 +189,7 @@ class BalancedStructures(NamedTuple):
         return np.array([step_v, step_z]), np.where(z < LAST, norm, np.nan), done
 
     def one_by_one(self, start: Array, most: int) -> FixedPoint:
-        """The fixed points of a few cells by numbers, which take a tenth of the time of short arrays.
+        """Fixed points of a few cells by numbers, which take a tenth of the time of short arrays.
 
         A cell is left without one where numbers of Python raise an error.
         """

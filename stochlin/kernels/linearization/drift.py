@@ -145,7 +145,7 @@ def _sums_of_powers(memory: Array) -> Array:
 
 @np.errstate(all="ignore")  # NaN in cells without stationary motion
 def half_cycles(system: EquivalentSystem, ground: Filter) -> HalfCycles:
-    """Mean time between zero crossings of ``z`` (Rice 1945), and the autocorrelation of ``z`` there.
+    """Mean time between zero crossings of ``z`` (Rice 1945), and autocorrelation of ``z`` there.
 
     The autocorrelation follows from the free motion of structure and filter together, which starts
     from the covariances of their states with ``z``. It is a sum of modes, or follows from the
@@ -175,7 +175,7 @@ def half_cycles(system: EquivalentSystem, ground: Filter) -> HalfCycles:
 def _by_modes(
     system: EquivalentSystem, oscillators: Any, with_soil: Any, time: Array
 ) -> tuple[Array, Array]:
-    """Autocorrelation of ``z`` after each half-cycle, and the largest of the modes that it consists of.
+    """Autocorrelation of ``z`` after each half-cycle, and the largest of its modes.
 
     One mode follows each oscillator of the ground, and those of the structure take what is left of
     the value 1, the rate 0 and the curvature at first.
@@ -225,7 +225,7 @@ def _by_modes(
 
 
 def factors(a2: Array, a1: Array, a0: Array) -> tuple[Array, Array, Array]:
-    """A real root of ``s^3 + a2 s^2 + a1 s + a0``, and ``b1``, ``b0`` of its factor ``s^2 + b1 s + b0``.
+    """Real ``r``, ``b1``, ``b0`` of ``s^3 + a2 s^2 + a1 s + a0 = (s - r)(s^2 + b1 s + b0)``.
 
     By Cardano it is the root farthest from the others, which two of Newton's steps then make exact.
     """
@@ -246,7 +246,7 @@ def factors(a2: Array, a1: Array, a0: Array) -> tuple[Array, Array, Array]:
 
 
 def _by_exponentials(system: EquivalentSystem, ground: Filter, with_z: Array, time: Array) -> Array:
-    """Covariance of ``z`` after each half-cycle, from those of all states ``with_z`` (n, states)."""
+    """Covariance of ``z`` after each half-cycle, by those of all states ``with_z`` (n, states)."""
     w2, d, h, p, k = system
     soil = ground.arrays
     size = with_z.shape[1]
@@ -274,7 +274,7 @@ def _by_exponentials(system: EquivalentSystem, ground: Filter, with_z: Array, ti
 
 
 def _exponentials(matrices: Array, rates: Array) -> Array:
-    """Exponentials of matrices (n, s, s), by scaling and squaring as their largest ``rates`` ask for.
+    """Exponentials of matrices (n, s, s), by scaling and squaring as their largest ``rates`` need.
 
     The Taylor series is summed by powers of the fourth power.
     """
@@ -315,7 +315,7 @@ class DriftingSide(NamedTuple):
 
 
 def at_unit_intensity(side: DriftingSide, intensity: Array) -> DriftingSide:
-    """The structure on ground of the intensity 1 instead of this one, its strength in proportion."""
+    """The structure on ground of intensity 1 instead of this one, its strength in proportion."""
     motion = side.motion
     size = np.sqrt(intensity)
     free = {name: getattr(motion, name) / intensity for name in ("free_2", "free_1", "free_0")}
@@ -344,7 +344,7 @@ def drift_covariance(coherence: Array, first: DriftingSide, second: DriftingSide
 
 
 def coherence_of(first: DriftingSide, second: DriftingSide, of_pair: Residues) -> Array:
-    """``r_v`` of eq. (7): correlation of the velocities of equivalent systems under one white noise.
+    """``r_v`` of eq. (7): correlation of velocities of equivalent systems under one white noise.
 
     It measures what is new and common to both responses in every half-cycle, without a spectral
     line of the ground that both follow.

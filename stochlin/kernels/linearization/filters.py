@@ -31,7 +31,7 @@ class Matrices(NamedTuple):
 
 @dataclass(frozen=True)
 class Filter:
-    """A ground as a linear filter: ``q' = matrix q + noise n(t)``, ground acceleration ``output . q``.
+    """A ground as a linear filter: ``q' = matrix q + noise n(t)``, acceleration ``output . q``.
 
     Parameters
     ----------
@@ -171,7 +171,7 @@ class Filter:
         return (output * resolvent(s, matrix, self.correlations(system)[0])).sum(axis=-1)
 
     def correlations(self, system: EquivalentSystem) -> Array:
-        """Covariances ``C`` (3, ..., m) of ``mu``, ``mu'``, ``y`` with the states ``q`` of the filter.
+        """Covariances ``C`` (3, ..., m) of ``mu``, ``mu'``, ``y`` with the filter's states ``q``.
 
         They solve ``A C + C F' + b E[f q'] = 0``, in units in which all quantities are of order
         one.

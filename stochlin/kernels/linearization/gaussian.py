@@ -1,4 +1,4 @@
-"""What a closure computes; the closures of the bilinear law, and Gaussian expectations for dashpots.
+"""What a closure computes, the closures of the bilinear law, Gaussian expectations for dashpots.
 
 The closures of the bilinear law consist of the moments of a bivariate Gaussian over the quadrant
 ``v > 0, z > 1``, where the law slips (Rosenbaum 1961, J. R. Stat. Soc. B 23). For a correlation ``r
@@ -61,7 +61,7 @@ def absolute_moment(power: Array, std: Array) -> Array:
 
 
 def equivalent_dashpot(constant: Array, exponent: Array, std: Array) -> Array:
-    """Linear dashpot with the least mean square error to ``c |v|^a sign(v)``: ``c E|v|^(a+1)/E v^2``."""
+    """Linear dashpot of least mean square error to ``c |v|^a sign(v)``: ``c E|v|^(a+1)/E v^2``."""
     return constant * absolute_moment(exponent + 1, std) / std**2
 
 

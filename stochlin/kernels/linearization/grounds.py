@@ -48,7 +48,7 @@ def _resolved(system: Any, oscillator: Any, u: Any) -> Pair:
 
 
 def _driven(system: Any, soil: Any, drive: Pair) -> tuple[Signal, tuple[Pair, Pair]]:
-    """Signal of an oscillator whose states have the covariance ``drive`` with the forcing of ``mu'``.
+    """Signal of an oscillator whose states have covariances ``drive`` with the forcing of ``mu'``.
 
     Also returned are ``g = D(-F)^-1 drive`` and ``F g``. With these ``mu = (k - F) g``, ``mu' = -F
     mu`` and ``y = k g - p F g``.
@@ -132,7 +132,7 @@ def kanai_tajimi(system: Any, ground: Any) -> tuple[Signal, tuple[Pair, Pair]]:
 
 
 def clough_penzien(system: Any, ground: Any) -> tuple[Signal, tuple[Pair, Pair], Rows]:
-    """Signal of a Clough-Penzien ground, what makes `driven_rows`, and rows with the high-pass filter.
+    """Signal of Clough-Penzien ground, what makes `driven_rows`, and rows with a high-pass filter.
 
     ``ground`` is that of `kanai_tajimi`, then ``wf^2`` and ``2 xif wf``. The acceleration is ``f =
     xf'' = f_soil - wf^2 xf - 2 xif wf xf'``. The high-pass oscillator ``xf`` is itself a linear

@@ -55,7 +55,7 @@ class Harmonic(NamedTuple):
 
 
 def share_of_load(frequencies: Array, ground: float, damping: float) -> float:
-    """Share of the level of the load; the structures have these frequencies, the ground this damping."""
+    """Share of the load's level; the structures have these frequencies, the ground this damping."""
     ratio = float(np.min(frequencies)) / ground
     rises = np.interp(ratio, ABOVE, (0, 1)) * np.interp(damping, NARROW, (1, 0))
     return float(max(rises, np.interp(ratio, FAR_ABOVE, (0, 1))))

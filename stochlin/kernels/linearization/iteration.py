@@ -44,7 +44,7 @@ class FixedPoint(NamedTuple):
 
 
 def elastic_limit(elastic: Array, springs: int) -> Array:
-    """The unknowns (u, n) of the elastic response, with ``sigma_z`` of the ``springs`` at most 1."""
+    """Unknowns (u, n) of the elastic response, with ``sigma_z`` of the ``springs`` at most 1."""
     limited = elastic.copy()
     z = slice(springs, 2 * springs)
     limited[z] = np.minimum(elastic[z], 0.0)

@@ -45,7 +45,7 @@ def levels_for(spread: float) -> Array:
 
 
 class Tables(NamedTuple):
-    """Rows over the logarithm of the squared level; linear between its points, constant beyond them."""
+    """Rows over the logarithm of the squared level: linear between points, constant beyond them."""
 
     points: Array  # (p,) logarithms, in equal steps
     rows: Array  # (rows, n, p)
@@ -59,7 +59,7 @@ class Tables(NamedTuple):
         return cls(points, PchipInterpolator(at, values, axis=-1)(points))
 
     def at(self, square: Array, columns: Array) -> Array:
-        """Rows (rows, ..., c) at squared levels (..., c), of the structures with these numbers (c,)."""
+        """Rows (rows, ..., c) at squared levels (..., c), of structures with these numbers (c,)."""
         first = self.points[0]
         step = self.points[1] - self.points[0]
         place = np.clip((np.log(square) - first) / step, 0, self.points.size - 1)
@@ -129,7 +129,7 @@ def _growth(system: EquivalentSystem, forcing: Forcing, own: OwnCovariance, leve
 
 
 def _resonant(system: EquivalentSystem, soil: Filter, own: OwnCovariance) -> Array:
-    """Share of the variance that is not due to motions which follow the oscillators of the ground."""
+    """Share of the variance not due to motions which follow the oscillators of the ground."""
     if not soil.oscillators or not soil.in_closed_form:
         return np.ones_like(own.z_z)
     with_mu, _, with_slip = soil.correlations(system)
@@ -139,7 +139,7 @@ def _resonant(system: EquivalentSystem, soil: Filter, own: OwnCovariance) -> Arr
 
 
 def slow_mode(system: EquivalentSystem, soil: Filter, variance: Array) -> tuple[Array, Array]:
-    """Rate ``a`` [1/s] of the slow mode, and the root ``p`` of the intensity of its noise, eq. (16).
+    """Rate ``a`` [1/s] of the slow mode, and root ``p`` of the intensity of its noise, eq. (16).
 
     ``-a`` is the smallest pole of the equivalent system, and ``variance`` that of its displacement.
     The noise is 0 where the mode is not slow.
@@ -176,7 +176,7 @@ def lagged(tables: Tables, growth: int, squares: Array, step: float) -> Array:
 
 
 def grown(source: Array, rate: Array, step: float, start: Array | float = 0.0) -> Array:
-    """``x`` (instants, ...) of ``x' = source - rate x`` from a start, by the means of each step [s]."""
+    """``x`` (instants, ...) of ``x' = source - rate x`` from a start, by means in each step [s]."""
     mean = 0.5 * (rate[:-1] + rate[1:]) * step
     decays = mean != 0
     share = np.where(decays, -np.expm1(-mean) / np.where(decays, mean, 1.0), 1.0)
@@ -211,7 +211,7 @@ class StructureInTime(NamedTuple):
 def moving(
     tables: Tables, square: Array, envelope: Array, columns: Array, step: float
 ) -> StructureInTime:
-    """Structures with these numbers ``columns`` (c,) in the tables, at squared levels (instants, c)."""
+    """Structures with these numbers ``columns`` (c,) in tables, at squared levels (instants, c)."""
     rows = StructureRows(*tables.at(square, columns))
     size = np.sqrt(square) * rows.correction
     rows = rows._replace(

@@ -78,7 +78,7 @@ def _numerator(matrix: Array, noise: Array, output: Array, poles: Array) -> Arra
 
 
 def _factor(square: Array) -> Array:
-    """Spectral factor: ``p(s)`` without zeros of positive real part, from ``p(s) p(-s)`` in ``s^2``.
+    """Spectral factor ``p(s)`` without zeros of positive real part, from ``p(s) p(-s)`` in ``s^2``.
 
     Coefficients beyond the ends are exactly 0, as those of `_numerator` are. Small ones are none of
     rounding: they differ by more than digits have where the frequencies of grounds are far apart.
@@ -92,7 +92,7 @@ def _factor(square: Array) -> Array:
 
 
 def _output(matrix: Array, noise: Array, numerator: Array, denominator: Array) -> Array:
-    """Output row of a filter with this transfer function, by least squares on the imaginary axis."""
+    """Output row of a filter of this transfer function, by least squares on the imaginary axis."""
     s = 1j * np.geomspace(1e-2, 1e2, 8 * len(noise))
     states = resolvent(s, matrix, noise)
     target = polynomial.polyval(s, numerator) / polynomial.polyval(s, denominator)

@@ -64,7 +64,7 @@ def even_expectation(function: SlipRate, latent: Array, parameters: Array, order
 
 
 def _moments(law: SlipRate, latent: Array, parameters: Array, order: int, powers: int) -> Array:
-    """``M[a, b] = 2 E[w x^a t^b; x > 0]`` for ``x = v/sv`` and ``t = z/sz``, (powers, powers, n)."""
+    """``M[a, b] = 2 E[w x^a t^b; x > 0]`` for ``x = v/sv``, ``t = z/sz``, (powers, powers, n)."""
     moments = np.empty((powers, powers, latent.shape[1]))
     block = CELLS if law.rate_independent else 1 + CELLS // order
     for begin in range(0, latent.shape[1], block):
@@ -139,7 +139,7 @@ def _inner_quadrature(
 
 
 def on_panels(edges: Array, order: int) -> tuple[Array, Array]:
-    """Nodes and weights of Gauss-Legendre quadrature of this order on each panel between the edges."""
+    """Nodes and weights of Gauss-Legendre quadrature of this order on each panel between edges."""
     nodes, weights = gauss_legendre(order)
     half = 0.5 * np.diff(edges)[:, None]
     return (edges[:-1, None] + half * (1 + nodes)).ravel(), (half * weights).ravel()

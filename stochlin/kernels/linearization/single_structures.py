@@ -83,7 +83,7 @@ class SingleStructures(NamedTuple):
         return np.array([*scales, np.arctanh((corr - r) / (1 - corr * r))])
 
     def step(self, unknowns: Array, number: int) -> tuple[Array, Array, Array]:
-        """Step (3, n) from these unknowns, norm of their mismatch, and whether they are a solution."""
+        """Step (3, n) from unknowns, norm of their mismatch, and whether they are a solution."""
         mismatch = self.mismatch(unknowns[:, None] + STEPS)
         off = mismatch[:, 0]
         slopes = (mismatch[:, 1:] - mismatch[:, :1]) / ALONG

@@ -154,7 +154,8 @@ class TransientSystems:
             if not fastest * LEAST_PHASE < self.followed * PHASE:
                 raise ArithmeticError(
                     f"the covariance equations need steps of less than {PHASE / fastest:.2g} s at "
-                    f"{time:.3g} s: a structure is so weak that its plastic displacement follows at "
+                    f"{time:.3g} s: a structure is so weak that its plastic displacement "
+                    "follows at "
                     "once; give it more strength, or simulate"
                 )
             steps = int(np.ceil((end - time) * fastest / phase))

@@ -314,7 +314,7 @@ def _blow(steps, parts, j, rate, pressed, time, state, lane):
 
 @called_once
 def _watch_touch(rows, since, coordinates, peaks, lane):
-    """Update the largest and smallest displacements by those at a blow, ``since`` [s] before the end."""
+    """Update largest and smallest displacements by those at a blow ``since`` [s] before the end."""
     for i in range(rows.shape[0]):
         end = row_product(rows, i, coordinates.q, lane)
         touch = end - since * row_product(rows, i, coordinates.v, lane)

@@ -45,7 +45,7 @@ class BuildingRow(NamedTuple):
         return State.at_rest([self.elements], lanes, *sizes)
 
     def from_start(self, q: Array, v: Array) -> Array:
-        """The block (rows,) of a motion that starts with these displacements [m] and velocities [m/s].
+        """Block (rows,) of a motion that starts with these displacements [m] and velocities [m/s].
 
         Its springs have not slipped, and its contacts are open. Their energy counts as put in.
         """
@@ -101,7 +101,7 @@ class RowResponse(NamedTuple):
         return self.end.largest[: self.floors]
 
     def end_after(self, seconds: float) -> Array:
-        """The block (rows,) at the end of a motion of this length, with times of impacts from there."""
+        """Block (rows,) at the end of a motion of this length, with times of impacts from there."""
         impacts = self.end.impacts
         impacts.begin[...] -= seconds
         impacts.end[...] -= seconds
@@ -142,7 +142,7 @@ class RowStates(NamedTuple):
 
 @called_once
 def _near(contacts, dt, state, lanes, near):
-    """Write the lanes that are in contact in the step taken without it, or may be; returns their number.
+    """Write lanes in contact in the step taken without it, or that may be; returns their number.
 
     Within a step the penetration is a parabola, which rises above the ends by an eighth of the
     change of the rate times ``dt`` at most.

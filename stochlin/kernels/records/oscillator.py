@@ -33,7 +33,7 @@ SMALLEST = 1e-12
 
 
 class Oscillator(NamedTuple):
-    """One structure with the restoring force ``post u + couple y`` per unit mass, ``y = uy z`` [m]."""
+    """One structure with restoring force ``post u + couple y`` per unit mass, ``y = uy z`` [m]."""
 
     damping: float  # 2 xi w [1/s]
     stiffness: tuple[float, float]  # w^2, and post = alpha w^2 while it yields [1/s^2]
@@ -63,7 +63,7 @@ def _impulse(damping, stiffness, t):
 
 @called_once
 def _after(o, side, v, push, slope, t):
-    """Change of displacement ``x``, its integral, velocity and acceleration after a time on one branch.
+    """Change of displacement ``x``, its integral, velocity, acceleration after a time on a branch.
 
     They solve ``x'' + damping x' + stiffness x = push + slope t`` with ``x = 0`` and ``x' = v``
     before. The branch ``side`` is 1 or -1 where the structure yields, and 0 if it is elastic.
@@ -78,7 +78,7 @@ def _after(o, side, v, push, slope, t):
 
 @called_once
 def _part(o, y, side, v, push, slope, end, least):
-    """A time on this branch, at most ``end``, the branch from then on, and what is `_after` this time.
+    """A time on this branch, at most ``end``, the branch from then on, and what is `_after` it.
 
     No change of branch is missed, however brief the stay is (until 1e-12 sub-steps). The
     acceleration is zero at most once in a sub-step: where it has one sign at both ends of a time,
@@ -199,7 +199,7 @@ def turning(length, value, rate, value1, rate1):
 
 @compiled
 def _oscillator(parameters, step):
-    """The structure with the parameters (4,) of `run`, and its number of sub-steps in a step [s]."""
+    """The structure with parameters (4,) of `run`, and its number of sub-steps in a step [s]."""
     w, xi, alpha, uy = parameters
     each = max(1, int(np.ceil(w * step / LONGEST)))
     h = step / each
@@ -211,7 +211,7 @@ def _oscillator(parameters, step):
 
 @compiled
 def _branch(o, state):
-    """The branch on which a state is: that where the structure yields if it is at yield and goes on."""
+    """The branch of a state: that where the structure yields if it is at yield and goes on."""
     y = state[2]
     if abs(y) == o.uy and y * state[1] > 0:
         return 1 if y > 0 else -1
@@ -220,7 +220,7 @@ def _branch(o, state):
 
 @called_once
 def _respond(ground, dt, structures, refine, results, path):
-    """The response of one cell of `run`: ``structures`` (sides, 4), ``results`` (sides, columns)."""
+    """Response of one cell of `run`: ``structures`` (sides, 4), ``results`` (sides, columns)."""
     sides = len(structures)
     last = refine * (len(ground) - 1)
     step = dt / refine

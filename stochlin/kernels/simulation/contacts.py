@@ -1,4 +1,4 @@
-"""Contacts as elements that only push: their forces, at an instant and as the mean over a time step.
+"""Contacts as elements that only push: their forces, at an instant and as the mean of a time step.
 
 ``d`` is the penetration [m], positive in contact, ``v = d'`` its rate [m/s], and ``v0`` the
 approach velocity, ``v`` at the beginning of this contact. A positive force pushes both sides apart;
@@ -130,14 +130,14 @@ def stored_in(law: Any, d: Any) -> Any:
 
 
 def reduced_mass(mass_1: Any, mass_2: Any) -> Any:
-    """Reduced mass ``m1 m2/(m1 + m2)`` [kg]; an infinite mass is a rigid wall. Scalars or arrays."""
+    """Reduced mass ``m1 m2/(m1 + m2)`` [kg]; infinite mass is a rigid wall. Scalars or arrays."""
     return 1.0 / (1.0 / mass_1 + 1.0 / mass_2)
 
 
 def velocities_after_impact(
     velocity_1: Any, velocity_2: Any, mass_1: Any, mass_2: Any, restitution: Any
 ) -> tuple[Any, Any]:
-    """Eq. (13): velocities of both structures after a stereomechanical impact. Scalars or arrays."""
+    """Eq. (13): velocities of both structures after stereomechanical impact. Scalars or arrays."""
     jump = (1.0 + restitution) * (velocity_1 - velocity_2)
     return velocity_1 - jump / (1.0 + mass_1 / mass_2), velocity_2 + jump / (1.0 + mass_2 / mass_1)
 
@@ -187,7 +187,7 @@ def mean_force(law, v0, before, change, dt):
 
 @called_once
 def solve_force(law, v0, before, alone, g, dt):
-    """Mean force of a contact [N] whose penetration changes by ``alone`` less ``g`` times this force.
+    """Mean force ``f`` [N] of a contact whose penetration changes by ``alone - g f``.
 
     The force grows with the change, so that it lies between 0 and the force without its own effect.
     It is found by regula falsi, with halved weights for an end that stays (the Illinois method).

@@ -210,7 +210,7 @@ class Ensemble(NamedTuple):
         return sum(part.size for part in self.parts)
 
     def at_start(self, rows: Array) -> Array:
-        """Linear functions (m, n) of displacements at the start, and their change in a step (2, m)."""
+        """Linear functions (m, n) of displacements at the start, and changes in a step (2, m)."""
         pairs = zip(self.parts, self.starts, strict=True)
         u, v = np.concatenate([part.shown(values) for part, values in pairs], axis=1)
         return np.array([times_rows(rows, u), self.plan.dt * times_rows(rows, v)])
@@ -433,7 +433,7 @@ def finite_extremes(
 
 
 def ground_motions(ensemble: Ensemble, steps: int, progress: Progress | None) -> Array:
-    """Forcing of each step (motions, steps) by the ground of a ensemble, which has no structures."""
+    """Forcing of each step (motions, steps) by the ground of an ensemble without structures."""
 
     def of_group(motion: MotionGroup) -> Array:
         """The forcing in one group of motions."""

@@ -144,7 +144,7 @@ def rate_law(write: Any, states: int, name: str) -> RateLaw:
 
 @called_often
 def _bouc_wen_rate(v, z, own, lane, less):
-    """``z' = v - |z|^n (beta |v| sign z + gamma v)``; own: beta, gamma, n; ``less`` is ``|z|^(n-1)``."""
+    """``z' = v - |z|^n (beta |v| sign z + gamma v)``; own: beta, gamma, n; ``less = |z|^(n-1)``."""
     shape = own[0, lane] * np.copysign(1.0, v * z) + own[1, lane]
     return v * (1.0 - abs(z) * (less * shape))
 
@@ -186,7 +186,7 @@ def _no_law(kind, lanes, v, w, own, dt, new, apart):
 
 
 def _either(number: int, law: Any, others: Any, name: str) -> Any:
-    """The function that takes ``law`` for the kind OTHER + ``number``, ``others`` for other kinds."""
+    """Function that takes ``law`` for the kind OTHER + ``number``, ``others`` for other kinds."""
     kind_of_law = OTHER + number
 
     @compiled

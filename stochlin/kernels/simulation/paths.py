@@ -1,4 +1,4 @@
-"""Hysteresis laws of straight branches, followed exactly along the extension of a step; loops of laws.
+"""Hysteresis laws of straight branches, followed exactly along a step's extension; loops of laws.
 
 Each function is a `laws.RateLaw.step` that is never too long. The second state is the extension
 ``mu`` over the yield extension, which moves in one direction within a step.
@@ -15,7 +15,7 @@ from stochlin.kernels.simulation.laws import OTHER, RateLaw, advance
 
 @called_often
 def _backbone(mu, own, lane):
-    """``z`` of the first loading at a mu from that of cracking on; ``own`` as in `_modified_clough`."""
+    """``z`` of the first loading at a mu from cracking on; ``own`` as in `_modified_clough`."""
     crack = own[1, lane]
     limit = own[2, lane]
     rise = own[3, lane]
@@ -28,7 +28,7 @@ def _backbone(mu, own, lane):
 
 @called_often
 def _unloading(peak, own, lane):
-    """Stiffness in unloading from the side whose largest mu is ``peak``, over the stiffness to yield.
+    """Stiffness in unloading from a side whose largest mu is ``peak``, over the stiffness to yield.
 
     Before yielding the way leads to the point of cracking on the other side. Then the stiffness
     falls with the exponent.

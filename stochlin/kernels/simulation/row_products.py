@@ -1,4 +1,4 @@
-"""Products of matrices whose rows have few entries with values in all lanes, the last axis of arrays."""
+"""Products of matrices of few entries per row with values in all lanes, the last axis of arrays."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from stochlin.kernels.basics.compiled import called_often, compiled, of_lane
 
 
 def rows_of(matrix: Array) -> Array:
-    """A matrix (m, n) by the entries (m, w) in each row that are not zero; zeros fill shorter rows."""
+    """A matrix (m, n) by the nonzero entries (m, w) in each row; zeros fill shorter rows."""
     width = max(1, int((matrix != 0).sum(axis=1).max(initial=1)))
     rows = np.empty((len(matrix), width), [("column", np.int64), ("weight", float)])
     rows["column"] = np.argsort(matrix == 0, axis=1, kind="stable")[:, :width]

@@ -20,19 +20,20 @@ import numpy as np
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.compiled import called_often, entry, of_lane, variant
 
-LANES = 32  # independent motions in the innermost loop, which fit vector registers and first-level cache
+# Independent motions in the innermost loop, which fit vector registers and first-level cache.
+LANES = 32
 # Loops with many constants take the number of lanes from an array. If the compiler knows it, it
 # unrolls them completely, which takes up to twice as long, since constants do not stay in
 # registers.
 
 
 def whole_groups(motions: int) -> int:
-    """The number of motions rounded up to whole groups of `LANES`, which is the number simulated."""
+    """Number of motions rounded up to whole groups of `LANES`, which is the number simulated."""
     return -(-motions // LANES) * LANES
 
 
 class FilterSteps(NamedTuple):
-    """One step of a ground filter: ``q_new = transition q + gain xi``, forcing ``row q + direct xi``.
+    """Step of a ground filter: ``q_new = transition q + gain xi``, forcing ``row q + direct xi``.
 
     ``xi`` is a standard normal number for each step; white noise has no states (m = 0). If every
     lane has another ground, all arrays have a last axis of `LANES`.
@@ -67,7 +68,7 @@ def filter_steps(
 
 
 def ground_block(ground: FilterSteps) -> Callable[[Array, Array, Array], None]:
-    """The function that writes the mean forcing of each step to ``f`` and updates the filter's state.
+    """Function that writes the mean forcing of each step to ``f`` and updates the filter's state.
 
     It takes normal numbers ``xi`` (steps, LANES), the state ``q`` (m, LANES) and ``f`` (steps,
     LANES). States that do not act on one another, such as those of grounds in parallel, are stepped
@@ -99,7 +100,7 @@ def ground_block(ground: FilterSteps) -> Callable[[Array, Array, Array], None]:
 
 
 def _independent(transition: Array) -> list[slice]:
-    """Ranges of states that neither act on the states outside the range nor are acted on by them."""
+    """Ranges of states that neither act on states outside the range nor are acted on by them."""
     acts: Any = transition if transition.ndim == 2 else np.abs(transition).max(axis=2)
     ends = [k for k in range(1, len(acts) + 1) if not (acts[:k, k:].any() or acts[k:, :k].any())]
     return [slice(begin, end) for begin, end in pairwise([0, *ends])]
@@ -212,7 +213,7 @@ def bilinear_block(f, dt, parameters, u, v, z, every, out, first):
 
 @entry
 def add_products(out, total):
-    """Add ``sum_samples u_i u_j`` of ``out`` (samples, n, LANES) to the lower triangles of ``total``.
+    """Add ``sum_samples u_i u_j`` of ``out`` (samples, n, LANES) to lower triangles of ``total``.
 
     BLAS is not used, since for such small matrices its threads compete with those of the groups.
     Four samples are added at a time, to save writing the sum in between.

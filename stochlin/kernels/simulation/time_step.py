@@ -1,4 +1,4 @@
-"""One time step of a `System` of masses, springs and contacts, in any number of independent motions.
+"""One time step of a `System` of masses, springs and contacts in any number of independent motions.
 
 Each motion is a lane: the last axis of all arrays. The rule is the trapezoidal one. With the masses
 ``M``, the damping ``C``, springs with the extensions ``e = E q`` and the forces
@@ -140,7 +140,7 @@ def sampled_steps(elements: Sequence[Elements], dt: float) -> Steps:
 
 @called_often
 def _add_slip(effect, i, slip, dq, lanes):
-    """Add the effect of a slip (lanes,) of element ``i``, or of a change of it, to the increments."""
+    """Add the effect of a slip (lanes,) of element ``i``, or of its change, to the increments."""
     for k in range(effect.shape[0]):
         of_slip = effect[k, i]
         for lane in range(lanes):
@@ -361,7 +361,7 @@ def _begin_contacts(steps, state, lanes):
 
 @called_once
 def _begin(steps, state, lanes):
-    """Find the increments without slips and contact forces, but for slips that start from the last step.
+    """Find increments without slips or contact forces, but for slips that start from the last step.
 
     These are the slips of dashpots and of laws with rates.
     """
@@ -396,7 +396,7 @@ def _begin(steps, state, lanes):
 
 @called_once
 def _end(steps, state, lanes):
-    """Change the state by the increments and slips, and add the energies that the slips dissipate."""
+    """Change the state by the increments and slips, and add the energies that slips dissipate."""
     twice = 2.0 / steps.dt
     q = state.coordinates.q
     v = state.coordinates.v

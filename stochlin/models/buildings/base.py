@@ -1,4 +1,4 @@
-"""What the buildings have in common that analyses take: floors, modes, and one law for all elements."""
+"""What buildings have in common that analyses take: floors, modes, and one law for all elements."""
 
 from __future__ import annotations
 
@@ -124,7 +124,7 @@ class MultistoreyBuilding(WithoutCells, AnyStructure, base=True):
     @property
     @abstractmethod
     def element_law(self) -> Structure:
-        """Oscillators that have the hysteresis law of the elements, over the storeys or the modes."""
+        """Oscillators that have the hysteresis law of the elements, over the storeys or modes."""
 
     @abstractmethod
     def system(self) -> System:
@@ -139,11 +139,11 @@ class MultistoreyBuilding(WithoutCells, AnyStructure, base=True):
 
     @abstractmethod
     def mode_periods(self) -> xr.DataArray:
-        """Periods of the elastic building [s] over ``mode``, which is counted from 1, longest first."""
+        """Periods of the elastic building [s] over ``mode``, counted from 1, longest first."""
 
     @abstractmethod
     def first_mode_moves(self) -> xr.DataArray:
-        """Displacement of each floor in the first mode over that of `oscillator` [-], over ``floor``."""
+        """Displacement of each floor in mode 1 over that of `oscillator` [-], over ``floor``."""
 
     @abstractmethod
     def oscillator(self) -> Structure:
@@ -158,7 +158,7 @@ class MultistoreyBuilding(WithoutCells, AnyStructure, base=True):
         return type(law)(**values | changed)
 
     def with_pushover(self, idealized: Mapping[str, Any]) -> Self:
-        """The building with the strength, the hardening and the elastic stiffness of a pushover curve.
+        """The building with the strength, hardening and elastic stiffness of a pushover curve.
 
         The first mode becomes an oscillator with the displacement ``u_roof/(G s_roof)`` and the
         force ``V/(G L)`` per unit of mass (Chopra and Goel), for the participation factor ``G`` and
@@ -212,7 +212,10 @@ class MultistoreyBuilding(WithoutCells, AnyStructure, base=True):
         begins = 2 * np.pi * np.sqrt(mass / (roof * values["initial_stiffness"]))
         if abs(begins / period - 1) > PERIOD_OFF:
             what = f"the pushover curve begins with the stiffness of a period of {begins:.3g} s"
-            cure = f"the first mode has {period:.3g} s; are units, masses and the pushing forces right?"
+            cure = (
+                f"the first mode has {period:.3g} s; "
+                "are units, masses and the pushing forces right?"
+            )
             warnings.warn(f"{what}, {cure}", DoubtfulInput, stacklevel=2)
         own = 2 * np.pi * np.sqrt(mass * displacement / values["yield_force"])
         return self._of_first_mode(float(own), displacement, values["hardening"])

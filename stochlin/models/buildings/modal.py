@@ -54,7 +54,7 @@ OF_TABLE = {"period", "shape", "mass", "height"}
 
 @dataclass(frozen=True)
 class ModalBuilding(MultistoreyBuilding):
-    """Building by its modes: each is an oscillator on the ground, and the floors move by their shapes.
+    """Building by its modes: each is an oscillator on the ground, and floors move by their shapes.
 
     The displacement ``D_n`` of mode ``n`` is that of an oscillator with its period and damping
     ratio. The floors move by the sum of ``G_n s_n D_n`` over the modes, with the participation
@@ -290,7 +290,7 @@ class ModalBuilding(MultistoreyBuilding):
         return self._law(period=values["periods"], damping=self.damping, **strength)
 
     def system(self) -> System:
-        """The building as coordinates, elements and floors: each mode is one coordinate and element."""
+        """The building as coordinates, elements, floors: each mode is a coordinate and element."""
         mass = self.effective_masses()
         w = 2 * np.pi / self._numbers("periods")
         k = mass * w**2
@@ -309,7 +309,7 @@ class ModalBuilding(MultistoreyBuilding):
         )
 
     def shear_shares(self) -> Array:
-        """Share of each mode's force in the shear of each storey, by its static forces (storeys, modes).
+        """Share of each mode's force in each storey shear, by its static forces (storeys, modes).
 
         Where the participation factors are given, only the shear of the lowest storey is known,
         which is the sum of the forces of the modes; the shears above are NaN.
@@ -402,7 +402,10 @@ class ModalBuilding(MultistoreyBuilding):
 
     def _check_leading(self, strength: str, cure: str = "") -> None:
         if self.leading:
-            what = f"{type(self).__name__}: mode {self.leading + 1} has more effective mass than mode 1"
+            what = (
+                f"{type(self).__name__}: mode {self.leading + 1} "
+                "has more effective mass than mode 1"
+            )
             raise ValueError(f"{what}; allowed with {strength}: the most in mode 1{cure}")
 
     def _of_first_mode(self, period: float, yield_displacement: float, hardening: float) -> Self:
@@ -414,7 +417,7 @@ class ModalBuilding(MultistoreyBuilding):
 
     @property
     def _strengths(self) -> Array:
-        """Hardening [-] and yield displacement [m] of the modes that yield, the first ones (2, n)."""
+        """Hardening [-] and yield displacement [m] of modes that yield, the first ones (2, n)."""
         both = (np.asarray(v, float) for v in (self.hardening, self.yield_displacements))
         wide = np.array(np.broadcast_arrays(*both, np.empty(1)))[:2]
         return wide if self.yields else np.empty((2, 0))
@@ -426,7 +429,10 @@ class ModalBuilding(MultistoreyBuilding):
         shared = _shared(shapes, self._numbers("masses"))
         if shared.max() > ORTHOGONAL:
             i, j = np.sort(np.unravel_index(np.argmax(shared), shared.shape)) + 1
-            what = f"{name}shapes of modes {i} and {j} are not orthogonal: {shared.max():.2g} is shared"
+            what = (
+                f"{name}shapes of modes {i} and {j} are not orthogonal: "
+                f"{shared.max():.2g} is shared"
+            )
             order = (
                 "are masses right, and floors in order, from the ground up, in a row for each mode"
             )
@@ -450,7 +456,7 @@ class ModalBuilding(MultistoreyBuilding):
 
 
 def _table(label: str, value: Any) -> xr.DataArray:
-    """Mode shapes over modes and floors; raises a ValueError for anything but a table of numbers."""
+    """Mode shapes over modes and floors; a ValueError for anything but a table of numbers."""
     array = as_array(value)
     if array.ndim != 2 or not array.size or array.dtype.kind not in "iuf":
         raise ValueError(f"{label} = {brief(value)}; allowed: a number for each mode and floor")
@@ -469,11 +475,14 @@ def doubt_of_shape(leading: Array) -> Iterator[str]:
     roof = abs(leading[-1])
     ratio = lowest / roof if roof > 0 else np.inf
     if text := PLAUSIBLE["mode downwards"].doubt(ratio):
-        yield f"the leading mode moves {lowest:g} at the lowest floor and {roof:g} at the roof; {text}"
+        yield (
+            f"the leading mode moves {lowest:g} at the lowest floor "
+            f"and {roof:g} at the roof; {text}"
+        )
 
 
 def doubt_of_modes(periods: Array, shapes: Array, shares: Array) -> Iterator[str]:
-    """Text on a mode with a node, slower than that with most effective mass, as if two were exchanged.
+    """Text on a mode with a node, slower than that with most effective mass, as if exchanged.
 
     Modes in other directions, which have little of the mass along the gap, are left out.
     """

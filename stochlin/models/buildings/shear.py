@@ -68,7 +68,7 @@ class RegularBuilding(Model):
 
 @dataclass(frozen=True)
 class ShearBuilding(MultistoreyBuilding):
-    """Shear building: a mass on each floor, a hysteretic spring in each storey, and viscous damping.
+    """Shear building: a mass on each floor, a hysteretic spring in each storey and viscous damping.
 
     Storeys are counted from the ground up; each storey has the number of the floor above it. Every
     mode of the elastic building has the same damping ratio ``xi``: ``C = sum_m 2 xi w_m M phi_m
@@ -303,11 +303,11 @@ class ShearBuilding(MultistoreyBuilding):
         return replace(self, stiffnesses=stiffer, hardening=hardening, yield_drifts=drifts)
 
     def periods(self) -> xr.DataArray:
-        """Periods of the elastic building [s] over ``mode``, which is counted from 1, longest first."""
+        """Periods of the elastic building [s] over ``mode``, counted from 1, longest first."""
         return numbered(2 * np.pi / self._modes()[0], MODE, "s", "period of the mode")
 
     def participation(self) -> xr.DataArray:
-        """Displacement of each floor in the first mode over that of `oscillator` [-], over ``floor``.
+        """Displacement of each floor in mode 1 over that of `oscillator` [-], over ``floor``.
 
         It is the participation factor ``phi' M 1/(phi' M phi)`` times the mode shape ``phi``.
         """
@@ -417,7 +417,7 @@ class ShearBuilding(MultistoreyBuilding):
         return GRAVITY * above / self._numbers("heights")
 
     def damping_ratios(self) -> xr.DataArray:
-        """Damping ratio of every mode of the elastic building [-] over ``mode``, without the dampers.
+        """Damping ratio of every mode of the elastic building [-] over ``mode``, without dampers.
 
         Of Rayleigh damping it is ``a0/(2 w) + a1 w/2`` in the mode of the circular frequency ``w``.
 
@@ -466,7 +466,10 @@ class ShearBuilding(MultistoreyBuilding):
         taken = self.geometric_stiffness()
         if self.p_delta and (stiffness <= taken).any():
             worst = int(np.argmin(stiffness - taken))
-            what = f"ShearBuilding: the weight above takes {taken[worst]:g} N/m from storey {worst + 1}"
+            what = (
+                f"ShearBuilding: the weight above takes {taken[worst]:g} N/m "
+                f"from storey {worst + 1}"
+            )
             raise ValueError(
                 f"{what}; allowed: less than {stiffness[worst]:g} N/m, or p_delta=False"
             )
@@ -486,7 +489,7 @@ class ShearBuilding(MultistoreyBuilding):
             raise ValueError(f"{what}; allowed: below 1")
 
     def _modes(self) -> tuple[Array, Array]:
-        """Circular frequencies [rad/s] of the modes, and mode shapes of unit modal mass as columns."""
+        """Circular frequencies [rad/s] of modes, and mode shapes of unit modal mass as columns."""
         root = np.sqrt(self._numbers("masses"))
         k = self._numbers("stiffnesses") - self.geometric_stiffness()
         with np.errstate(all="ignore"):

@@ -1,4 +1,4 @@
-"""The clipped closure of the bilinear law, and the drift closure, which adds the plastic drift to it."""
+"""The clipped closure of the bilinear law and the drift closure, which adds the plastic drift."""
 
 from __future__ import annotations
 

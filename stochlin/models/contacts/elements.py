@@ -139,7 +139,7 @@ class Damped(Element, base=True):
         return inside.copy(data=form(inside.values)).rename(None).assign_attrs(units="1")
 
     def _set(self, stiffness: Any, damping: Any, restitution: Any, **others: Any) -> None:
-        """Set the fields, with the damping from the one of damping and restitution that was given."""
+        """Set the fields, with damping from the one of damping and restitution that was given."""
         name = type(self).__name__
         if (damping is None) == (restitution is None):
             text = "neither is given" if damping is None else "both are given"
@@ -185,7 +185,7 @@ class WithRatio(Damped, base=True):
         return cls._damping_for(restitution)
 
     def damping_coefficient(self, reduced_mass: Any) -> Any:
-        """Constant ``c = 2 xi sqrt(k m)`` for a reduced mass [kg]; in N s/m if the element is linear."""
+        """Constant ``c = 2 xi sqrt(k m)`` for a reduced mass [kg]; [N s/m] of a linear element."""
         k: Any = self.stiffness
         xi: Any = self.damping
         with np.errstate(invalid="ignore"):  # NaN in cells out of range
@@ -309,7 +309,7 @@ class NoTensionKelvin(WithRatio):
 @CONTACTS.register("impact_kelvin", 4)
 @dataclass(frozen=True, init=False)
 class ImpactKelvin(WithRatio):
-    """Impact Kelvin element, eq. (16): its dashpot acts in approach only, ``f = k d + c max(d', 0)``.
+    """Impact Kelvin element, eq. (16), with a dashpot in approach only: ``f = k d + c max(d', 0)``.
 
     The coefficient of restitution is ``e = exp(-xi A)`` and the contact time ``(A + pi/2)
     sqrt(m/k)``, where ``A = acos(xi)/sqrt(1 - xi^2)``, or ``acosh(xi)/sqrt(xi^2 - 1)`` for ``xi >
@@ -380,7 +380,7 @@ class Hertz(Element):
 @CONTACTS.register("hertz_damp", 6)
 @dataclass(frozen=True, init=False)
 class HertzDamp(Damped):
-    """Hertz contact with hysteresis damping, ``f = k d^n (1 + a d'/v0)``, ``v0`` the approach velocity.
+    """Hertz contact with hysteresis damping, ``f = k d^n (1 + a d'/v0)``, approach velocity ``v0``.
 
     The coefficient of restitution ``e`` is the exact solution of ``a (1 + e) = ln[(1 + a)/(1 - a
     e)]`` for any exponent. The force on two free masses is never tensile. It would be tensile if
@@ -434,7 +434,7 @@ class HertzDamp(Damped):
 
     @classmethod
     def damping_factor(cls, restitution: Any) -> Any:
-        """Damping factor [-] for a coefficient of restitution; otherwise as `Kelvin.damping_ratio`."""
+        """Damping factor [-] for a coefficient of restitution, else as `Kelvin.damping_ratio`."""
         return cls._damping_for(restitution)
 
     def damping_coefficient(self, reduced_mass: Any) -> Any:
@@ -484,7 +484,7 @@ class Jankowski(WithRatio):
 @CONTACTS.register("stereomechanical", 8)
 @dataclass(frozen=True)
 class Stereomechanical(Contact):
-    """Stereomechanical impact, eq. (13): it multiplies ``u1' - u2'`` by ``-e`` and conserves momentum.
+    """Stereomechanical impact, eq. (13), multiplies ``u1' - u2'`` by ``-e`` and conserves momentum.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Relations between damping and coefficient of restitution, for arrays, of linear and Hertz elements.
+"""Relations of damping and coefficient of restitution, for arrays, of linear and Hertz elements.
 
 Two free masses approach one another at ``v0`` and separate at ``e v0``. The relations of the linear
 elements use ``A(xi) = acos(xi)/sqrt(1 - xi^2)``, which is ``acosh(xi)/sqrt(xi^2 - 1)`` for ``xi >
@@ -83,7 +83,7 @@ def langevin_odds(x: Array) -> Array:
 
 
 def hertz_damp_restitution(a: Array) -> Array:
-    """Coefficient of restitution ``e`` of the Hertz-damp force with the damping factor ``a >= 0``."""
+    """Coefficient of restitution ``e`` of the Hertz-damp force with damping factor ``a >= 0``."""
 
     def factor(x: Array) -> Array:
         odds = langevin_odds(x)
@@ -94,7 +94,7 @@ def hertz_damp_restitution(a: Array) -> Array:
 
 
 def hertz_damp_factor(e: Array) -> Array:
-    """Damping factor ``a`` of the Hertz-damp force for ``e``; inverse of `hertz_damp_restitution`."""
+    """Damping factor ``a`` of a Hertz-damp force for ``e``; inverse of `hertz_damp_restitution`."""
     e = np.maximum(e, np.exp(-LARGEST))
     return 2 * inverse(langevin_odds, (1 - e) / (2 * e)) / (1 + e)
 

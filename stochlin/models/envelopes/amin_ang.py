@@ -14,7 +14,7 @@ from stochlin.models.parameters import POSITIVE, parameter
 @ENVELOPES.register("amin_ang", 1)
 @dataclass(frozen=True)
 class AminAng(Envelope):
-    """Envelope of Amin and Ang: ``(t/t1)^2`` up to ``t1``, 1 up to ``t2``, then ``exp(-c (t - t2))``.
+    """Envelope of Amin and Ang: ``(t/t1)^2`` to ``t1``, 1 to ``t2``, then ``exp(-c (t - t2))``.
 
     Parameters
     ----------

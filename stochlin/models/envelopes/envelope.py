@@ -20,18 +20,18 @@ ENVELOPES: Registry[type[Envelope]] = Registry(
 
 @dataclass(frozen=True)
 class Envelope(Model, base=True):
-    """Base of the envelopes: functions of time [s], from 0 to 1, that multiply a stationary motion."""
+    """Base of envelopes: functions of time [s], from 0 to 1, that multiply a stationary motion."""
 
     def at(self, time: Array) -> Array:
         """Values of the envelope [-] at times [s] from 0 on, in the same shape."""
         raise NotImplementedError
 
     def kinks(self) -> tuple[float, ...]:
-        """Times [s] at which the slope jumps, in increasing order; time integration restarts there."""
+        """Times [s] at which the slope jumps, increasing; time integration restarts there."""
         return ()
 
     def doubt(self, duration: float) -> str:
-        """Text of a warning if a motion of this duration [s] ends before its strong part, or in it."""
+        """Text of a warning if a motion of this duration [s] ends before or in its strong part."""
         now, later = self.at(duration * np.array([1.0, 1.01]))
         if now < min(0.99, later):
             return "the motion ends before its strong part; usual are longer ones"
@@ -49,6 +49,6 @@ def envelope_at(envelope: Envelope | None, time: Array) -> Array:
 
 
 def strong_seconds(duration: float, envelope: Envelope | None) -> float:
-    """Duration [s] of the stationary motion of equal energy: the integral of the squared envelope."""
+    """Duration [s] of the stationary motion of equal energy: integral of the squared envelope."""
     middle = (np.arange(_STEPS) + 0.5) * duration / _STEPS
     return duration * float(np.mean(envelope_at(envelope, middle) ** 2))

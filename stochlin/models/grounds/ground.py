@@ -74,7 +74,7 @@ MOST_FILTERS = 3  # in parallel, of a ground that is fitted to a spectrum
 
 
 class Fit(NamedTuple):
-    """Bounds and starting values by which `fit_ground` seeks parameters other than period and intensity.
+    """Bounds and starting values of parameters other than period and intensity in `fit_ground`.
 
     Those of parameters in seconds are multiples of the ground's ``period``.
     """
@@ -160,7 +160,10 @@ class Ground(Model, base=True):
             motions = f"motions of {seconds:g} s{'' if shape is None else f' under {shape!r}'}"
             yield f"ground was fitted to a spectrum for {motions}; are these others meant?"
         if period > longest:
-            yield f"ground was fitted to a spectrum up to {longest:g} s, and a period is {period:.3g} s"
+            yield (
+                f"ground was fitted to a spectrum up to {longest:g} s, "
+                f"and a period is {period:.3g} s"
+            )
 
     @property
     def parts(self) -> tuple[Ground, ...]:

@@ -18,7 +18,7 @@ from stochlin.models.parameters import (
 def _ground(
     source: str, frequency: float, damping: float, *high_pass: float
 ) -> KanaiTajimi | CloughPenzien:
-    """A ground from frequency [rad/s] and damping ratio of the soil and of any high-pass oscillator.
+    """A ground from frequency [rad/s] and damping ratio of the soil and any high-pass oscillator.
 
     The references print circular frequencies, not periods.
     """

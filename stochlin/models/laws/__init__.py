@@ -8,7 +8,7 @@ from stochlin.models.structures import LAWS, Structure
 
 
 def laws_in_numbers() -> dict[str, type[Structure]]:
-    """Laws whose parameters are all numbers, so that a file or a command can describe them, by name."""
+    """Laws, by name, whose parameters are all numbers: a file or a command can describe them."""
     return {
         name: law for name, law in LAWS.items() if len(fields(law)) == len(law.parameter_names())
     }

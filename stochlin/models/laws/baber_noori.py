@@ -1,4 +1,4 @@
-"""The Bouc-Wen law of Baber and Noori, which loses strength and stiffness with energy, and pinches."""
+"""Bouc-Wen law of Baber and Noori, which loses strength and stiffness with energy, and pinches."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The bilinear hysteresis law of Suzuki and Minai, eq. (7): elastic up to ``z = +-1``, then plastic."""
+"""Bilinear hysteresis law of Suzuki and Minai, eq. (7): elastic up to ``z = +-1``, then plastic."""
 
 from __future__ import annotations
 

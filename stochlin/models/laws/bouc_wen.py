@@ -88,9 +88,8 @@ class BoucWen(Structure):
     References
     ----------
     Wen, Y. K. (1976), J. Eng. Mech. Div. ASCE 102; linearized as in Wen, Y. K. (1980), J. Appl.
-    Mech.
-    47. Bounds of ``z`` as in Ismail, M., Ikhouane, F. and Rodellar, J. (2009), Arch. Comput. Methods
-    Eng. 16, classes I and II.
+    Mech. 47. Bounds of ``z`` as in Ismail, M., Ikhouane, F. and Rodellar, J. (2009), Arch. Comput.
+    Methods Eng. 16, classes I and II.
 
     Examples
     --------
@@ -126,7 +125,7 @@ class BoucWen(Structure):
         return super().valid() & self._saturates()
 
     def _saturates(self) -> xr.DataArray:
-        """Whether ``z`` is bounded in loading; in unloading it is bounded for any ``beta - gamma``."""
+        """Whether ``z`` is bounded in loading; in unloading it is for any ``beta - gamma``."""
         values = self.arrays()
         return values["gamma"] > -values["beta"]
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 @LAWS.register("hysteretic", place=3)
 @dataclass(frozen=True)
 class Hysteretic(Structure):
-    """Oscillator with any hysteresis law ``z' = G(v, z)``, or one of more states, in sympy expressions.
+    """Oscillator with any hysteresis law ``z' = G(v, z)``, or of more states, in sympy expressions.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ class Hysteretic(Structure):
         _ = self._compiled
 
     def symbolic(self) -> sympy.Expr | Mapping[str, sympy.Expr]:
-        """The sympy expression that was given as ``law``, or the rates of several states by name."""
+        """The sympy expression given as ``law``, or the rates of several states by name."""
         return dict(self.law) if isinstance(self.law, tuple) else self.law
 
     def growing(self) -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""The modified Clough law: reloading aims at the largest excursion so far, as in reinforced concrete."""
+"""Modified Clough law: reloading aims at the largest excursion yet, as in reinforced concrete."""
 
 from __future__ import annotations
 
@@ -99,8 +99,8 @@ class ModifiedClough(Structure):
     A structure that cracks at 0.4 of its strength and loses strength from a ductility of 4 on:
 
     >>> brittle = sl.ModifiedClough(
-    ...     0.6, 0.05, hardening=0.02, yield_displacement=0.02, cracking=0.4, uncracked_stiffness=2.5,
-    ...     cap_ductility=4.0, softening=0.1, residual=0.2,
+    ...     0.6, 0.05, hardening=0.02, yield_displacement=0.02, cracking=0.4,
+    ...     uncracked_stiffness=2.5, cap_ductility=4.0, softening=0.1, residual=0.2,
     ... )
     >>> loop = sl.hysteresis_loop(brittle, [0.02, 0.16, 0.3], refine=1)
     >>> [round(float(z), 6) for z in loop.z]

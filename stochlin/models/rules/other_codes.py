@@ -6,13 +6,17 @@ import re
 
 _MEXICO = "mexico_city is the NTC-Sismo of Mexico City of 2017"
 _OTHERS = {
-    r"(ntc|sismo|cdmx)+20?23": f"the edition of 2023 of Mexico City has no rule here, and {_MEXICO}",
+    r"(ntc|sismo|cdmx)+20?23": (
+        f"the edition of 2023 of Mexico City has no rule here, and {_MEXICO}"
+    ),
     r"(ntc|sismo|cdmx)+(20)?(17|20)|ntcsismo|ntccdmx": _MEXICO,
     r"ntc|ntcitaly": f"{_MEXICO}, and ntc_2018 is the code of Italy",
     r"ec8|eurocode|en1998.*": "eurocode_8 is EN 1998-1",
     r"(ibc|asce|asce7)\d*": "asce_7 is that of ASCE 7, to which IBC refers",
     r"nch|nch?433.*|ds61|chile": "Chile (NCh 433, DS 61) has no rule here",
-    r"bsl|bslj|japan|japanese.*|buildingstandardlaw": "Japan (Building Standard Law) has no rule here",
+    r"bsl|bslj|japan|japanese.*|buildingstandardlaw": (
+        "Japan (Building Standard Law) has no rule here"
+    ),
 }
 
 

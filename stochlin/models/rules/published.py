@@ -21,7 +21,7 @@ class Published:
     reason: str = ""  # why the rule is too uncertain to be listed with the others, if it is
 
     def published_name(self) -> str:
-        """The title of the rule, or else its name, with a remark if its constants are unverified."""
+        """The title of the rule, or its name, with a remark if its constants are unverified."""
         return f"{self.title or self.name}{', constants unverified' if self.reason else ''}"
 
     def describe(self) -> str:

@@ -184,7 +184,7 @@ def _of_cell(motion: dict[str, Any], structure: AnyStructure, ground: Ground) ->
 
 @np.errstate(invalid="ignore")  # infinite if the structure falls in a motion
 def _ratios(inelastic: Array, elastic: Array) -> dict[str, Array]:
-    """Means of peaks (motions, n), their ratio, and standard errors; that of the ratio from pairs."""
+    """Means of peaks (motions, n), their ratio, standard errors; that of the ratio from pairs."""
     scale = np.sqrt(len(inelastic))
     mean = inelastic.mean(axis=0)
     other = elastic.mean(axis=0)

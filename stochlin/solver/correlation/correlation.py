@@ -174,7 +174,8 @@ def correlate(
     table = labels.label(table, last=last)
     return labels.with_run_information(
         table,
-        f"Stationary correlation of two structures by {method.replace('_', ' ')}, {ground.name} ground",
+        f"Stationary correlation of two structures by {method.replace('_', ' ')}, "
+        f"{ground.name} ground",
         f"correlate(method={method!r}, {query.history()})",
         models,
     )
@@ -249,7 +250,7 @@ METHODS: Mapping[Method, Callable[[Query, Pair, Ground], Answer]] = {
 
 
 def _shown(inputs: list[Cells], solved: Solved) -> dict[str, Cells]:
-    """Correlation by eq. (4) of ``inputs``, and the responses of both structures; NaN for failures."""
+    """Correlation by eq. (4) of ``inputs``, and responses of both structures; NaN for failures."""
     sides = [solved.labelled(n, (*SHOWN, "status")) for n in (0, 1)]
     rho, status = by_eq_4(inputs, *(side["status"] for side in sides))
     shown = {f"{name}_{n}": side[name] for name in SHOWN for n, side in enumerate(sides, start=1)}

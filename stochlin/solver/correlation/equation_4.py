@@ -43,7 +43,7 @@ def _eq_4(statuses: int, *cells: Array) -> tuple[Array, Array]:
 def rho_white_noise(
     period_1: Parameter, period_2: Parameter, damping_1: Parameter, damping_2: Parameter
 ) -> xr.Dataset:
-    """Correlation coefficient of the displacements of two linear oscillators under white noise, eq. (4).
+    """Correlation coefficient of displacements of two linear oscillators in white noise, eq. (4).
 
     The equation is exact for the stationary response to one white noise. For any other ground, and
     for structures that yield, it is approximate, as the paper says.
@@ -143,7 +143,9 @@ def rho_effective(
     --------
     >>> import stochlin as sl
     >>> pair = {"damping_1": 0.05, "damping_2": 0.05, "hardening_1": 0.05, "hardening_2": 0.05}
-    >>> table = sl.rules.rho_effective(0.7, 1.0, ductility_1=4.0, ductility_2=4.0, **pair, rule="secant")
+    >>> table = sl.rules.rho_effective(
+    ...     0.7, 1.0, ductility_1=4.0, ductility_2=4.0, **pair, rule="secant"
+    ... )
     >>> elastic = sl.rho_white_noise(0.7, 1.0, 0.05, 0.05)
     >>> bool(table.rho > elastic.rho)
     True
@@ -195,7 +197,7 @@ def effective_properties(
 
 
 def effective_pair(solved: Solved, rule: EffectiveRule) -> dict[str, Cells]:
-    """Effective properties of two linearized structures at their peak ductilities ``p ductility_std``.
+    """Effective properties of two linearized structures at peak ductilities ``p ductility_std``.
 
     The ductility of an elastic structure is 0, so that it keeps its period and damping ratio.
     """

@@ -118,7 +118,7 @@ class PairsInTime(NamedTuple):
         return mean
 
     def strong_rho(self) -> Array:
-        """Correlation (n,) of both displacements while the shaking is strong, by mean covariances."""
+        """Correlation (n,) of both displacements while shaking is strong, by mean covariances."""
         assert self.second is not None
         strong = self.course.envelope.max(axis=1) >= STRONG
         rows = self.joint, self.first.variance, self.second.variance
@@ -188,7 +188,7 @@ def pairs_in_time(
 def lone_pair_in_time(
     structures: Sequence[Structure], ground: Ground, course: EnvelopesInTime
 ) -> PairsInTime:
-    """One pair, or one structure, with strengths in metres; an ArithmeticError without a solution."""
+    """One pair or structure, with strengths in metres; an ArithmeticError without a solution."""
     cells = [flat({"structure": structure, "ground": ground}) for structure in structures]
     pairs = pairs_in_time([Oscillators.of(each) for each in cells], ground, course)
     if pairs.failed.any():

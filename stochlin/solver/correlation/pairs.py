@@ -1,4 +1,4 @@
-"""Tables of pairs by statistical linearization, their errors, and the difference of both displacements.
+"""Tables of pairs by statistical linearization, their errors, and the difference of displacements.
 
 Each structure is solved over its own dimensions. The covariance of a pair then follows from one
 linear equation. By the drift closure it has a part of the drifts, and is corrected by a map of

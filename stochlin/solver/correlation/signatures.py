@@ -81,7 +81,7 @@ def drifting_side(values: Mapping[str, Array]) -> DriftingSide:
 def solved_references(
     ground: Ground, soil: Array, tolerance: Tolerance, table: xr.Dataset
 ) -> References:
-    """The references in the ``table`` of a map on grounds with the parameters ``soil`` (g, grounds).
+    """The references in the ``table`` of a map on grounds with parameters ``soil`` (g, grounds).
 
     The ``ground`` is of a kind whose calibration has a soil.
     """
@@ -173,7 +173,7 @@ def drifting(solved: Solved, tolerance: Tolerance) -> Drifting:
 def _corrections(
     solved: Solved, side: DriftingSide, tolerance: Tolerance
 ) -> tuple[Signature, Nearness]:
-    """What simulations say of structures; nothing if all are elastic or the ground is not calibrated.
+    """What simulations say of structures; nothing if all are elastic or the ground is uncalibrated.
 
     On white noise the signatures are not corrected.
     """
@@ -222,7 +222,7 @@ def corrected(derived: Array, correction: Array) -> Signature:
 
 
 def matrix_of(form: Array) -> Array:
-    """Lower triangles (ENTRIES, n) of matrices G, of which the map has the slopes and correlations."""
+    """Lower triangles (ENTRIES, n) of matrices G, whose slopes and correlations the map has."""
     slopes = np.exp(form[:AXES])
     across = dict(zip(PAIRS, form[AXES:], strict=True))
     triangle = [(i, j) for i in range(AXES) for j in range(i + 1)]

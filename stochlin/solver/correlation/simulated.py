@@ -26,7 +26,7 @@ SHOWN = "displacement_std", "displacement_std_standard_error", "drift", "drift_m
 def simulate_pairs(
     first: Structure, second: Structure, ground: Ground, options: dict[str, Any]
 ) -> xr.Dataset:
-    """Table of ``rho``, standard deviations and their standard errors; one ensemble for each ground."""
+    """Table of ``rho``, standard deviations and their standard errors; one ensemble per ground."""
     first.check_stationary("first")
     second.check_stationary("second")
     sides = {"first": computed(first), "second": computed(second)}
@@ -75,13 +75,13 @@ def _on_one_ground(
 def _check_grounds(
     structures: list[Structure], ground: Ground, options: dict[str, Any], grounds: int
 ) -> None:
-    """Raise a ValueError if the simulations on all grounds, if each is as long, would take too long."""
+    """Raise a ValueError if simulations on all grounds, if each is as long, would take too long."""
     drawn = {name: options[name] for name in ("paths", "seed", "steps_per_period")}
     run = structures_in_motion(structures, ground, None, True, **drawn).run
     check_work(
         f"the simulations on {grounds} grounds would take",
-        "take fewer grounds at a time, lower paths or relaxation_times, or leave out structures that "
-        "yield rarely",
+        "take fewer grounds at a time, lower paths or relaxation_times, or leave out structures "
+        "that yield rarely",
         seconds=grounds * expected_seconds(run, options["relaxation_times"]),
         cores=cores(),
     )

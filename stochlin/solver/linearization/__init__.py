@@ -1,1 +1,1 @@
-"""Statistical linearization of one structure: response, peaks, strength, and its bias by simulation."""
+"""Statistical linearization of a structure: response, peaks, strength, and bias by simulation."""

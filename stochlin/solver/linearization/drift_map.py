@@ -4,8 +4,8 @@ The drift closure follows from a derivation with assumptions, so that its result
 of simulations. The map holds these differences for many structures on many grounds:
 
 - the logarithm of the simulated over the derived standard deviation of the displacement;
-- the simulated minus the derived signature of a structure, from which the correlation of a pair follows
-  (see `correlation.signatures`);
+- the simulated minus the derived signature of a structure, from which the correlation of a pair
+  follows (see `correlation.signatures`);
 - the slopes with which the correlation of two nearly equal structures decreases as they become more
   different.
 
@@ -124,12 +124,12 @@ def simulated(ground: Ground, point: Array, soil: Array) -> Array:
 
 
 def within(value: Array, ends: tuple[float, float]) -> Array:
-    """Whether each value lies between both ends of a range; rounding errors beyond them are allowed."""
+    """Whether each value lies in a range; rounding errors beyond its ends are allowed."""
     return (value >= ends[0] * (1 - ROUNDING)) & (value <= ends[1] * (1 + ROUNDING))
 
 
 def calibrated_closure(structure: Structure, ground: Ground) -> str:
-    """The drift closure for laws that have it, on calibrated grounds; otherwise the Gaussian one."""
+    """The drift closure for laws that have it, on calibrated grounds; else the Gaussian one."""
     known = DRIFT in structure.closure_names() and ground.calibration is not None
     return DRIFT if known else GAUSSIAN
 

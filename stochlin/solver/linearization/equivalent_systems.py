@@ -102,7 +102,7 @@ class Oscillators(NamedTuple):
         return self._replace(soil=soil)
 
     def point(self, ground: Ground, ratio: Array) -> Array:
-        """Places (axes, n) in the map of the drift closure, for R/p; without a soil two axes less."""
+        """Places (axes, n) in the map of the drift closure, for R/p; without soil two axes less."""
         own = [ratio, self.hardening, self.damping]
         if ground.calibration is None or ground.calibration.soil is None:
             return np.array(own)
@@ -179,7 +179,7 @@ class Solved(NamedTuple):
     def by_laws(
         self, laws: Sequence[LawOfCells | None], closure: str | None, tolerance: Tolerance
     ) -> Solved:
-        """The cells of each structure by its law with this closure; without a law they stay elastic."""
+        """Cells of each structure by its law with this closure; without a law they stay elastic."""
         single = all(table.where.size == 1 for table in self.tables)
         groups = dict[Any, list[int]]()
         for number, law in enumerate(laws):  # single cells of one closure are solved together
@@ -211,7 +211,7 @@ def in_columns(rows: Sequence[Any], count: int) -> Array:
 
 
 def check_closure(structure: Structure, closure: str) -> None:
-    """Raise a ValueError if the law does not have this closure, an ArithmeticError if it has none."""
+    """Raise a ValueError if the law lacks this closure, an ArithmeticError if it has none."""
     if not isinstance(closure, str) or closure not in structure.closure_names():
         structure.closure(GAUSSIAN)  # raises if the law cannot be linearized at all
         names = structure.closure_names()

@@ -34,8 +34,8 @@ STD = "displacement_std"
 OFF = 0.1  # bias from which the caution of a cell is 1
 EXPECTED = 0.05  # expected error above which an error of more than OFF is not rare
 UNCALIBRATED = (
-    "No nonlinear simulations calibrate linearization on {} ground: its bias is unknown, and results of "
-    "the drift closure are as derived."
+    "No nonlinear simulations calibrate linearization on {} ground: its bias is unknown, and "
+    "results of the drift closure are as derived."
 )
 
 
@@ -73,7 +73,7 @@ def _by_drift(solved: Solved, tolerance: Tolerance) -> Solved:
 
 @np.errstate(all="ignore")  # failed cells are NaN
 def _relative_bias(solved: Solved, by_drift: Solved) -> dict[str, Array]:
-    """Relative error of the displacements; unknown where that of the drift closure is, 0 if elastic."""
+    """Relative error of displacements; unknown where that of the drift closure is, 0 if elastic."""
     std = solved.values[STD]
     truth = by_drift.values[STD]
     error = by_drift.values["displacement_error"]
@@ -182,7 +182,9 @@ def linearize(
     Examples
     --------
     >>> import numpy as np, stochlin as sl
-    >>> building = sl.Bilinear(period=2 * np.pi, damping=0.05, hardening=0.05, yield_displacement=1.0)
+    >>> building = sl.Bilinear(
+    ...     period=2 * np.pi, damping=0.05, hardening=0.05, yield_displacement=1.0
+    ... )
     >>> round(float(sl.linearize(building, sl.WhiteNoise(0.1 / np.pi)).ductility_std), 6)
     0.870745
 
@@ -221,7 +223,7 @@ def _solved(closure: str, tolerance: Tolerance, structure: Structure, ground: Gr
 
 
 def caution_in_words(closure: str, ground: Ground, others: str = labels.CAUTION_SIGMA) -> str:
-    """Comment on the accuracy of the closure for yielding structures; that of ``others`` than drift."""
+    """Comment on the closure's accuracy for yielding structures; that of ``others`` than drift."""
     unknown = "" if ground.calibration else UNCALIBRATED.format(ground.name)
     if closure == DRIFT:
         return unknown or labels.CAUTION_DRIFT

@@ -152,7 +152,7 @@ def _with_drift(
 def _caution(
     structure: Structure, ground: Ground, solved: xr.Dataset, judged: xr.DataArray
 ) -> xr.DataArray:
-    """Caution of the peak: that of the standard deviation, at least 1 for yielding with T < Tg/2."""
+    """Caution of the peak: that of the standard deviation, at least 1 if yielding with T < Tg/2."""
     if ground.calibration is None or ground.calibration.soil is None:
         return judged
     period, _ = ground.calibration.soil
@@ -191,7 +191,7 @@ def peak_table(
 
 
 def response_moments(solved: Solved) -> list[xr.DataArray]:
-    """Spectral moments [m^2, m^2/s, m^2/s^2] of the displacement of a structure; NaN in failed cells."""
+    """Spectral moments [m^2, m^2/s, m^2/s^2] of a structure's displacement; NaN in failed cells."""
     system = EquivalentSystem(*solved.values["system"])
     forcing = Forcing(*solved.values["forcing"])
     ground = solved.ground.filter_of(solved.oscillators.soil)

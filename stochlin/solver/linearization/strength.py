@@ -244,7 +244,7 @@ def _search(
     result = np.full(wanted.size, np.nan)
 
     def excess(log_r: Array, index: Array) -> Array:
-        """Logarithm of the ratio of the peak ductility to its target, for the cells of ``index``."""
+        """Logarithm of the ratio of the peak ductility to its target for the cells of ``index``."""
         at = index.astype(int)
         weaker = cells.at(at)._replace(strength=np.exp(log_r))
         values = solve_oscillators(weaker, law.at(at), ground, TOLERANCE)

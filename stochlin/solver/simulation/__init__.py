@@ -1,1 +1,1 @@
-"""Nonlinear simulation of structures under random ground motions, stationary or of finite duration."""
+"""Nonlinear simulation of structures in random ground motions, stationary or of finite duration."""

@@ -151,18 +151,18 @@ def _connected(system: Assembly, members: Array, samples: Sequence[Assembly] = (
 
 
 def numbers_of(first: Array, members: Array) -> Array:
-    """Numbers of the floors or coordinates of the structures ``members``; ``first`` is that of each."""
+    """Numbers of floors or coordinates of the structures ``members``; ``first`` is that of each."""
     return np.concatenate([np.arange(first[m], first[m + 1]) for m in members])
 
 
 def _watched(system: Assembly, members: Array) -> Array:
-    """Numbers of the displacements of the structures ``members``: their floors and yielding modes."""
+    """Numbers of displacements of the structures ``members``: their floors and yielding modes."""
     own = np.isin(system.yielding_modes, numbers_of(system.first_coordinate, members))
     return np.append(numbers_of(system.first, members), int(system.first[-1]) + np.flatnonzero(own))
 
 
 def elements_of(system: Assembly, members: Array, all_states: bool = False) -> tuple[Elements, Any]:
-    """Masses and springs of the structures ``members`` (numbers from 0), and their laws in time steps.
+    """Masses and springs of structures ``members`` (numbers from 0), and their laws in time steps.
 
     The elements are those of the structures, the springs of the links, and then the dashpots with
     an exponent. An element whose force does not depend on ``z``, since its hardening ratio is 1, is

@@ -46,7 +46,7 @@ def check_motion(
     start: Start | None,
     structures: Mapping[str, AnyStructure],
 ) -> None:
-    """Raise if the duration does not go with the other arguments, or a structure has a longer period."""
+    """Raise if the duration does not fit other arguments, or a structure has a longer period."""
     if duration is None:
         if envelope is not None:
             raise ValueError("envelope is given without a duration; allowed: both, or neither")
@@ -66,7 +66,8 @@ def check_finite(run: SimulationRun, duration: float, functions: int, times: int
     steps = duration / run.plan.dt
     paths = run.plan.groups * LANES
     check_work(
-        f"duration = {duration:g} s, in steps of {run.plan.dt:.2g} s and on {paths} paths, would take",
+        f"duration = {duration:g} s, in steps of {run.plan.dt:.2g} s "
+        f"and on {paths} paths, would take",
         "shorten it, lower paths, or leave out the shortest period",
         numbers=OF_STEPS * steps + OF_PEAKS * 2.0 * paths * functions,
         seconds=seconds_of(run, times * steps, 2.0 * functions),
@@ -81,7 +82,7 @@ def names_of_laws(sticks: Sequence[StickModel]) -> str:
 
 
 def runs_away(sticks: Sequence[StickModel]) -> str:
-    """What is wrong with the laws of structures whose response is no longer finite, and the cure."""
+    """What is wrong with laws of structures whose response is no longer finite, and the cure."""
     return (
         f"the rates of the law {names_of_laws(sticks)} grow without end: give a law in which z "
         "and all other states stay bounded, such as v - abs(v)*z, or weaker motions"
@@ -89,7 +90,7 @@ def runs_away(sticks: Sequence[StickModel]) -> str:
 
 
 def check_response(system: Assembly, finite: Array) -> None:
-    """Raise an ArithmeticError if a floor (motions, floors) has a response that is not ``finite``."""
+    """Raise an ArithmeticError if the response of a floor (motions, floors) is not ``finite``."""
     lost = ~np.logical_and.reduceat(finite, system.first[:-1], axis=1)
     if lost.any():
         worst = int(np.argmax(lost.sum(axis=0)))

@@ -43,7 +43,7 @@ class FiniteMotion(NamedTuple):
 
 @dataclass(frozen=True)
 class PreparedStructures:
-    """Structures and their ground, whose parameters may be uncertain, for simulations in finite motions.
+    """Structures and ground, whose parameters may be uncertain, for simulations in finite motions.
 
     Strengths are in metres, by the ground at its medians.
     """

@@ -29,7 +29,7 @@ AnyStart = Annotated[Start | xr.DataArray, check_start]
 
 
 def start_values(system: Assembly, start: Start) -> Array:
-    """Displacements and velocities (2, n) of the coordinates, checked: no element may yield by them."""
+    """Displacements and velocities (2, n) of coordinates, checked: no element may yield by them."""
     values = start.of(system.coordinates)
     links = [placed.link.parts[2] for placed in system.placed_links]
     strength = np.concatenate([system.storeys.strength, links])

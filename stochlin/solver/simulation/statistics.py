@@ -135,7 +135,7 @@ def pair_peaks(motions: xr.Dataset) -> Array:
 
 
 def required_gaps(motions: xr.Dataset) -> tuple[float, float, float]:
-    """First quantile of `pair_separation` [m], with the lower and upper end of its 95 % interval."""
+    """First quantile of `pair_separation` [m], with lower and upper end of its 95 % interval."""
     return quantile_interval(pair_separation(motions).values, motions["quantile"].values[0])
 
 

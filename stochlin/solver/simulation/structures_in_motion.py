@@ -124,7 +124,7 @@ class StructuresInMotion(NamedTuple):
 
     @property
     def dimensions(self) -> tuple[str, str]:
-        """Dimensions of displacements and of drifts, which are ``structure`` if all are oscillators."""
+        """Dimensions of displacements and of drifts: ``structure`` if all are oscillators."""
         return (FLOOR, ELEMENT) if self.system.has_storeys else (STRUCTURE, STRUCTURE)
 
     @property
@@ -134,13 +134,13 @@ class StructuresInMotion(NamedTuple):
 
     @property
     def drifts(self) -> Array:
-        """The drifts of all storeys and modes that yield, as `floors`; none of oscillators alone."""
+        """Drifts of all storeys and modes that yield, as `floors`; none of oscillators alone."""
         drifts = self.system.drifts
         return drifts if self.system.has_storeys else drifts[:0]
 
     @property
     def places(self) -> list[tuple[int, float]]:
-        """Structures, each with the heights [m] at which it could meet another; none of oscillators."""
+        """Structures, each with heights [m] at which it could meet another; none of oscillators."""
         known = [pair for pair in pairs_of(self.system) if not np.isnan(pair.height)]
         return sorted({(n, pair.height) for pair in known for n in (pair.first, pair.second)})
 
@@ -196,7 +196,7 @@ class StructuresInMotion(NamedTuple):
 def checked_structures(
     structures: Sequence[AnyStructure], ground: Ground
 ) -> dict[str, AnyStructure]:
-    """Medians of the structures by their roles; raises if these or the ground do not suit `simulate`."""
+    """Medians of structures by role; raises if these or the ground do not suit `simulate`."""
     if not isinstance(structures, Sequence):
         raise TypeError(f"structures = {brief(structures)}; allowed: a list of structures")
     if not structures:
@@ -291,7 +291,7 @@ def _factors(models: Mapping[str, Any], motions: int, seed: int) -> dict[str, di
 
 
 def _samples(model: UncertainModel, factors: Mapping[str, Array], ground: Ground) -> list[Any]:
-    """Samples of a model for all motions: grounds, or stacks of a structure on the median ground."""
+    """Samples of a model for all motions: grounds or stacks of a structure on the median ground."""
     median = model.median()
     motions = len(next(iter(factors.values())))
     if isinstance(median, Structure) and "mass" not in factors:

@@ -59,7 +59,7 @@ def over_cells(
 def together_or_alone(
     function: OfCell, models: Mapping[str, Model], usable: xr.DataArray
 ) -> xr.Dataset:
-    """Table of a ``function`` of all cells together; if it cannot be, of every cell by `over_cells`."""
+    """Table of a ``function`` of all cells together, or else of every cell by `over_cells`."""
     table = _of_cell(function, models)
     return table if isinstance(table, xr.Dataset) else over_cells(function, models, usable)
 

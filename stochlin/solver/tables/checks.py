@@ -32,13 +32,16 @@ def check_duration(duration: Any, structures: Mapping[str, AnyStructure] | None 
     for role, structure in (structures or {}).items():
         period = structure.first_period()
         if period.ndim == 0 and float(period) > duration:
-            what = f"duration = {duration:g} s is shorter than the period of {role}, {float(period):g} s"
+            what = (
+                f"duration = {duration:g} s is shorter than the period of {role}, "
+                f"{float(period):g} s"
+            )
             raise ValueError(f"{what}; allowed: one period or more")
     return float(duration)
 
 
 def standing(first: object, second: object) -> dict[str, Any]:
-    """The structures by their roles; if ``second`` is None, one structure beside its property line."""
+    """Structures by their roles; if ``second`` is None, one structure beside its property line."""
     return {"first": first} | ({} if second is None else {"second": second})
 
 
@@ -95,7 +98,7 @@ def count_cells(*models: Model) -> int:
 
 
 def check_table(numbers: float, *models: Model) -> None:
-    """`check_work` for a table over the dimensions of the models, with so many numbers for a cell."""
+    """`check_work` for a table over the dimensions of the models, with so many numbers a cell."""
     cells = count_cells(*models)
     if cells > 1:
         cure = "take fewer cells at a time, or arrays in chunks of dask"

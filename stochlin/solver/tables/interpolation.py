@@ -20,7 +20,8 @@ class Axis(NamedTuple):
 
     points: Array  # (m,) increasing
     first: Array  # (m - 1,) number of the first point with a weight in each interval
-    powers: Array  # (degree + 1, p, m - 1) weights of p points from there by the distance from the begin
+    # (degree + 1, p, m - 1) weights of p points from there by the distance from the begin
+    powers: Array
 
     def around(self, x: Array, interval: Array) -> tuple[Array, Array]:
         """First point (n,) with a weight at these places, and the weights (p, n) from there on."""
@@ -68,7 +69,7 @@ class Grid(NamedTuple):
     def of(
         cls, axes: Sequence[Array], values: Array, between: Callable[[Array], Axis] = smooth
     ) -> Grid:
-        """The grid of these axes; ``values`` have a dimension for each, and one for columns or none."""
+        """Grid of these axes; ``values`` have a dimension for each, and one for columns or none."""
         columns = np.asarray(values, float).reshape(*(points.size for points in axes), -1)
         ends = np.array([points[[0, -1]] for points in axes]).T[..., None]
         return cls([between(points) for points in axes], columns, ends)

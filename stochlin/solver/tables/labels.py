@@ -20,31 +20,31 @@ PAPER = (
 )
 
 _OF_RHO = (
-    "linearized ρ is off by 0.05 to 0.2 for moderate yielding, and by up to 1.3 for structures much "
-    "stiffer than a narrow-band ground"
+    "linearized ρ is off by 0.05 to 0.2 for moderate yielding, and by up to 1.3 for structures "
+    "much stiffer than a narrow-band ground"
 )
 _OF_SIGMA = (
-    "linearized displacements are 15 to 51 % too small at α ≤ 0.05 on white noise, and up to 30 times "
-    "too small for structures much stiffer than a narrow-band ground"
+    "linearized displacements are 15 to 51 % too small at α ≤ 0.05 on white noise, and up to 30 "
+    "times too small for structures much stiffer than a narrow-band ground"
 )
 CAUTION_RHO, CAUTION_SIGMA, CAUTION_PAIR = (
     f"Caution: compared with nonlinear simulation, {text}; see 'stochlin charts'."
     for text in (_OF_RHO, _OF_SIGMA, f"{_OF_RHO}; {_OF_SIGMA}")
 )
 CAUTION_CROSSINGS = (
-    "Compared with simulation of 200 random elastic pairs, the confidence by formula is off by -0.24 to "
-    "+0.06 in 95 % of the cases, at most by -0.49 and +0.09."
+    "Compared with simulation of 200 random elastic pairs, the confidence by formula is off by "
+    "-0.24 to +0.06 in 95 % of the cases, at most by -0.49 and +0.09."
 )
 CAUTION_FINITE_DRIFT = (
-    "Compared with simulation of 300 random pairs, the gap for 90 % by the drift closure in time is off "
-    "by 13 % or less in 95 % of the cases, and at most 17 % too small; on narrow bands, in motions of "
-    "few cycles, and where both structures are stiffer than the ground or have nearly the same period, "
-    "up to 41 % too small."
+    "Compared with simulation of 300 random pairs, the gap for 90 % by the drift closure in time "
+    "is off by 13 % or less in 95 % of the cases, and at most 17 % too small; on narrow bands, in "
+    "motions of few cycles, and where both structures are stiffer than the ground or have nearly "
+    "the same period, up to 41 % too small."
 )
 CAUTION_DRIFT = (
-    "Compared with nonlinear simulation of 500 random pairs, displacements by the drift closure, which "
-    "other simulations calibrate, are off by 0.9 % in the mean and ρ by 0.02; where T < Tg/2 on a "
-    "narrow-band ground (ξg < 0.1), by 2 % and 0.03."
+    "Compared with nonlinear simulation of 500 random pairs, displacements by the drift closure, "
+    "which other simulations calibrate, are off by 0.9 % in the mean and ρ by 0.02; where T < Tg/2 "
+    "on a narrow-band ground (ξg < 0.1), by 2 % and 0.03."
 )
 
 CONVERGED, ELASTIC_LIMIT, NOT_CONVERGED, INVALID_INPUT, NOT_PHYSICAL, TOO_STRONG, NOT_RESOLVED = (
@@ -67,10 +67,11 @@ CAUTION_MEANINGS = ("within_10_percent", "off_by_more_than_10_percent", "outside
 CURES = {
     NOT_CONVERGED: "raise max_iterations; in a simulation, relaxation_times",
     INVALID_INPUT: "correct the parameters that are out of range",
-    TOO_STRONG: "an elastic structure would reach more than a thousand times its yield displacement, "
-    "which is beyond this method: check the units of the strength and of the intensity",
-    NOT_PHYSICAL: "rounding errors dominate the covariance: use less extreme parameters, or another "
-    "closure",
+    TOO_STRONG: "an elastic structure would reach more than a thousand times its yield "
+    "displacement, which is beyond this method: check the units of the strength and of the "
+    "intensity",
+    NOT_PHYSICAL: "rounding errors dominate the covariance: use less extreme parameters, or "
+    "another closure",
 }
 
 
@@ -125,14 +126,14 @@ def with_run_information(
 
 
 def _of_fit(model: Model) -> str:
-    """To what a ground is fitted, and how, which its parameters do not say; empty for other models."""
+    """To what a ground is fitted, and how, which its parameters do not say; empty for others."""
     return str(getattr(model, "source", "")) if getattr(model, "scatter", 0.0) else ""
 
 
 def named_models(
     structures: Iterable[Any], ground: Any = None, links: Iterable[Any] = ()
 ) -> dict[str, Any]:
-    """Structures, ground and links by their names in the attributes, without those that are None."""
+    """Structures, ground and links by their names in attributes, without those that are None."""
     named = {f"structure_{n}": each for n, each in enumerate(structures, start=1)} | {
         "ground": ground
     }
@@ -188,7 +189,7 @@ def floor_coordinates(system: Assembly) -> Coordinates:
 
 
 def element_coordinates(system: Assembly, links: Sequence[str] = ()) -> Coordinates:
-    """Coordinates along ``element``: storeys, named like the floors above them, then modes and links.
+    """Coordinates along ``element``: storeys, named as the floors above them, then modes and links.
 
     The modes are those that yield, of buildings by their modes.
     """

@@ -31,7 +31,7 @@ def row_of(array: xr.DataArray, like: xr.DataArray) -> Array:
 
 
 def valid_cells(model: Model) -> Cells:
-    """Whether the parameters of each cell are in range; True for scalars, which were checked before."""
+    """Whether parameters of each cell are in range; True for scalars, which were checked before."""
     return (
         model.valid() if any(isinstance(x, xr.DataArray) for x in model.cells().values()) else True
     )
@@ -43,7 +43,7 @@ def cellwise(
     kinds: Sequence[npt.DTypeLike] = (float,),
     **options: Any,
 ) -> tuple[Any, ...]:
-    """Results of a ``function`` of plain arrays for labelled arrays, which broadcast by dimension name.
+    """Results of a ``function`` of plain arrays for labelled ones that broadcast by dimension name.
 
     Parameters
     ----------
@@ -138,7 +138,7 @@ def in_blocks(
 
 
 def check_names(names: Iterable[Hashable], own: Iterable[Hashable]) -> None:
-    """Raise a ValueError if a dimension or coordinate is named as what the result has of its own."""
+    """Raise a ValueError if a dimension or coordinate is named as what the result itself has."""
     for name in {*own}.intersection(names):
         raise ValueError(
             f"a dimension is named {name!r}, as a part of the result; give it another name"

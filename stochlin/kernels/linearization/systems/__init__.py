@@ -1,1 +1,1 @@
-"""Linearization of systems: state space, Lyapunov equation, response, and iteration of coefficients."""
+"""Linearization of systems: state space, Lyapunov equation, response, iteration of coefficients."""

@@ -43,7 +43,7 @@ class StationaryResponse:
 
     @property
     def moments(self) -> Array:
-        """Variances of the rate and of z of the yielding springs, and covariances of both (3, c, m)."""
+        """Variances of the rate and z of yielding springs, and covariances of both (3, c, m)."""
         rate = self.rows(self.system.yielding, rates=True)
         z = self._back[:, self.system.blocks[Z]]
         return np.stack([self._covariances(*both) for both in ((rate, rate), (z, z), (rate, z))])
@@ -54,7 +54,7 @@ class StationaryResponse:
         return rows
 
     def std(self, weights: Array, *, rates: bool = False) -> Array:
-        """Standard deviations (c, k) of sums of coordinates, or of their rates, with weights (k, n)."""
+        """Standard deviations (c, k) of sums of coordinates or their rates with weights (k, n)."""
         return self._std(self.rows(weights, rates=rates))
 
     def force_std(self, post: Array, couple: Array, dashpots: Array) -> Array:
@@ -96,7 +96,7 @@ class StationaryResponse:
         return SpectralMoments(l0, l1, l2)
 
     def _std(self, rows: Array) -> Array:
-        """Standard deviations of linear functions (c, k, states) of the states that are solved for."""
+        """Standard deviations of linear functions (c, k, states) of the states solved for."""
         return np.sqrt(np.maximum(self._covariances(rows, rows), 0.0))
 
     def _covariances(self, left: Array, right: Array) -> Array:

@@ -1,4 +1,4 @@
-"""The augmented state space of linearized structures and their ground, eqs. (5), (6), (8), (11), (12).
+"""Augmented state space of linearized structures and their ground, eqs. (5), (6), (8), (11), (12).
 
 `state_space` is the one place where the state matrix is put together. The structures are a `System`
 of coordinates ``q`` and springs with the extensions ``e = E q``, and the ground is a filter of
@@ -55,7 +55,7 @@ class StateSpace(NamedTuple):
 
 
 def state_space(problem: Springs, c_eq: Array, k_eq: Array, dashpots: Array) -> StateSpace:
-    """State matrix and noise vector for coefficients (c, m) and dashpots of links (c, l) [N s/m]."""
+    """State matrix and noise vector for coefficients (c, m) and link dashpots (c, l) [N s/m]."""
     springs = problem.yielding
     filtered = problem.soil
     mass, structural, extensions, _, post, couple, _ = problem.system

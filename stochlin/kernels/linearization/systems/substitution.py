@@ -62,7 +62,7 @@ def linear_for(problem: Springs, unknowns: Array) -> EquivalentCoefficients:
 
 
 def _dashpots(problem: Springs, rates: Array) -> Array:
-    """Damping constants (c, l) of all links; ``rates`` are ``log sigma`` of those with an exponent."""
+    """Damping constants (c, l) of all links; ``rates``: ``log sigma`` of those with an exponent."""
     dashpots = problem.dashpots.copy()
     power = problem.power
     constants = dashpots[:, power]
@@ -250,7 +250,7 @@ def elastic_start(problem: Springs) -> Array:
 
 
 def _elastic_std(problem: Springs, dashpots: Array, weights: Array) -> Array:
-    """Standard deviations of sums of coordinates (k, n) and of their rates (2, c, k) while elastic."""
+    """Standard deviations of sums of coordinates (k, n) and their rates (2, c, k) while elastic."""
     none = np.empty((len(dashpots), 0))
     elastic = problem._replace(yielding=np.empty(0, int))
     response = response_of(elastic, EquivalentCoefficients(none, none, dashpots))

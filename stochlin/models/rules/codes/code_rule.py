@@ -145,7 +145,7 @@ class Site(Model):
         return factor if self.floors_align else 1.0
 
     def over_peaks(self, gap: Any) -> Any:
-        """A gap [m] that does not depend on the peaks, over their dimensions, and NaN where they are."""
+        """A gap [m] that does not depend on peaks, over their dimensions, NaN where they are."""
         return gap + 0 * (self.peak_1 + self.peak_2)
 
 
@@ -284,7 +284,7 @@ class CodeRule(Published):
         return self.gap_of(site)
 
     def missing(self, site: Site) -> list[str]:
-        """What the rule requires and is not given, a factor with the name that the code has for it."""
+        """What the rule requires and is not given, a factor with the code's name for it."""
         if site.alone and not self.line:
             return [TWO]
         needed = [name for name in self.needs if not (site.alone and name.endswith("_2"))]
@@ -300,7 +300,7 @@ class CodeRule(Published):
         return lacking
 
     def stated(self, alone: bool) -> str:
-        """The assumptions of the rule in words, with its number before them if it is not the default.
+        """The assumptions of the rule in words, with its number before them if not the default.
 
         For one building (``alone``) they begin with the statement on property lines, and those on
         two buildings are left out.

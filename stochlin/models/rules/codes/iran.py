@@ -33,7 +33,9 @@ IRAN_2800 = CodeRule(
     assumptions="peaks are nonlinear displacements with P-delta, Cd times elastic",
     of_pairs=(BETWEEN,),
     needs=("height_1", "height_2", "storeys_1", "storeys_2"),
-    line="0.005 of the height; above 8 storeys, or if important, its displacement if that is larger",
+    line=(
+        "0.005 of the height; above 8 storeys, or if important, its displacement if that is larger"
+    ),
     multiplies="deflection",
     countries=("Iran",),
     called={

@@ -1,4 +1,4 @@
-"""Rules of the United States: ASCE 7 for new buildings, UBC 97 before it, ASCE 41 for existing ones."""
+"""Rules of the United States: ASCE 7 (once UBC 97) for new buildings, ASCE 41 for existing ones."""
 
 from __future__ import annotations
 

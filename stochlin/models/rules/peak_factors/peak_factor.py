@@ -186,14 +186,14 @@ def vanmarcke(n: Array, delta: Array) -> tuple[Array, Array]:
 
 
 def _extreme_value(n: Array) -> Array:
-    """Mean peak factor ``L + 0.5772/L``, ``L = sqrt(2 ln N)``; NaN where it would decrease with N."""
+    """Mean peak factor ``L + 0.5772/L``, ``L = sqrt(2 ln N)``; NaN where it decreases with N."""
     level = np.sqrt(2 * np.log(np.maximum(n, RISING)))
     return np.where(n >= RISING, level + EULER / level, np.nan)
 
 
 @np.errstate(over="ignore")  # of the rate, where the exceedance is 0 or 1
 def _survival_moments(n: Array, delta: Array) -> tuple[Array, Array]:
-    """First two moments ``Int (1 - F) dx`` and ``Int 2 x (1 - F) dx`` of Vanmarcke's distribution F."""
+    """First moments ``Int (1 - F) dx`` and ``Int 2 x (1 - F) dx`` of Vanmarcke's distribution F."""
     reach = np.sqrt(2 * (np.log1p(n) + 37))  # for larger x, 1 - F is below 1e-16
     x = reach * _NODES
     weight = reach * _WEIGHTS

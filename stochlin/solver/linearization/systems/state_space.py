@@ -35,7 +35,7 @@ ONE_SYSTEM = "a scalar, since this describes one system"
 
 
 def problem_of(models: Mapping[str, Any], *, in_time: bool = False) -> tuple[Assembly, Springs]:
-    """The `models_of` a system, or all their cells, with strengths in metres; and what is linearized.
+    """The `models_of` a system, or all cells, with strengths in metres; and what is linearized.
 
     In time, laws may have further states.
     """
@@ -69,7 +69,7 @@ def problem_of(models: Mapping[str, Any], *, in_time: bool = False) -> tuple[Ass
 
 
 def _laws_of(system: Assembly, cells: int, springs: int, in_time: bool) -> list[SpringLaw]:
-    """The laws of so many springs that yield: those of the structures, and of links the bilinear one."""
+    """Laws of so many springs that yield: those of structures, and of links the bilinear one."""
     laws = list[SpringLaw]()
     begin = 0
     for stick in system.sticks:

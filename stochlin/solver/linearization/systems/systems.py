@@ -70,7 +70,7 @@ def linearize_system(
     rtol: float = USUAL.rtol,
     max_iterations: int = USUAL.max_iterations,
 ) -> xr.Dataset:
-    """Stationary response of structures on one ground, storey by storey, by statistical linearization.
+    """Stationary response of structures on one ground in each storey, by statistical linearization.
 
     The coefficients of eqs. (9) and (10) of all elements define the linear system of `statespace`.
     From its covariance, that of `stationary_covariance`, new coefficients follow, and this is
@@ -184,7 +184,8 @@ def linearize_system(
     how = "" if usual else f"iteration={iteration!r}, relaxation={relaxation:g}"
     return labels.with_run_information(
         table,
-        f"Stationary response of {len(structures)} structures by linearization, {ground.name} ground",
+        f"Stationary response of {len(structures)} structures by linearization, "
+        f"{ground.name} ground",
         f"linearize_system({how})",
         models,
     )
@@ -241,7 +242,7 @@ def _check_iteration(cells: int, structures: Sequence[AnyStructure]) -> None:
 def linearized_motion(
     structures: Sequence[AnyStructure], ground: Ground, links: Sequence[Link | None] = ()
 ) -> StationaryResponse:
-    """Response of the equivalent linear system, with its covariance; an ArithmeticError if it fails."""
+    """Response of the equivalent linear system, with covariance; an ArithmeticError if it fails."""
     system, problem = problem_of(models_of(structures, ground, links))
     solution = solve_system(system, problem, USUAL)
     if solution.status[0] >= labels.NOT_CONVERGED:

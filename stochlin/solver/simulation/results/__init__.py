@@ -1,4 +1,4 @@
-"""What `simulate` reports of each motion of finite duration; a file of this folder declares results."""
+"""What `simulate` reports of motions of finite duration; a file of this folder declares results."""
 
 from stochlin.solver.simulation.results.result import (
     RESULTS,

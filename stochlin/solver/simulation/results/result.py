@@ -60,7 +60,7 @@ class EndedMotions:
 
     @cached_property
     def separations(self) -> Array:
-        """Peak relative displacements (paths, s, s, heights) [m]; the last height is of oscillators."""
+        """Peak relative displacements (paths, s, s, heights) [m]; the last is of oscillators."""
         *both, height = np.reshape(pairs_of(self.moving.system), (-1, 3)).T
         heights = np.unique(height)  # with NaN, of oscillators, at the end
         i, j = np.array(both, int)
@@ -90,7 +90,7 @@ def register_result(
     mean: bool = False,
     place: int = LAST,
 ) -> Callable[[Values], Values]:
-    """A decorator of a function of `EndedMotions`, whose values `simulate` then reports by this name.
+    """A decorator of a function of `EndedMotions`, whose values `simulate` reports by this name.
 
     The values have the motions as first dimension, and after it those of ``over``; None stands for
     structures that have no such result. ``floor`` and ``element`` are ``structure`` if all are
