@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -48,12 +48,12 @@ FEW_PATHS = 128
 # of the shortest and of the longest period of buildings, in which spectra are compared
 BAND = (0.2, 1.5)
 YEARS = 50.0  # default time of the probability of pounding [yr]
-SHARE = 8  # motions of the case over those at each of the 25 intensities
+FEWER_AT_INTENSITY = 8  # motions of the case over those at each of the 25 intensities
 WITH_SCATTER = "gap_with_scatter"  # variable: [m]
-PREFIX = "risk_"
-GAP = "risk_gap"
-OF = "risk_of"
-KEPT = ("required_gap", "required_gap_lower", "required_gap_upper", "target_rate")
+RISK_PREFIX = "risk_"
+RISK_GAP = "risk_gap"
+RISK_OF = "risk_of"
+OF_TARGET = ("required_gap", "required_gap_lower", "required_gap_upper", "target_rate")
 
 
 @dataclass(frozen=True)
@@ -132,6 +132,31 @@ def separation_case(case: Case, progress: Progress | None = None) -> xr.Dataset:
     return answer_case(case, progress).table()
 
 
+class ProgressOfParts(NamedTuple):
+    """The progress of each part of an answer, by its share of the work."""
+
+    risk: Progress
+    separation: Progress
+    scatter: Progress  # of the separation with the scatter of earthquakes
+    existing: Progress  # of the limits of an existing gap
+    sensitivity: Progress
+
+    @classmethod
+    def of(cls, case: Case, progress: Progress | None) -> ProgressOfParts:
+        """The parts of a case; those that it does not need have no share."""
+        work = {
+            "risk": OF_RISK if case.site.hazard else 0.0,
+            "separation": 1.0,
+            "scatter": 1.0 if case.site.leaves_out_scatter else 0.0,
+            "existing": 0.0 if gap_of(case) is None else OF_SEARCH,
+        }
+        before = sum(work.values())
+        work["sensitivity"] = before * (1 / WITH_SENSITIVITIES - 1) if case.uncertain else 0.0
+        ends = [0.0, *np.cumsum(list(work.values())) / sum(work.values())]
+        shares = zip(work, pairwise(ends), strict=True)
+        return cls(**{name: part_of(progress, *share) for name, share in shares})
+
+
 @unquestioned()
 def answer_case(case: Case, progress: Progress | None = None) -> CaseAnswer:
     """Separation of the two buildings of a case or set-back of one, and limits of the existing gap.
@@ -159,26 +184,28 @@ def answer_case(case: Case, progress: Progress | None = None) -> CaseAnswer:
             _finite_motion(case),
             motion["paths"],
         )
-    of_risk, of_pair, of_scatter, of_search, of_inputs = _parts(case, gap, progress)
-    risky = _simulated_risk(case, models, of_risk)
+    parts = ProgressOfParts.of(case, progress)
+    risky = _simulated_risk(case, models, parts.risk)
     simulated = separation(
         *models,
         **motion,
         codes=of_codes(case) | {"numbers": case.wanted.numbers.more},
         records=dict(case.site.records) or None,
-        progress=of_pair,
+        progress=parts.separation,
     )
     if scattered:
-        simulated = _with_scatter(simulated, models, motion, of_scatter)
+        simulated = _with_scatter(simulated, models, motion, parts.scatter)
     if search is not None:
-        existing = search.limits(simulated.separation_samples, of_search)
+        existing = search.limits(simulated.separation_samples, parts.existing)
     table = with_applied_codes(case, simulated)
     answer = float(table.gap[0])
     risk = None if risky is None else _risk_table(risky, case, answer)
     if case.uncertain:
-        slow = any(each.has_storeys and each.name in case.uncertain for each in case.buildings)
+        slow = any(
+            building.has_storeys and building.name in case.uncertain for building in case.buildings
+        )
         few = min(case.simulated.motions, FEW_PATHS if slow else USUAL_PATHS)
-        options = motion | {"paths": few, "progress": of_inputs}
+        options = motion | {"paths": few, "progress": parts.sensitivity}
         matters = sensitivity(*models, **options)
     if len(case.site.records) > MOST_RECORDS:
         records = over_records(case, table.record_separation, answer)
@@ -192,15 +219,6 @@ def answer_case(case: Case, progress: Progress | None = None) -> CaseAnswer:
         risk=risk,
         matters=matters,
     )
-
-
-def _parts(case: Case, gap: float | None, progress: Progress | None) -> list[Progress]:
-    """Progress of the risk, the gap, the gap with scatter, the existing gap and sensitivities."""
-    work = [OF_RISK if case.site.hazard else 0.0, 1.0, float(case.site.leaves_out_scatter)]
-    work.append(0.0 if gap is None else OF_SEARCH)
-    work.append(sum(work) * (1 / WITH_SENSITIVITIES - 1) if case.uncertain else 0.0)
-    ends = [0.0, *np.cumsum(work) / sum(work)]
-    return [part_of(progress, *part) for part in pairwise(ends)]
 
 
 def _with_scatter(
@@ -249,7 +267,7 @@ def _simulated_risk(case: Case, models: Any, progress: Progress | None) -> Simul
     if (hazard := case.site.hazard) is None:
         return None
     first, second, ground = models
-    paths = whole_groups(max(FEWEST_PATHS, case.simulated.motions // SHARE))
+    paths = whole_groups(max(FEWEST_PATHS, case.simulated.motions // FEWER_AT_INTENSITY))
     with case.site.form.hazard.table.naming(""):
         motion = _finite_motion(case)
         return simulated_risk(standing(first, second), ground, hazard, motion, paths, progress)
@@ -268,19 +286,21 @@ def _risk_table(simulated: SimulatedRisk, case: Case, answer: float) -> xr.Datas
     if case.wanted.risk is not None:
         years = allowed_rate(case.wanted.risk)[1] or YEARS
         with case.site.form.hazard.table.naming(""):
-            target = simulated.gap_of(case.wanted.risk)[list(KEPT)]
+            target = simulated.gap_of(case.wanted.risk)[list(OF_TARGET)]
         gaps["target"] = float(target.required_gap)
     gaps = {what: gap for what, gap in gaps.items() if gap > 0}
     if not gaps:
         return None
-    each = [simulated.of_gap(gap, years) for gap in gaps.values()]
-    along = labels.axis(GAP, "gap of which the risk is", np.array(list(gaps.values())), "m")
+    risks = [simulated.of_gap(gap, years) for gap in gaps.values()]
+    along = labels.axis(RISK_GAP, "gap of which the risk is", np.array(list(gaps.values())), "m")
     table = xr.concat(
-        each, along, data_vars="all", coords="minimal", compat="override", join="exact"
+        risks, along, data_vars="all", coords="minimal", compat="override", join="exact"
     )
-    which = {OF: (GAP, list(gaps), {"long_name": "which gap this is"})}
+    which = {RISK_OF: (RISK_GAP, list(gaps), {"long_name": "which gap this is"})}
     table = labels.label(table.assign_coords(which).assign(target.data_vars))
-    names = {name: f"{PREFIX}{name}" for name in table.variables if name not in (GAP, OF)}
+    names = {
+        name: f"{RISK_PREFIX}{name}" for name in table.variables if name not in (RISK_GAP, RISK_OF)
+    }
     hazard = simulated.hazard.describe()
     paths = len(simulated.motions.separation)
     about = {"risk_hazard": hazard, "risk_years": years, "risk_paths": paths}

@@ -20,6 +20,7 @@ from stochlin.kernels.linearization.grounds import Soil, forcing_of
 ELASTIC = 1e-18  # slip and relaxation over w below which the structure is taken as elastic
 CLOSE = 1e-10  # Newton's step at the end
 MOST = 200  # number of steps
+# The formulas are compiled here, so that tables of them, which are in numpy, start without numba.
 for _formula in (*covariance.FORMULAS, *grounds.FORMULAS, *balance.FORMULAS):
     called_often(_formula)
 

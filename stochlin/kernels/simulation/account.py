@@ -17,6 +17,7 @@ from stochlin.kernels.basics.borrowed import borrowed
 from stochlin.kernels.basics.compiled import called_once, compiled
 from stochlin.kernels.simulation.contacts import stored_in
 from stochlin.kernels.simulation.laws import VISCOUS
+from stochlin.kernels.simulation.links import spring_in_step
 from stochlin.kernels.simulation.row_products import add_product, fill, products, times_row
 from stochlin.kernels.simulation.stepping import turned
 from stochlin.kernels.simulation.time_step import COUPLE, POST
@@ -113,12 +114,14 @@ def _watch_links(steps, parts, state, lanes):
         couple = steps.spring[i, COUPLE]
         times_row(steps.extensions, i, state.coordinates.dq, change, lanes)
         for lane in range(lanes):
-            slip = elements.slip[i, lane]
-            elastic = couple * (elements.z[i, lane] - 0.5 * (change[lane] - slip))
+            begin = elements.extension[i, lane]
+            end = begin + change[lane]
+            z_end = elements.z[i, lane]
+            z_begin = z_end - (change[lane] - elements.slip[i, lane])
+            spring, lost = spring_in_step(post, couple, begin, end, z_begin, z_end)
             drag = c * change[lane] / dt
-            middle = elements.extension[i, lane] + 0.5 * change[lane]
-            force[lane] = post * middle + elastic + drag
-            energy[lane] = drag * change[lane] + elastic * slip
+            force[lane] = spring + drag
+            energy[lane] = drag * change[lane] + lost
         dashpot = parts.dashpot[link]
         if dashpot >= 0:
             couple = steps.spring[dashpot, COUPLE]
