@@ -11,8 +11,12 @@ import xarray as xr
 from stochlin.applications.cases.reading.case import Case
 from stochlin.applications.cases.rows import check_masses, motion_of
 from stochlin.applications.cases.shaking import recorded_shaking, shaking_of
-from stochlin.applications.pounding.pounding import FEWEST_STEPS, MOST_STEPS, pound
-from stochlin.applications.pounding.rows import SIDES
+from stochlin.applications.pounding.pounding import (
+    FEWEST_STEPS_PER_CONTACT,
+    MOST_STEPS_PER_CONTACT,
+    pound,
+)
+from stochlin.applications.pounding.rows import CONTACT_SIDES
 from stochlin.applications.pounding.runs import STEPS_PER_CONTACT
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.messages import brief
@@ -41,7 +45,9 @@ def pound_case(
     motions: Annotated[int, Whole(1)] | None = None,
     progress: Progress | None = None,
     *,
-    steps_per_contact: Annotated[int, Whole(FEWEST_STEPS, MOST_STEPS)] = STEPS_PER_CONTACT,
+    steps_per_contact: Annotated[
+        int, Whole(FEWEST_STEPS_PER_CONTACT, MOST_STEPS_PER_CONTACT)
+    ] = STEPS_PER_CONTACT,
 ) -> xr.Dataset:
     """Response of the buildings of a case to its record, with all impacts, or to many motions.
 
@@ -128,7 +134,7 @@ def pound_case(
         table = pound(row, gaps, case.contact, shaken, steps_per_contact=steps, progress=progress)
     table = _named(table.assign(strength.data_vars), case, structures)
     if {"contact", "time"} <= set(table.dims):
-        left, right = (displacement_beside(table, side) for side in SIDES)
+        left, right = (displacement_beside(table, side) for side in CONTACT_SIDES)
         table["least_clearance"] = table.gap - (left - right).max("time")
     title = f"{case.title}: {'pounding' if gaps else 'alone'} in {what}"
     return labels.label(table).assign_attrs(about | {"case": case.title, "title": title})

@@ -17,11 +17,11 @@ from stochlin.models.systems import check_mass
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.lazy import check_names
 
-GAP = Range(include_lower=True, reason="in metres; positive is open")
-RADIUS = Range(reason="in metres")
-POINTS = 181
+OPEN_GAP = Range(include_lower=True, reason="in metres; positive is open")
+ENERGY_RADIUS = Range(reason="in metres")
+POINTS_OF_IMPACT = 181
 OF_IMPACT = "point", "direction_1", "direction_2"  # dimensions of the impacts at one contact
-DIRECTIONS = [1, -1]  # of the velocities: to the right, and to the left
+SIGNS_OF_VELOCITY = [1, -1]  # of the velocities: to the right, and to the left
 
 
 @checked
@@ -33,7 +33,7 @@ def pounding_estimate(
     radius_1: Parameter,
     radius_2: Parameter,
     *,
-    points: Points = POINTS,
+    points: Points = POINTS_OF_IMPACT,
 ) -> xr.Dataset:
     """Estimated change of the energy radii of two structures by an impact at any displacement.
 
@@ -99,9 +99,9 @@ def pounding_estimate(
     lengths = [
         xr.DataArray(checked_value("pounding_estimate", name, value, "m", allowed))
         for name, value, allowed in (
-            ("gap", gap, GAP),
-            ("radius_1", radius_1, RADIUS),
-            ("radius_2", radius_2, RADIUS),
+            ("gap", gap, OPEN_GAP),
+            ("radius_1", radius_1, ENERGY_RADIUS),
+            ("radius_2", radius_2, ENERGY_RADIUS),
         )
     ]
     models: tuple[Model, ...] = first, second, contact
@@ -111,10 +111,10 @@ def pounding_estimate(
         (name for array in arrays for name in (*array.dims, *array.coords)), {"status", *OF_IMPACT}
     )
     valid = contact.valid() & first.valid() & second.valid()
-    for length, allowed in zip(lengths, (GAP, RADIUS, RADIUS), strict=True):
+    for length, allowed in zip(lengths, (OPEN_GAP, ENERGY_RADIUS, ENERGY_RADIUS), strict=True):
         valid = valid & allowed.contains(length)
-    space, *radii = (length.where(valid) for length in lengths)
-    table = _impacts((first, second), space, contact, radii, int(points))
+    valid_lengths = [length.where(valid) for length in lengths]
+    table = _impacts((first, second), valid_lengths[0], contact, valid_lengths[1:], int(points))
     for n in (1, 2):
         largest = table[f"radius_amplification_{n}"].max(OF_IMPACT).fillna(1.0)
         table[f"largest_radius_amplification_{n}"] = largest.where(valid)
@@ -143,7 +143,9 @@ def _impacts(
     share = xr.DataArray(np.linspace(0, 1, points), dims="point")
     u1 = (low + share * (high - low)).where(high >= low)
     u = [u1, u1 - gap]
-    signs = [labels.axis(name, "direction of the velocity", DIRECTIONS) for name in OF_IMPACT[1:]]
+    signs = [
+        labels.axis(name, "direction of the velocity", SIGNS_OF_VELOCITY) for name in OF_IMPACT[1:]
+    ]
     v = [
         sign * frequency * np.sqrt(np.maximum(radius**2 - at**2, 0.0))
         for sign, frequency, radius, at in zip(signs, w, r, u, strict=True)

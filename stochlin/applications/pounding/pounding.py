@@ -19,7 +19,7 @@ from stochlin.applications.pounding.results import (
 )
 from stochlin.applications.pounding.rows import (
     BetweenBuildings,
-    Standing,
+    PreparedRow,
     build_row,
     check_contact,
     checked_gaps,
@@ -54,33 +54,33 @@ from stochlin.solver.simulation.statistics import (
     pounding_shares,
     quantile_columns,
 )
+from stochlin.solver.simulation.structures_in_motion import PATH
 from stochlin.solver.tables import labels
 
 OF_CONTACTS = "contact", "impact", "side", "neighbours"  # dimensions dropped for one building alone
 
 # numbers of steps in half a period of a contact
-FEWEST_STEPS = 4
-MOST_STEPS = 4096
+FEWEST_STEPS_PER_CONTACT = 4
+MOST_STEPS_PER_CONTACT = 4096
 
-REFERENCES = (
+REFERENCES_OF_POUND = (
     f"{labels.PAPER} Newmark, N. M. (1959), J. Eng. Mech. Div. ASCE 85, for the time steps; "
     "Quispel, G. R. W. and McLaren, D. I. (2008), J. Phys. A 41, for mean forces over a step."
 )
-PATH = "path"
 NEIGHBOURS = "neighbours"
 # also of all contacts between two neighbours
-BETWEEN = ("impacts", "hardest_force", "contact_energy")
-PEAKS = "peak", "peak_acceleration", "peak_storey_shear", "peak_base_shear"
+BETWEEN_NEIGHBOURS = ("impacts", "hardest_force", "contact_energy")
+RESPONSE_PEAKS = "peak", "peak_acceleration", "peak_storey_shear", "peak_base_shear"
 # Variables with a mean and quantiles over several motions.
 STATISTICS = (
-    *BETWEEN,
-    *(f"{name}_between" for name in BETWEEN),
+    *BETWEEN_NEIGHBOURS,
+    *(f"{name}_between" for name in BETWEEN_NEIGHBOURS),
     "fastest_approach",
     "column_force",
     "column_force_share",
     "amplification",
-    *PEAKS,
-    *(f"{name}_alone" for name in PEAKS),
+    *RESPONSE_PEAKS,
+    *(f"{name}_alone" for name in RESPONSE_PEAKS),
     *LINK_PEAKS,
 )
 
@@ -95,7 +95,9 @@ def pound(
     link: Link | Sequence[Link | None] | None = None,
     start: AnyStart | None = None,
     quantiles: Quantiles = (0.5, 0.84, 0.95),
-    steps_per_contact: Annotated[int, Whole(FEWEST_STEPS, MOST_STEPS)] = STEPS_PER_CONTACT,
+    steps_per_contact: Annotated[
+        int, Whole(FEWEST_STEPS_PER_CONTACT, MOST_STEPS_PER_CONTACT)
+    ] = STEPS_PER_CONTACT,
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Response of a row of buildings, with all impacts, in one motion or in many.
@@ -292,14 +294,14 @@ def pound(
     levels = np.asarray(quantiles, float)
     motions, over, names = checked_ensemble(motion, may_be_still=start is not None)
     links = checked_links(link, len(buildings))
-    standing = build_row(neighbours, spaces, contact, links)
-    paces = paces_of(standing, contact, motions.grounds, steps_per_contact)
+    prepared = build_row(neighbours, spaces, contact, links)
+    paces = paces_of(prepared, contact, motions.grounds, steps_per_contact)
     if progress is not None:
         progress(0.0)
-    starts = starts_of(standing, start)
-    table = response_table(standing, motions, over, paces, starts, progress)
-    table = table.merge(contacts(standing.places, links))
-    table = table.assign(gap=("contact", standing.row.contacts.gap))
+    starts = starts_of(prepared, start)
+    table = response_table(prepared, motions, over, paces, starts, progress)
+    table = table.merge(contacts(prepared.places, links))
+    table = table.assign(gap=("contact", prepared.row.contacts.gap))
     if not spaces.size:
         table = table.drop_dims(OF_CONTACTS, errors="ignore")
     else:
@@ -330,7 +332,7 @@ def pound(
         table = table.assign_attrs(gaps=spaces.tolist())
     if isinstance(start, Start):
         models["start"] = start
-    return labels.with_run_information(table, title, f"pound({call})", models, REFERENCES)
+    return labels.with_run_information(table, title, f"pound({call})", models, REFERENCES_OF_POUND)
 
 
 def checked_ensemble(
@@ -358,7 +360,7 @@ def checked_ensemble(
 
 
 def response_table(
-    standing: Standing,
+    prepared: PreparedRow,
     motions: RecordedMotions,
     over: str,
     paces: Sequence[StepCounts],
@@ -374,27 +376,27 @@ def response_table(
     runs = [
         run
         for ground, pace in zip(motions.grounds, paces, strict=True)
-        for run in runs_of(standing, ground, pace, starts)[:size]
+        for run in runs_of(prepared, ground, pace, starts)[:size]
     ]
-    outcomes = responses(runs, standing, single, progress)
+    outcomes = responses(runs, prepared, single, progress)
     of_motions = [outcomes[begin : begin + size] for begin in range(0, len(outcomes), size)]
     reasons = [
-        next(filter(None, (failure(standing, each) for each in of_motion)), "")
+        next(filter(None, (failure(prepared, response) for response in of_motion)), "")
         for of_motion in of_motions
     ]
     if all(reasons):
         more = f"; so in all {len(reasons)} motions" if reasons[1:] else ""
         raise ArithmeticError(f"{reasons[0]}{more}")
     with np.errstate(invalid="ignore", over="ignore"):  # motions that failed
-        rows = [summary(standing, *of_motion) for of_motion in of_motions]
+        rows = [summary(prepared, *of_motion) for of_motion in of_motions]
     columns = {
         name: (dim, np.array([row[name][1] for row in rows], float))
         for name, (dim, _) in rows[0].items()
     }
-    table = xr.Dataset(labelled(columns, standing, over), coords=floor_coords(standing))
+    table = xr.Dataset(labelled(columns, prepared, over), coords=floor_coords(prepared))
     if single:
         [ground] = motions.grounds
-        courses = histories(standing, outcomes[0], ground, motions.records[0]["time"])
+        courses = histories(prepared, outcomes[0], ground, motions.records[0]["time"])
         courses = courses.assign(table.isel({over: 0}).drop_vars("energy_balance_error").data_vars)
         seconds = ground.dt * (ground.acceleration.size - 1)
         ends = [response.end_after(seconds) for response in outcomes]
@@ -414,13 +416,15 @@ def with_statistics(table: xr.Dataset, over: str, levels: Array) -> xr.Dataset:
     """
     good = table.isel({over: (table.status == labels.CONVERGED).values})
     columns: Columns = {}
-    for name in (each for each in STATISTICS if each in good):
+    for name in (name for name in STATISTICS if name in good):
         samples = good[name].transpose(over, ...)
-        known = samples.notnull().values.all(axis=0)  # else NaN
+        in_all = samples.notnull().values.all(axis=0)  # else NaN
         dims = samples.dims[1:]
-        values = np.where(known, samples.values, 0.0)
+        values = np.where(in_all, samples.values, 0.0)
         made = mean_columns(name, dims, values) | quantile_columns(name, dims, values, levels)
-        columns |= {what: (at, np.where(known, each, np.nan)) for what, (at, each) in made.items()}
+        columns |= {
+            what: (at, np.where(in_all, numbers, np.nan)) for what, (at, numbers) in made.items()
+        }
     # Added at once, because each addition to a dataset takes a millisecond.
     table = table.assign(columns).assign_coords(
         quantile=labels.axis("quantile", "quantile", levels)
@@ -433,11 +437,13 @@ def with_statistics(table: xr.Dataset, over: str, levels: Array) -> xr.Dataset:
 
 
 def between_neighbours(table: xr.Dataset) -> xr.Dataset:
-    """The variables of `BETWEEN`, of all contacts between two neighbours together."""
-    by_gap = table[[*BETWEEN]].groupby("left")
+    """The variables of `BETWEEN_NEIGHBOURS`, of all contacts between two neighbours together."""
+    by_gap = table[[*BETWEEN_NEIGHBOURS]].groupby("left")
     joined = by_gap.sum(skipna=False).assign(hardest_force=by_gap.max(skipna=False).hardest_force)
     right_of = dict(zip(table.left.values, table.right.values, strict=True))
     names = [f"{left or 'wall'} | {right_of[left] or 'wall'}" for left in joined.left.values]
-    joined = joined.rename({name: f"{name}_between" for name in BETWEEN} | {"left": NEIGHBOURS})
+    joined = joined.rename(
+        {name: f"{name}_between" for name in BETWEEN_NEIGHBOURS} | {"left": NEIGHBOURS}
+    )
     coordinate = NEIGHBOURS, names, {"long_name": "both sides of the gap"}
     return joined.assign_coords({NEIGHBOURS: coordinate}).transpose(..., NEIGHBOURS)

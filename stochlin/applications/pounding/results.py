@@ -9,61 +9,63 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from stochlin.applications.pounding.rows import SIDES, Meeting, Standing
+from stochlin.applications.pounding.rows import CONTACT_SIDES, ContactPlace, PreparedRow
 from stochlin.kernels.basics.arrays import Array, row_products
 from stochlin.kernels.pounding.run import RowResponse
 from stochlin.kernels.records.runs import SampledMotion
 from stochlin.models.links import Link
+from stochlin.solver.simulation.structures_in_motion import STRUCTURE
 from stochlin.solver.tables.labels import FLOOR, LINK, link_coordinates
 
-STRUCTURE, CONTACT = "structure", "contact"
+CONTACT = "contact"
 OF_ROW = ""  # in place of a dimension, for a number of the row of buildings
-UNITS = {"level": {"units": "m"}, "share": {"units": "1"}}  # of the coordinates of contacts
+# of the coordinates of contacts
+COORDINATE_UNITS = {"level": {"units": "m"}, "share": {"units": "1"}}
 Quantities = dict[str, tuple[str, Any]]
 """Values by name, each with its last dimension; FLOOR also stands for the structure."""
 
 
-def labelled(values: Quantities, standing: Standing, *over: str) -> dict[str, xr.Variable]:
+def labelled(values: Quantities, prepared: PreparedRow, *over: str) -> dict[str, xr.Variable]:
     """Values as arrays over named dimensions, the first of which are ``over``.
 
     The coordinates are those of `floor_coords`; a dataset takes them once, since to align those of
     every array takes longer than all else.
     """
     return {
-        name: _by_floor(array, standing, *over)
+        name: _by_floor(array, prepared, *over)
         if dimension == FLOOR
         else xr.Variable([*over, *filter(None, [dimension])], array)
         for name, (dimension, array) in values.items()
     }
 
 
-def _by_floor(values: Array, standing: Standing, *over: str) -> xr.Variable:
+def _by_floor(values: Array, prepared: PreparedRow, *over: str) -> xr.Variable:
     """Values of all floors (..., n) over ``structure`` and, for shear buildings, ``floor``.
 
     Cells above the roof of a building are NaN.
     """
-    first, sizes = standing.first, np.diff(standing.first)
+    first, sizes = prepared.first, np.diff(prepared.first)
     wide = np.full((*values.shape[:-1], sizes.size, sizes.max()), np.nan)
     for b, size in enumerate(sizes):
         wide[..., b, :size] = values[..., first[b] : first[b + 1]]
-    if not standing.assembly.has_storeys:
+    if not prepared.assembly.has_storeys:
         return xr.Variable((*over, STRUCTURE), wide[..., 0])
     return xr.Variable((*over, STRUCTURE, FLOOR), wide)
 
 
-def floor_coords(standing: Standing) -> dict[str, Any]:
+def floor_coords(prepared: PreparedRow) -> dict[str, Any]:
     """Coordinates of the numbers of the structures and, for shear buildings, of the floors."""
-    sizes = np.diff(standing.first)
+    sizes = np.diff(prepared.first)
     coords = {STRUCTURE: (STRUCTURE, np.arange(1, sizes.size + 1), {"long_name": "structure"})}
-    if standing.assembly.has_storeys:
+    if prepared.assembly.has_storeys:
         coords[FLOOR] = (FLOOR, np.arange(1, sizes.max() + 1), {"long_name": "floor"})
     return coords
 
 
-def _course(standing: Standing, response: RowResponse, ground: SampledMotion) -> Quantities:
+def _course(prepared: PreparedRow, response: RowResponse, ground: SampledMotion) -> Quantities:
     """Displacements, velocities, accelerations, forces and energies in a response history."""
-    row = standing.row
-    assembly = standing.assembly
+    row = prepared.row
+    assembly = prepared.assembly
     system = row.elements.system
     n = row.parts.mass.size
     history = response.history
@@ -75,8 +77,8 @@ def _course(standing: Standing, response: RowResponse, ground: SampledMotion) ->
     rate = row_products(v, system.extensions)
     force = system.post * extension + system.couple * z
     stored = 0.5 * (system.post * extension**2 + system.couple * z**2)
-    drag = _drags(standing, rate)
-    pushed, squeezed = _contact_forces(standing, response, q)
+    drag = _drags(prepared, rate)
+    pushed, squeezed = _contact_forces(prepared, response, q)
     load = row_products(v, system.damping) + row_products(force + drag, system.extensions.T)
     shear = row_products(force[:, :n], assembly.shear_shares)
     largest_input = motion.largest_input
@@ -91,7 +93,7 @@ def _course(standing: Standing, response: RowResponse, ground: SampledMotion) ->
         "velocity": (FLOOR, row_products(v, system.shapes)),
         "acceleration": (FLOOR, row_products(sped, system.shapes) + carried),
         "storey_shear": (FLOOR, shear),
-        "base_shear": (STRUCTURE, shear[:, standing.first[:-1]]),
+        "base_shear": (STRUCTURE, shear[:, prepared.first[:-1]]),
         "input_energy": (STRUCTURE, of_structures(history.coordinates.input_energy.T[:, :n])),
         "kinetic_energy": (STRUCTURE, of_structures(0.5 * row.parts.mass * v[:, :n] ** 2)),
         "elastic_energy": (STRUCTURE, of_structures(stored[:, :n])),
@@ -114,18 +116,18 @@ def _course(standing: Standing, response: RowResponse, ground: SampledMotion) ->
     return values
 
 
-def _drags(standing: Standing, rate: Array) -> Array:
+def _drags(prepared: PreparedRow, rate: Array) -> Array:
     """Forces of dashpots with an exponent among the elements [N] (times, e), zero of the others."""
-    elements, drag = standing.row.elements, np.zeros_like(rate)
-    for i in standing.row.parts.dashpot[standing.row.parts.dashpot >= 0]:
+    elements, drag = prepared.row.elements, np.zeros_like(rate)
+    for i in prepared.row.parts.dashpot[prepared.row.parts.dashpot >= 0]:
         c, a = elements.parameters[i, :2]
         drag[:, i] = c * np.abs(rate[:, i]) ** a * np.sign(rate[:, i])
     return drag
 
 
-def _contact_forces(standing: Standing, response: RowResponse, u: Array) -> tuple[Array, Array]:
+def _contact_forces(prepared: PreparedRow, response: RowResponse, u: Array) -> tuple[Array, Array]:
     """Forces of the contacts [N] (times, c), and the energy stored in all of them [J] (times,)."""
-    contacts = standing.row.contacts
+    contacts = prepared.row.contacts
     if contacts.jumps:
         states = response.history.contacts
         return (states.mean_force * states.sticks).T, np.zeros(len(u))
@@ -137,15 +139,15 @@ def _contact_forces(standing: Standing, response: RowResponse, u: Array) -> tupl
 
 
 def histories(
-    standing: Standing, response: RowResponse, ground: SampledMotion, times: xr.DataArray
+    prepared: PreparedRow, response: RowResponse, ground: SampledMotion, times: xr.DataArray
 ) -> xr.Dataset:
     """Dataset of the histories of a response, at these times [s], and of its impacts."""
     time = times.to_numpy().astype(float)
     impacts = response.impacts
-    course = _course(standing, response, ground)
+    course = _course(prepared, response, ground)
     return xr.Dataset(
         {
-            **labelled(course, standing, "time"),
+            **labelled(course, prepared, "time"),
             "impact_time": ("impact", time[0] + impacts["begin"]),
             "impact_contact": ("impact", impacts["contact"] + 1),
             "approach_velocity": ("impact", impacts["approach_velocity"]),
@@ -156,8 +158,8 @@ def histories(
         },
         coords={
             "time": ("time", time, {"units": "s", "long_name": "time"}),
-            **floor_coords(standing),
-            "side": ("side", list(SIDES), {"long_name": "side of the contact"}),
+            **floor_coords(prepared),
+            "side": ("side", list(CONTACT_SIDES), {"long_name": "side of the contact"}),
         },
     )
 
@@ -170,7 +172,7 @@ def energy_transferred(response: RowResponse) -> Array:
     return np.stack([left, right], axis=-1)
 
 
-def contacts(places: Sequence[Meeting], links: Sequence[Link | None]) -> xr.Dataset:
+def contacts(places: Sequence[ContactPlace], links: Sequence[Link | None]) -> xr.Dataset:
     """Coordinates of contacts and links: structures, floors, level [m] and kind of each contact."""
     columns: dict[str, tuple[Sequence[Any], str]] = {
         "contact": (range(1, len(places) + 1), "contact"),
@@ -196,7 +198,7 @@ def contacts(places: Sequence[Meeting], links: Sequence[Link | None]) -> xr.Data
             "share": ([m.share for m in places], "share of the floor above in its displacement"),
         }
     coords: dict[str, Any] = {
-        name: ("contact", list(values), {"long_name": text} | UNITS.get(name, {}))
+        name: ("contact", list(values), {"long_name": text} | COORDINATE_UNITS.get(name, {}))
         for name, (values, text) in columns.items()
     }
     tied = [number for number, link in enumerate(links, start=1) if link is not None]
@@ -204,7 +206,7 @@ def contacts(places: Sequence[Meeting], links: Sequence[Link | None]) -> xr.Data
 
 
 def summary(
-    standing: Standing,
+    prepared: PreparedRow,
     response: RowResponse,
     alone: RowResponse,
     coarser: RowResponse | None = None,
@@ -213,39 +215,39 @@ def summary(
 
     The error of the time steps needs the response of the row in ``coarser`` ones.
     """
-    values = _peaks(standing, response, alone) | _tallies(standing, response)
-    values |= _columns(standing, values["hardest_force"][1])
+    values = _peaks(prepared, response, alone) | _tallies(prepared, response)
+    values |= _columns(prepared, values["hardest_force"][1])
     if coarser is not None:
-        values["step_error"] = OF_ROW, _step_error(standing, coarser, response)
+        values["step_error"] = OF_ROW, _step_error(prepared, coarser, response)
     return values
 
 
-def _step_error(standing: Standing, response: RowResponse, finer: RowResponse) -> float:
+def _step_error(prepared: PreparedRow, response: RowResponse, finer: RowResponse) -> float:
     """Largest relative change of a peak or largest force from steps twice as long [-].
 
     The steps are of second order, so that the error that remains in the finer response is about a
     third of the change. A displacement counts beside the largest of its structure, all else beside
     itself.
     """
-    whole = np.maximum.reduceat(finer.peaks, standing.first[:-1])
-    largest = np.repeat(whole, np.diff(standing.first))
+    whole = np.maximum.reduceat(finer.peaks, prepared.first[:-1])
+    largest = np.repeat(whole, np.diff(prepared.first))
     moved = np.abs(response.peaks - finer.peaks) / np.where(largest > 0, largest, 1.0)
-    pairs = zip(_compared_peaks(standing, response), _compared_peaks(standing, finer), strict=True)
+    pairs = zip(_compared_peaks(prepared, response), _compared_peaks(prepared, finer), strict=True)
     changes = [_largest_change(coarse, fine) for coarse, fine in pairs]
     return float(max(moved.max(), *changes))
 
 
-def _compared_peaks(standing: Standing, response: RowResponse) -> list[Array]:
+def _compared_peaks(prepared: PreparedRow, response: RowResponse) -> list[Array]:
     """Peaks of drifts, storey shears and accelerations, and largest forces of contacts."""
     floors = response.floors
     peaks = response.end.peaks
-    by_modes = [np.full(stick.coordinates, stick.by_modes) for stick in standing.assembly.sticks]
-    extensions = response.end.largest[floors : floors + standing.row.parts.mass.size]
+    by_modes = [np.full(stick.coordinates, stick.by_modes) for stick in prepared.assembly.sticks]
+    extensions = response.end.largest[floors : floors + prepared.row.parts.mass.size]
     return [
         np.where(np.concatenate(by_modes), 0.0, extensions),
         peaks.shear[:floors],
         peaks.acceleration[:floors],
-        _tallies(standing, response)["hardest_force"][1],
+        _tallies(prepared, response)["hardest_force"][1],
     ]
 
 
@@ -255,12 +257,12 @@ def _largest_change(coarse: Array, fine: Array) -> float:
     return float((np.abs(coarse[both] - fine[both]) / fine[both]).max(initial=0.0))
 
 
-def _peaks(standing: Standing, response: RowResponse, alone: RowResponse) -> Quantities:
+def _peaks(prepared: PreparedRow, response: RowResponse, alone: RowResponse) -> Quantities:
     """Largest absolute values in the row and of each building alone."""
     values: Quantities = {}
-    first = standing.first
+    first = prepared.first
     floors = response.floors
-    has_shear = np.isfinite(standing.assembly.shear_shares).all(axis=1)
+    has_shear = np.isfinite(prepared.assembly.shear_shares).all(axis=1)
     for ending, motion in (("", response), ("_alone", alone)):
         peaks = motion.end.peaks
         shear = np.where(has_shear, peaks.shear[:floors], np.nan)
@@ -272,7 +274,7 @@ def _peaks(standing: Standing, response: RowResponse, alone: RowResponse) -> Qua
         }
     moves = np.where(alone.peaks > 0, alone.peaks, np.nan)
     values["amplification"] = FLOOR, response.peaks / moves
-    springs = standing.row.parts.spring
+    springs = prepared.row.parts.spring
     if springs.size:
         values["peak_link_force"] = LINK, response.end.links.largest_force
         values["peak_link_stroke"] = LINK, response.end.largest[floors + springs]
@@ -281,10 +283,10 @@ def _peaks(standing: Standing, response: RowResponse, alone: RowResponse) -> Qua
     return values
 
 
-def _tallies(standing: Standing, response: RowResponse) -> Quantities:
+def _tallies(prepared: PreparedRow, response: RowResponse) -> Quantities:
     """Number, extremes and lost energy of the impacts of each contact, and energy received."""
     impacts = response.impacts
-    contacts = standing.row.contacts
+    contacts = prepared.row.contacts
     where = impacts["contact"]
     hit = where == np.arange(contacts.gap.size)[:, None]
     at_most = {
@@ -299,28 +301,28 @@ def _tallies(standing: Standing, response: RowResponse) -> Quantities:
         without = np.nan if name in unknown else 0.0
         values[name] = CONTACT, np.array([of_impacts[at].max(initial=without) for at in hit])
     values["contact_energy"] = CONTACT, hit @ impacts["dissipated"]
-    received = np.zeros(standing.first.size + 1)  # also of a wall on the left and on the right
-    left = np.array([m.building + 1 for m in standing.places], np.int64)
+    received = np.zeros(prepared.first.size + 1)  # also of a wall on the left and on the right
+    left = np.array([m.building + 1 for m in prepared.places], np.int64)
     for side, energy in enumerate(energy_transferred(response).T):
         np.add.at(received, left[where] + side, energy)
     values["energy_received"] = STRUCTURE, received[1:-1]
     return values
 
 
-def _columns(standing: Standing, hardest: Array) -> Quantities:
+def _columns(prepared: PreparedRow, hardest: Array) -> Quantities:
     """Largest force on columns that a slab meets [N], also over the storey shear at yield [-].
 
     Contacts slab to slab are NaN.
     """
-    struck = np.array([bool(m.struck) for m in standing.places])
+    struck = np.array([bool(m.struck) for m in prepared.places])
     if not struck.any():
         return {}
-    storeys = standing.assembly.storeys
+    storeys = prepared.assembly.storeys
     floor = [
-        standing.first[m.building + (m.struck != "left")] + m.storey if m.struck else 0
-        for m in standing.places
+        prepared.first[m.building + (m.struck != "left")] + m.storey if m.struck else 0
+        for m in prepared.places
     ]
-    strength = standing.assembly.of_elements(storeys.elastic * storeys.strength, np.inf, np.inf)
+    strength = prepared.assembly.of_elements(storeys.elastic * storeys.strength, np.inf, np.inf)
     force, strength = np.where(struck, hardest, np.nan), strength[floor]
     share = np.where(np.isfinite(strength), force / strength, np.nan)
     return {"column_force": (CONTACT, force), "column_force_share": (CONTACT, share)}

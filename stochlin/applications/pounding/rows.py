@@ -34,14 +34,14 @@ from stochlin.solver.simulation.connected_structures import modes_of, row_of
 from stochlin.solver.tables.checks import check_scalars
 
 NUMBERS = "numbers, since a history is of one row"
-SLABS = "slab to slab"
-COLUMN = "slab to column"
-WALL = "slab to wall"
-WALL_COLUMN = "wall to column"
-SIDES = "left", "right"  # sides of a contact
+SLAB_TO_SLAB = "slab to slab"
+SLAB_TO_COLUMN = "slab to column"
+SLAB_TO_WALL = "slab to wall"
+WALL_TO_COLUMN = "wall to column"
+CONTACT_SIDES = "left", "right"  # sides of a contact
 
 
-class Meeting(NamedTuple):
+class ContactPlace(NamedTuple):
     """A contact between two neighbours: the building on its left, both floors and their level [m].
 
     Buildings and floors are counted from 0; before the first building, and in place of the floor of
@@ -63,14 +63,14 @@ class Meeting(NamedTuple):
     def kind(self) -> str:
         """What meets, in words."""
         if self.wall:
-            return WALL_COLUMN if self.struck else WALL
-        return COLUMN if self.struck else SLABS
+            return WALL_TO_COLUMN if self.struck else SLAB_TO_WALL
+        return SLAB_TO_COLUMN if self.struck else SLAB_TO_SLAB
 
     def shares(self, side: str) -> dict[int, float]:
         """Shares of the floors in the displacement of what meets on one side, by their numbers."""
         if self.wall == side:
             return {}
-        floor = self.floor_left if side == SIDES[0] else self.floor_right
+        floor = self.floor_left if side == CONTACT_SIDES[0] else self.floor_right
         if self.struck != side:
             return {floor: 1.0}
         return {floor: self.share} | ({floor - 1: 1 - self.share} if floor else {})
@@ -93,14 +93,14 @@ class Neighbours(NamedTuple):
         return len(self.buildings) + len(self.walls) - 1
 
 
-class Standing(NamedTuple):
+class PreparedRow(NamedTuple):
     """Buildings in a row, and each of them alone, as kernels take them."""
 
     row: BuildingRow
     # the same without links between buildings; the row itself, if there are none
     alone: BuildingRow
     assembly: Assembly
-    places: list[Meeting]
+    places: list[ContactPlace]
     reduced: Array  # (c,) [kg]: reduced mass of both sides of each contact
     system: System  # of the buildings with their links, without walls
 
@@ -129,7 +129,7 @@ def checked_row(structures: Sequence[AnyStructure | Wall]) -> Neighbours:
                 raise ValueError(
                     f"{role} is {what}; allowed: a wall first or last, beside a building"
                 )
-            side = SIDES[0] if number == 1 else SIDES[1]
+            side = CONTACT_SIDES[0] if number == 1 else CONTACT_SIDES[1]
             walls[side] = structure
             continue
         check_structure(role, structure)
@@ -171,81 +171,82 @@ BetweenBuildings = Annotated[Contact, check_contact]
 def checked_links(link: Link | Sequence[Link | None] | None, count: int) -> tuple[Link | None, ...]:
     """Links between ``count`` structures, checked; for two structures a single link is enough."""
     links = check_links("link", link, count)
-    for each in links:
-        if each is not None:
-            check_scalars(each, "link", NUMBERS)
+    for member in links:
+        if member is not None:
+            check_scalars(member, "link", NUMBERS)
     return links
 
 
-def meetings(levels: Sequence[Array], walls: Mapping[str, Wall]) -> list[Meeting]:
+def contact_places(levels: Sequence[Array], walls: Mapping[str, Wall]) -> list[ContactPlace]:
     """Contacts of buildings in a row, with floors at these levels [m]; NaN for an oscillator.
 
     They are sorted by level from the ground up, and from left to right at the same level.
     """
-    contacts: list[Meeting] = []
+    contacts: list[ContactPlace] = []
     for side, wall in walls.items():
         contacts += _on_wall(wall, side, levels)
     for b, (left, right) in enumerate(pairwise(levels)):
         if np.isnan(left).any() or np.isnan(right).any():  # an oscillator meets the roof
             level = np.fmax(left[-1], right[-1])
-            contacts.append(Meeting(b, left.size - 1, right.size - 1, float(level)))
+            contacts.append(ContactPlace(b, left.size - 1, right.size - 1, float(level)))
         else:
             contacts += _facing(b, left, right)
     return sorted(
-        contacts, key=lambda m: (round(np.nan_to_num(m.level, nan=np.inf), 6), m.building)
+        contacts,
+        key=lambda place: (round(np.nan_to_num(place.level, nan=np.inf), 6), place.building),
     )
 
 
 def build_row(
     neighbours: Neighbours, gaps: Array, contact: Contact | None, links: Sequence[Link | None]
-) -> Standing:
+) -> PreparedRow:
     """The row of buildings as kernels take it, with its contacts, and the buildings alone."""
     system = assembly_of(neighbours.buildings, links)
-    places = meetings([stick.levels for stick in system.sticks], neighbours.walls)
-    columns = [m for m in places if m.struck]
+    places = contact_places([stick.levels for stick in system.sticks], neighbours.walls)
+    columns = [place for place in places if place.struck]
     if contact is not None and not isinstance(contact, Element) and columns:
         column = columns[0]
         what = f"contact = {contact.describe()}: velocities jump where slabs meet"
-        place = (
+        where = (
             f"of structures {column.building + 1} and {column.building + 2} a floor meets a column"
         )
         if column.wall:
-            place = "a wall meets a column"
+            where = "a wall meets a column"
         raise ValueError(
-            f"{what}, and {place} at {column.level:g} m; allowed: a contact with a force"
+            f"{what}, and {where} at {column.level:g} m; allowed: a contact with a force"
         )
-    left, right = (floors @ system.storeys.shapes for floors in _sides(places, system))
+    left_floors, right_floors = _sides(places, system)
+    left = left_floors @ system.storeys.shapes
+    right = right_floors @ system.storeys.shapes
     mass = system.storeys.mass
     reduced = 1.0 / ((left + right) ** 2 @ (1.0 / mass))
-    before = int(SIDES[0] in neighbours.walls)  # gaps before the first building
-    space = np.array([gaps[m.building + before] for m in places], float)
+    before = int(CONTACT_SIDES[0] in neighbours.walls)  # gaps before the first building
+    space = np.array([gaps[place.building + before] for place in places], float)
     in_space = any(wall.fixed == SPACE for wall in neighbours.walls.values())
     if in_space:
-        left, right = (
-            np.column_stack([weights, _of_wall(places, side)])
-            for side, weights in zip(SIDES, (left, right), strict=True)
-        )
+        left = np.column_stack([left, _of_wall(places, CONTACT_SIDES[0])])
+        right = np.column_stack([right, _of_wall(places, CONTACT_SIDES[1])])
     laws = [ForceLaw()] * len(places)
     restitution: float | None = None
     if isinstance(contact, Element):
-        laws = [contact.force_law(float(m)) for m in reduced]
+        laws = [contact.force_law(float(reduced_mass)) for reduced_mass in reduced]
     else:
         restitution = 1.0 if contact is None else float(contact.e)
     coordinates = mass.size + in_space
     contacts = Contacts.of(laws, coordinates, left, right, space, restitution, in_space)
-    own = tuple(placed for placed in system.placed_links if placed.link.within_one)
+    inner = tuple(placed for placed in system.placed_links if placed.link.within_one)
     row = row_of(system, contacts)
     of_links = row.elements.system
     row = alone = beside_wall(row) if in_space else row
-    if own != system.placed_links:
-        alone = row_of(system._replace(placed_links=own), Contacts.of([], mass.size))
-    return Standing(row, alone, system, places, reduced, of_links)
+    if inner != system.placed_links:
+        alone = row_of(system._replace(placed_links=inner), Contacts.of([], mass.size))
+    return PreparedRow(row, alone, system, places, reduced, of_links)
 
 
-def _of_wall(places: Sequence[Meeting], side: str) -> Array:
+def _of_wall(places: Sequence[ContactPlace], side: str) -> Array:
     """Weights (c,) of the displacement of walls fixed in space, on one side of contacts."""
-    weight = 1.0 if side == SIDES[0] else -1.0
-    in_space = [m.wall == side and m.fixed == SPACE for m in places]
+    weight = 1.0 if side == CONTACT_SIDES[0] else -1.0
+    in_space = [place.wall == side and place.fixed == SPACE for place in places]
     return np.where(in_space, weight, 0.0)
 
 
@@ -267,11 +268,11 @@ def beside_wall(row: BuildingRow) -> BuildingRow:
     return row._replace(elements=row.elements._replace(system=system))
 
 
-def _on_wall(wall: Wall, side: str, levels: Sequence[Array]) -> list[Meeting]:
+def _on_wall(wall: Wall, side: str, levels: Sequence[Array]) -> list[ContactPlace]:
     """Contacts of the building at one end of the row with the wall on this side of it."""
-    building = -1 if side == SIDES[0] else len(levels) - 1
-    floors = levels[0] if side == SIDES[0] else levels[-1]
-    other = SIDES[1] if side == SIDES[0] else SIDES[0]
+    building = -1 if side == CONTACT_SIDES[0] else len(levels) - 1
+    floors = levels[0] if side == CONTACT_SIDES[0] else levels[-1]
+    other = CONTACT_SIDES[1] if side == CONTACT_SIDES[0] else CONTACT_SIDES[0]
     touched = floors.tolist() if wall.levels is None else wall.levels
     if wall.levels is not None and np.isnan(floors).any():
         what = f"{wall.describe()} stands beside an oscillator, which has no levels"
@@ -284,12 +285,14 @@ def _on_wall(wall: Wall, side: str, levels: Sequence[Array]) -> list[Meeting]:
             raise ValueError(f"{what}; allowed: levels up to the roof")
         struck = other if floors[floor] - level >= LEVEL else ""
         share = float(shares_at(floors, level)[floor]) if struck else 1.0
-        sides = (-1, floor) if side == SIDES[0] else (floor, -1)
-        contacts.append(Meeting(building, *sides, float(level), struck, share, side, wall.fixed))
+        sides = (-1, floor) if side == CONTACT_SIDES[0] else (floor, -1)
+        contacts.append(
+            ContactPlace(building, *sides, float(level), struck, share, side, wall.fixed)
+        )
     return contacts
 
 
-def _facing(b: int, left: Array, right: Array) -> list[Meeting]:
+def _facing(b: int, left: Array, right: Array) -> list[ContactPlace]:
     """Contacts of two neighbours up to the lower roof, slab to slab and slab to column."""
     pairs = [
         (i, j)
@@ -297,7 +300,7 @@ def _facing(b: int, left: Array, right: Array) -> list[Meeting]:
         for j in range(right.size)
         if abs(left[i] - right[j]) < LEVEL
     ]
-    contacts = [Meeting(b, i, j, float(0.5 * (left[i] + right[j]))) for i, j in pairs]
+    contacts = [ContactPlace(b, i, j, float(0.5 * (left[i] + right[j]))) for i, j in pairs]
     for side, floor in slabs_on_columns(left, right):
         i = floor - 1
         levels = right if side else left
@@ -305,15 +308,15 @@ def _facing(b: int, left: Array, right: Array) -> list[Meeting]:
         above = int(np.searchsorted(other, levels[i]))
         share = float(shares_at(other, levels[i])[above])
         floors, struck = ((above, i), "left") if side else ((i, above), "right")
-        contacts.append(Meeting(b, *floors, float(levels[i]), struck, share))
+        contacts.append(ContactPlace(b, *floors, float(levels[i]), struck, share))
     return contacts
 
 
-def _sides(places: Sequence[Meeting], system: Assembly) -> tuple[Array, Array]:
+def _sides(places: Sequence[ContactPlace], system: Assembly) -> tuple[Array, Array]:
     """Weights (c, n) of the floors in the penetrations, those of the left and of the right side."""
     sides = np.zeros((2, len(places), int(system.first[-1])))
-    for j, m in enumerate(places):
-        for k, side in enumerate(SIDES):
-            for floor, share in m.shares(side).items():
-                sides[k, j, system.first[m.building + k] + floor] = share if k == 0 else -share
+    for j, place in enumerate(places):
+        for k, side in enumerate(CONTACT_SIDES):
+            for floor, share in place.shares(side).items():
+                sides[k, j, system.first[place.building + k] + floor] = share if k == 0 else -share
     return sides[0], sides[1]

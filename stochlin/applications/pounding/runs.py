@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stochlin.applications.pounding.rows import Standing
+from stochlin.applications.pounding.rows import PreparedRow
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, cores, in_order
 from stochlin.kernels.pounding import run as kernel
@@ -29,19 +29,20 @@ STEPS_PER_CONTACT = 16  # default number of steps in half a period of a contact
 STEPS_AT_BLOWS = 16  # near a stereomechanical contact, in place of one step
 OF_SHORTEST = 5.0  # steps in the shortest period, for each of them
 OF_FIRST = 12.5  # the same in the first period
-TYPICAL = 1.0  # [m/s]: rate of penetration for which the half-period of a Hertz contact is taken
+# [m/s]: rate of penetration for which the half-period of a Hertz contact is taken
+TYPICAL_RATE = 1.0
 ON_GRID = 1e-9  # share of a time step within which an output time counts as a sample of the record
-LANES = 64  # motions that are stepped together
-FEW = 4  # motions that take hardly more time than one
+MOTIONS_TOGETHER = 64  # motions that are stepped together
+FEW_MOTIONS = 4  # motions that take hardly more time than one
 # in a step for each floor, as many as it has numbers, and those with other floors
 OPERATIONS = 60.0
-SLOW = 1e-3  # approach velocity that counts as zero over max |a| T/(2 pi)
+SLOW_APPROACH = 1e-3  # approach velocity that counts as zero over max |a| T/(2 pi)
 OVERLAP = 1e-12  # [m]: of floors at the start, as rounding leaves it
-NEAR = 0.03  # share of the steps that are taken for divided near contact
+SHARE_NEAR_CONTACT = 0.03  # share of the steps that are taken for divided near contact
 
 
 def paces_of(
-    standing: Standing,
+    prepared: PreparedRow,
     contact: Contact | None,
     grounds: Sequence[SampledMotion],
     steps_per_contact: int = STEPS_PER_CONTACT,
@@ -50,10 +51,10 @@ def paces_of(
 
     Raises a ValueError if the motions would take too much time or memory.
     """
-    systems = [stick.system for stick in standing.assembly.sticks]
-    shortest = min(map(shortest_mode, [standing.system, *systems]))
-    longest = min(standing.shortest / OF_FIRST, shortest / OF_SHORTEST) / steps_per_contact
-    masses = standing.reduced.tolist()
+    systems = [stick.system for stick in prepared.assembly.sticks]
+    shortest = min(map(shortest_mode, [prepared.system, *systems]))
+    longest = min(prepared.shortest / OF_FIRST, shortest / OF_SHORTEST) / steps_per_contact
+    masses = prepared.reduced.tolist()
     half = [_half_period(contact, mass) for mass in masses if isinstance(contact, Element)]
 
     def pace(dt: float) -> kernel.StepCounts:
@@ -62,7 +63,7 @@ def paces_of(
         return kernel.StepCounts(cuts, max(1, int(substeps)))
 
     paces = [pace(ground.dt) for ground in grounds]
-    _check_runs(standing, grounds, paces)
+    _check_runs(prepared, grounds, paces)
     return paces
 
 
@@ -70,20 +71,20 @@ def _half_period(contact: Element, reduced: float) -> float:
     """Half a period of a contact [s], or the time until its dashpot stops both sides if shorter."""
     law = contact.force_law(reduced)
     n = float(law.exponent)
-    scale = float((reduced * TYPICAL ** (1 - n) / law.stiffness) ** (1 / (n + 1)))
+    scale = float((reduced * TYPICAL_RATE ** (1 - n) / law.stiffness) ** (1 / (n + 1)))
     if not law.over_approach and law.damping > 0:
         scale = min(scale, reduced / float(law.damping))
     return np.pi * scale
 
 
 def _check_runs(
-    standing: Standing, grounds: Sequence[SampledMotion], paces: Sequence[kernel.StepCounts]
+    prepared: PreparedRow, grounds: Sequence[SampledMotion], paces: Sequence[kernel.StepCounts]
 ) -> None:
     """Raise a ValueError if the motions would take too much time or memory."""
-    n = standing.row.parts.mass.size
-    lanes = min(LANES, len(grounds))
+    n = prepared.row.parts.mass.size
+    lanes = min(MOTIONS_TOGETHER, len(grounds))
     samples = [len(ground.acceleration) for ground in grounds]
-    near = [p.cuts * (1.0 + NEAR * (p.substeps - 1)) for p in paces]
+    near = [p.cuts * (1.0 + SHARE_NEAR_CONTACT * (p.substeps - 1)) for p in paces]
     finest = min(ground.dt / p.cuts / p.substeps for ground, p in zip(grounds, paces, strict=True))
     seconds = sum(ground.dt * (size - 1) for ground, size in zip(grounds, samples, strict=True))
     operations = 3.0 * n * n + OPERATIONS * n
@@ -108,7 +109,7 @@ class RowRun(NamedTuple):
 
 
 def runs_of(
-    standing: Standing,
+    prepared: PreparedRow,
     ground: SampledMotion,
     pace: kernel.StepCounts,
     starts: Sequence[Array | None],
@@ -116,28 +117,28 @@ def runs_of(
     """The row in a motion, each building alone, and the row in steps twice as long."""
     coarser = pace._replace(cuts=pace.cuts // 2)
     return [
-        RowRun(standing.row, ground, pace, starts[0]),
-        RowRun(standing.alone, ground, pace, starts[1], meets=False),
-        RowRun(standing.row, ground, coarser, starts[2]),
+        RowRun(prepared.row, ground, pace, starts[0]),
+        RowRun(prepared.alone, ground, pace, starts[1], meets=False),
+        RowRun(prepared.row, ground, coarser, starts[2]),
     ]
 
 
-def starts_of(standing: Standing, start: AnyStart | None) -> list[Array | None]:
+def starts_of(prepared: PreparedRow, start: AnyStart | None) -> list[Array | None]:
     """Blocks (rows,) with which the runs of `runs_of` begin; None from rest."""
-    rows = [standing.row, standing.alone, standing.row]
+    rows = [prepared.row, prepared.alone, prepared.row]
     if start is None:
         return [None] * len(rows)
     if isinstance(start, Start):
-        values = start_values(standing.assembly, start)
-        _check_contacts(standing, values)
+        values = start_values(prepared.assembly, start)
+        _check_contacts(prepared, values)
         return [first_block(row, values, start.ground_velocity) for row in rows]
     sizes = [len(row.at_rest(1).block) for row in rows]
     return [*np.split(checked_end_state(start, sum(sizes)), np.cumsum(sizes)[:-1])]
 
 
-def _check_contacts(standing: Standing, values: Array) -> None:
+def _check_contacts(prepared: PreparedRow, values: Array) -> None:
     """Raise a ValueError if floors overlap at the start."""
-    contacts = standing.row.contacts
+    contacts = prepared.row.contacts
     weights = contacts.weights[:, : values.shape[1]]  # walls start at their places
     depth = weights @ values[0] - contacts.gap
     worst = int(depth.argmax()) if depth.size else 0
@@ -148,7 +149,7 @@ def _check_contacts(standing: Standing, values: Array) -> None:
 
 
 def responses(
-    runs: Sequence[RowRun], standing: Standing, keep: bool, progress: Progress | None
+    runs: Sequence[RowRun], prepared: PreparedRow, keep: bool, progress: Progress | None
 ) -> list[RowResponse]:
     """Responses, the first one with its history if it is to be kept."""
     batches = list(_batches(runs))
@@ -156,7 +157,7 @@ def responses(
 
     def of_batch(batch: list[int]) -> list[RowResponse]:
         first = runs[batch[0]]
-        motions = _motions([runs[n] for n in batch], standing.shortest)
+        motions = _motions([runs[n] for n in batch], prepared.shortest)
         blocks = [block for n in batch if (block := runs[n].start) is not None]
         start = np.stack(blocks, axis=1) if blocks else None
         return kernel.run(first.row, motions, first.pace, keep and 0 in batch, start)
@@ -174,7 +175,7 @@ def _batches(runs: Sequence[RowRun]) -> Iterator[list[int]]:
         run = runs[number]
         alike.setdefault((id(run.row), run.ground.dt, run.pace), []).append(int(number))
     for numbers in alike.values():
-        size = min(LANES, max(FEW, -(-len(numbers) // cores())))
+        size = min(MOTIONS_TOGETHER, max(FEW_MOTIONS, -(-len(numbers) // cores())))
         for begin in range(0, len(numbers), size):
             yield numbers[begin : begin + size]
 
@@ -187,17 +188,17 @@ def _motions(runs: Sequence[RowRun], shortest: float) -> kernel.GroundMotions:
     for lane, samples in enumerate(members):
         acceleration[: samples.size, lane] = samples
     meets = np.array([float(run.meets) for run in runs])
-    slow = SLOW * np.abs(acceleration).max(axis=0) * shortest / (2 * np.pi)
+    slow = SLOW_APPROACH * np.abs(acceleration).max(axis=0) * shortest / (2 * np.pi)
     return kernel.GroundMotions(acceleration, runs[0].ground.dt, sizes - 1, slow, meets)
 
 
-def failure(standing: Standing, response: RowResponse) -> str:
+def failure(prepared: PreparedRow, response: RowResponse) -> str:
     """Why a motion was ended early: a building falls, or numbers do; empty if it was not."""
     failed = float(response.end.motions.failed)
     if failed == np.inf:
         return ""
-    system = standing.assembly
-    moved = response.end.coordinates.q[: standing.row.parts.mass.size]  # without walls
+    system = prepared.assembly
+    moved = response.end.coordinates.q[: prepared.row.parts.mass.size]  # without walls
     drifts = system.drifts @ system.displacements @ moved
     fallen = np.flatnonzero(system.fallen(drifts, system.limits))
     if fallen.size:

@@ -16,7 +16,7 @@ from stochlin.applications.cases.pounding import (
     displacement_beside,
     energy_of,
 )
-from stochlin.applications.pounding.rows import COLUMN
+from stochlin.applications.pounding.rows import SLAB_TO_COLUMN
 from stochlin.messages import plain
 from stochlin.models.descriptions import roles_in_words, three_digits
 from stochlin.solver.tables.labels import CONVERGED
@@ -134,7 +134,7 @@ def _sides(axes: Axes, dataset: xr.Dataset, number: int) -> None:
         axes.plot(time, values, color=color, linestyle=dash, lw=0.9, label=label)
     hits = dataset.impact_time.values[dataset.impact_contact.values == number + 1]
     hits = hits[(hits >= time[0]) & (hits <= time[-1])]
-    struck = "level" in dataset.coords and str(contact.kind.item()) == COLUMN
+    struck = "level" in dataset.coords and str(contact.kind.item()) == SLAB_TO_COLUMN
     if hits.size:
         marker, color = ("X", "#b2182b") if struck else ("v", "#2166ac")
         style: Any = {"marker": marker, "color": color, "ls": "", "ms": 5, "clip_on": False}
