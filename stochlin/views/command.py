@@ -25,7 +25,7 @@ from stochlin.views.shared.screen import (
 )
 
 # Words in a refusal of click, but for values of keys, which may be known there: = 'fitted'.
-NAMED = re.compile(r"(?<!= ')(?<!\[')(?<=')[^' ]+(?=')|--[\w-]+")
+NAMES_IN_REFUSAL = re.compile(r"(?<!= ')(?<!\[')(?<=')[^' ]+(?=')|--[\w-]+")
 BY_SIGNAL = 128  # shells add the number of the signal that ended a program
 CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
 
@@ -61,7 +61,7 @@ class Commands(click.Group):
             click.echo("\ninterrupted", err=True)
             ctx.exit(BY_SIGNAL + signal.SIGINT)
         except click.UsageError as error:
-            names = [name for name in NAMED.findall(error.message) if name in REMOVED]
+            names = [name for name in NAMES_IN_REFUSAL.findall(error.message) if name in REMOVED]
             if not names or instead_of(names[0]) in f"{error.message}; ":
                 raise
             said = f"{error.message.removesuffix('.')}; {instead_of(names[0])[:-2]}"

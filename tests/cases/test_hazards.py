@@ -12,7 +12,7 @@ import stochlin as sl
 from stochlin.applications.cases.reading.case import Case
 from stochlin.applications.cases.separation import answer_case
 from stochlin.views.separation.risk import risk_blocks
-from stochlin.views.shared.words import SPACE
+from stochlin.views.shared.words import NBSP
 
 pytestmark = pytest.mark.invariant
 
@@ -125,4 +125,4 @@ def test_a_hazard_that_ends_early_is_said_before_its_frequency(tmp_path):
     answer = answer_case(read(tmp_path, HAZARD + early, 'existing = "30 cm"\n'))
     first, *_, table, _ = risk_blocks(answer)
     assert first.text.startswith("The hazard curve ends at PGA 0.1")
-    assert table.rows[0].cells[3].replace(SPACE, " ") == "100 years or more"
+    assert table.rows[0].cells[3].replace(NBSP, " ") == "100 years or more"

@@ -11,7 +11,7 @@ from commands import refused
 import stochlin as sl
 from stochlin.models.arguments import OneOf, checked
 from stochlin.removed import REMOVED
-from stochlin.views.command import NAMED
+from stochlin.views.command import NAMES_IN_REFUSAL
 
 pytestmark = pytest.mark.invariant
 
@@ -84,7 +84,7 @@ def test_command_line_and_case_files_say_what_to_use_instead(tmp_path: Path) -> 
         "--closure 'gone' is not available for Bilinear; it was removed: the gap says it" in chosen
     )
     written = "; was 'gone' = 'gone'?"
-    assert NAMED.findall(written) == ["gone"]  # not the value, which the key may know
+    assert NAMES_IN_REFUSAL.findall(written) == ["gone"]  # not the value, which the key may know
     case = tmp_path / "case.toml"
     case.write_text(example_case().replace("[site]", "[site]\ngone = 1"), encoding="utf-8")
     assert (

@@ -13,7 +13,7 @@ from stochlin.views.command import main
 from stochlin.views.sensitivity.tornado import blocks, rows
 from stochlin.views.shared.blocks import ViewSection
 from stochlin.views.shared.screen import lines
-from stochlin.views.shared.words import MINUS, SPACE
+from stochlin.views.shared.words import MINUS, NBSP
 
 pytestmark = pytest.mark.cli
 GROUND = sl.KanaiTajimi(0.4, 0.6, 0.01)
@@ -34,8 +34,8 @@ def test_rows_begin_with_what_is_uncertain_and_moves_the_gap_most(table):
     by_label = {row.label: row for row in shown}
     period, known = by_label["period of building 1"], by_label["intensity of the ground"]
     assert shown.index(period) < 2 < shown.index(known) + 1
-    assert (period.range, period.kind) == (f"0.468 to 0.769{SPACE}s", f"16 to 84{SPACE}%")
-    assert (known.range, known.kind) == (f"0.009 to 0.011{SPACE}m²/s³", f"±{SPACE}10{SPACE}%")
+    assert (period.range, period.kind) == (f"0.468 to 0.769{NBSP}s", f"16 to 84{NBSP}%")
+    assert (known.range, known.kind) == (f"0.009 to 0.011{NBSP}m²/s³", f"±{NBSP}10{NBSP}%")
     low, high = 100 * table.gap_change[period.place].values
     assert period.change == f"{low:+.1f} / {high:+.1f}".replace("-", MINUS)
 

@@ -10,7 +10,7 @@ import click
 from stochlin.messages import brief
 from stochlin.views.shared.screen import (
     COMMANDS,
-    FILE,
+    FILE_PATH,
     bad_input,
     check_target,
     lines,
@@ -18,7 +18,7 @@ from stochlin.views.shared.screen import (
     write,
 )
 
-USUAL_DAMPING = 0.05  # which changes nothing that is shown
+ANY_DAMPING = 0.05  # which changes nothing that is shown
 
 
 @COMMANDS.register("building")
@@ -35,7 +35,7 @@ USUAL_DAMPING = 0.05  # which changes nothing that is shown
 )
 @click.option(
     "--pushover",
-    type=FILE,
+    type=FILE_PATH,
     help="Pushover curve of the building under forces of its first mode: the strength of that "
     "mode.",
 )
@@ -48,7 +48,7 @@ USUAL_DAMPING = 0.05  # which changes nothing that is shown
     help="Columns of displacement and base shear in that file, by title or number from 1: 1,2.",
 )
 @click.option("--example", is_flag=True, help="Print a table of modes to start from, and stop.")
-@click.option("--out", type=FILE, help="Save the modes as .nc, or as .csv.")
+@click.option("--out", type=FILE_PATH, help="Save the modes as .nc, or as .csv.")
 def building(
     modes: Path | None,
     points: str | None,
@@ -94,7 +94,7 @@ def building(
         check_target("--out", out, FORMATS, [modes, *([pushover] if pushover else [])])
         named = [name.strip() for name in points.split(",")] if points else ()
         table = read_modes(modes, points=named, **options)
-        of_modes = ModalBuilding.from_table(table, damping=USUAL_DAMPING)
+        of_modes = ModalBuilding.from_table(table, damping=ANY_DAMPING)
         ideal: Any = None
         if pushover is not None:
             units = _pair("--pushover-units", pushover_units, "mm,kN")

@@ -8,7 +8,7 @@ import numpy as np
 
 from stochlin.models.buildings.base import GRAVITY
 from stochlin.views.shared.blocks import Items, TableBlock, TextBlock, ViewSection
-from stochlin.views.shared.words import SPACE, TURNS, along, length, per_cent
+from stochlin.views.shared.words import NBSP, TURNS_IN_PLAN, along, length, per_cent
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -30,8 +30,8 @@ def building_sections(
     floors = _count(table.sizes["floor"], "floor")
     along_axis = f" along {table.attrs['direction']}" if "direction" in table.attrs else ""
     head = (
-        f"{table.attrs['source']}: {modes}{along_axis} of {floors}, {height:.4g}{SPACE}m high, "
-        f"{mass:.5g}{SPACE}t."
+        f"{table.attrs['source']}: {modes}{along_axis} of {floors}, {height:.4g}{NBSP}m high, "
+        f"{mass:.5g}{NBSP}t."
     )
     whole = per_cent(float(table["mass_share"].sum()), 1)
     moves = "Floors, with their displacements over that of each mode's oscillator"
@@ -93,11 +93,11 @@ def _assumed(table: xr.Dataset, building: ModalBuilding) -> Iterator[str]:
         )
     if "left_out" in table.attrs:
         left_out = table.attrs["left_out"]
-        yield f"Left out, with less than 0.1{SPACE}% of the mass along the gap: mode {left_out}."
+        yield f"Left out, with less than 0.1{NBSP}% of the mass along the gap: mode {left_out}."
     if table.sizes["mode"] > MOST_COLUMNS:
         yield f"Shapes are shown of the first {MOST_COLUMNS} modes; --out saves all."
     if "turning" in table.attrs:
-        yield TURNS.format(building=table.attrs["source"])
+        yield TURNS_IN_PLAN.format(building=table.attrs["source"])
     if "below_ground" in table.attrs:
         count = _count(table.attrs["below_ground"], "floor")
         yield (
@@ -118,12 +118,12 @@ def _strength(
     share = force / (GRAVITY * float(table["mass"].sum()))
     yield (
         f"Strength of mode 1 by the pushover curve {ideal['base_shear'].attrs['source']}, "
-        f"idealized by ASCE 41: yield at {force / 1e3:.5g}{SPACE}kN, "
+        f"idealized by ASCE 41: yield at {force / 1e3:.5g}{NBSP}kN, "
         f"{per_cent(share, 1)} of the weight, and {length(float(ideal['yield_displacement']))} of "
         f"the roof; hardening ratio {float(ideal['hardening']):.3g}. The other modes stay elastic."
     )
     yield (
-        f"Mode 1 with the curve: period {building.mode_periods()[0].item():.4g}{SPACE}s up to "
+        f"Mode 1 with the curve: period {building.mode_periods()[0].item():.4g}{NBSP}s up to "
         "yield, yield displacement of its oscillator "
         f"{length(first.arrays()['yield_displacement'].item())}."
     )

@@ -11,7 +11,7 @@ from stochlin.views.shared.options import ground_of, numbers_option, structures
 from stochlin.views.shared.progress import progress_bar, quiet_option
 from stochlin.views.shared.screen import (
     COMMANDS,
-    FILE,
+    FILE_PATH,
     bad_input,
     check_target,
     on_screen,
@@ -21,10 +21,10 @@ from stochlin.views.shared.screen import (
 if TYPE_CHECKING:
     import xarray as xr
 
-GROUNDS = "white-noise, kanai-tajimi, or a named ground such as firm or sct_1985_ns."
-METHODS = "linearization, white_noise, effective or simulation."
-RULES = "Rule for the effective properties, with --method effective."
-PATHS = "Number of simulated motions, with --method simulation."
+GROUND_HELP = "white-noise, kanai-tajimi, or a named ground such as firm or sct_1985_ns."
+METHOD_HELP = "linearization, white_noise, effective or simulation."
+RULE_HELP = "Rule for the effective properties, with --method effective."
+PATHS_HELP = "Number of simulated motions, with --method simulation."
 
 
 @COMMANDS.register("rho")
@@ -34,17 +34,19 @@ PATHS = "Number of simulated motions, with --method simulation."
 @numbers_option("--damping", "Damping ratio.", default="0.05")
 @numbers_option("--hardening", "Hardening ratio.")
 @numbers_option("--reduction-factor", "R = 3 sigma_el/uy; elastic if it is not given.")
-@click.option("--ground", default="white-noise", show_default=True, help=GROUNDS)
+@click.option("--ground", default="white-noise", show_default=True, help=GROUND_HELP)
 @numbers_option("--ground-period", "Period of the ground [s].", "s")
 @numbers_option("--ground-damping", "Damping ratio of the ground.")
-@click.option("--method", default="linearization", show_default=True, help=METHODS)
+@click.option("--method", default="linearization", show_default=True, help=METHOD_HELP)
 @click.option(
     "--closure", default="gaussian", show_default=True, help="gaussian, clipped or drift."
 )
-@click.option("--rule", default="iwan_1980", show_default=True, help=RULES)
-@click.option("--paths", type=click.IntRange(min=2), default=256, show_default=True, help=PATHS)
+@click.option("--rule", default="iwan_1980", show_default=True, help=RULE_HELP)
+@click.option(
+    "--paths", type=click.IntRange(min=2), default=256, show_default=True, help=PATHS_HELP
+)
 @click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True)
-@click.option("--out", type=FILE, help="Save the table as .nc or .csv.")
+@click.option("--out", type=FILE_PATH, help="Save the table as .nc or .csv.")
 @quiet_option
 def rho(out: Path | None, method: Any, **options: Any) -> None:
     """Compute the correlation coefficient of two bilinear structures, or a table over parameters.
@@ -86,7 +88,10 @@ def of_these(table: xr.Dataset) -> str:
     names = "bias", "bias_1", "bias_2", "relative_displacement_bias"
     if not all(name in table and bool(table[name].notnull().all()) for name in names):
         return ""
-    of_rho, first, second, apart = (table[name] for name in names)
+    of_rho = table["bias"]
+    first = table["bias_1"]
+    second = table["bias_2"]
+    apart = table["relative_displacement_bias"]
     if not of_rho.any() and not apart.any():  # of elastic structures
         return ""
     return (

@@ -21,7 +21,7 @@ from typing import Any
 from stochlin.messages import LONGEST_MESSAGE, sentence
 
 # What a case may be refused with; anything else is a fault of the program, and logged.
-REFUSED = (ValueError, TypeError, ArithmeticError, MemoryError, OSError)
+REFUSAL_ERRORS = (ValueError, TypeError, ArithmeticError, MemoryError, OSError)
 
 
 class _Stop(Exception):  # noqa: N818
@@ -58,7 +58,7 @@ def main() -> None:
         except _Stop:
             reply()
         except Exception as error:
-            trace = "" if isinstance(error, REFUSED) else traceback.format_exc()
+            trace = "" if isinstance(error, REFUSAL_ERRORS) else traceback.format_exc()
             reply(why=sentence(error, LONGEST_MESSAGE), trace=trace)
         else:
             reply(answer=answer)

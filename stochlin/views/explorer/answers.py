@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
     from stochlin.applications.cases.reading.case import Case
 
-MARKERS = "o", "s"
-CAPTION = (
+MARKERS_OF_GROUNDS = "o", "s"
+RHO_CAPTION = (
     "Building 1 stays, and the period of building 2 changes. Lines: linearization. Points: "
     "simulation, with 95 % intervals. The white noise is as strong as the ground of the case at "
     "the period of building 1. The vertical line is the ratio of the case."
@@ -60,7 +60,9 @@ def correlation_of(folder: str, name: str, text: str, progress: Progress) -> str
     case, doubts = read_upload(folder, name, text)
     ratio = pair_of(case)[1].period / pair_of(case)[0].period
     grounds = list(correlations(case, progress))
-    picture = Picture("Correlation of the displacements", CAPTION, partial(_drawn, grounds, ratio))
+    picture = Picture(
+        "Correlation of the displacements", RHO_CAPTION, partial(_drawn, grounds, ratio)
+    )
     sentences = [TextBlock(_in_words(ground, ratio)) for ground in grounds]
     return _html(case, doubts, [ViewSection("", [*sentences, picture])], "rho")
 
@@ -74,11 +76,11 @@ def _html(case: Case, doubts: list[str], sections: list[ViewSection], prefix: st
 
 def _in_words(on: OnGround, ratio: float) -> str:
     """The correlation of the case itself."""
-    own = on.simulated.sel(period_ratio=ratio, method="nearest")
+    simulated = on.simulated.sel(period_ratio=ratio, method="nearest")
     linearized = float(on.linearized.sel(period_ratio=ratio, method="nearest"))
     return (
-        f"On {on.ground}: rho = {linearized:.2f} linearized and {float(own.rho):.2f} ± "
-        f"{2 * float(own.rho_standard_error):.2f} simulated, at T2/T1 = {ratio:.3g}."
+        f"On {on.ground}: rho = {linearized:.2f} linearized and {float(simulated.rho):.2f} ± "
+        f"{2 * float(simulated.rho_standard_error):.2f} simulated, at T2/T1 = {ratio:.3g}."
     )
 
 
@@ -89,7 +91,7 @@ def _drawn(grounds: list[OnGround], ratio: float) -> Figure:
     figure = Figure(figsize=(6.2, 4.0), layout="constrained")
     axes = figure.add_subplot()
     open_frame(axes)
-    for (color, dash), marker, on in zip(CURVES, MARKERS, grounds, strict=False):
+    for (color, dash), marker, on in zip(CURVES, MARKERS_OF_GROUNDS, grounds, strict=False):
         axes.plot(on.linearized.period_ratio, on.linearized, color=color, ls=dash, label=on.ground)
         axes.errorbar(
             on.simulated.period_ratio, on.simulated.rho, 2 * on.simulated.rho_standard_error,

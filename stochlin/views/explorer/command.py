@@ -7,13 +7,13 @@ from pathlib import Path
 
 import click
 
-from stochlin.views.shared.screen import COMMANDS, FILE, bad_input
+from stochlin.views.shared.screen import COMMANDS, FILE_PATH, bad_input
 
 
 @COMMANDS.register("explore")
 @click.command()
 @click.option(
-    "--case", type=FILE, help="Start from a case file like that of 'stochlin gap --example'."
+    "--case", type=FILE_PATH, help="Start from a case file like that of 'stochlin gap --example'."
 )
 @click.option(
     "--port",

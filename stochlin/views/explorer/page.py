@@ -14,7 +14,7 @@ from stochlin.applications.explorer.form import changed_text, form_of
 from stochlin.applications.explorer.uploads import Upload, uploaded
 from stochlin.files.inputs import MOST_BYTES
 from stochlin.messages import LONGEST_MESSAGE, sentence
-from stochlin.views.explorer.answering import REFUSED
+from stochlin.views.explorer.answering import REFUSAL_ERRORS
 from stochlin.views.explorer.answers import TABS
 from stochlin.views.explorer.rows import TYPING, EntryRow
 from stochlin.views.explorer.workers import Job, NoAnswer, Stopped
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from stochlin.views.explorer.workers import Worker
 
 PAUSE = 0.5  # s after the last change, before the answer is computed anew
-LOOK = 0.25  # s between two looks at how far the work is
+REFRESH_INTERVAL = 0.25  # s between two looks at how far the work is
 NOT_SENT = f"The files were not opened; allowed: {MOST_BYTES >> 20} MB in all, and 1000 files."
 HEADING = "How far must two buildings on the same ground stand apart?"
 
@@ -47,7 +47,7 @@ class Page:
         self._client.on_disconnect(self._compute)  # which stops: perhaps its tab is closed
         self._client.on_connect(self._compute)
         self._client.on_delete(self._leave)
-        ui.timer(LOOK, self._look)
+        ui.timer(REFRESH_INTERVAL, self._look)
         self._tabs.value = "Gap"
 
     def _build(self) -> None:
@@ -154,7 +154,7 @@ class Page:
         self._files.reset()
         try:
             opened = await asyncio.to_thread(uploaded, files)
-        except REFUSED as error:
+        except REFUSAL_ERRORS as error:
             self._alert.text = f"The file was not opened: {sentence(error, LONGEST_MESSAGE)}"
             return
         self._remove_folder()

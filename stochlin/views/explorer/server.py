@@ -111,8 +111,8 @@ def serve(start: Upload, port: int, show: bool) -> None:
     """Serve the page until it is interrupted; the port is one that `check_port` has passed."""
     worker = Worker(answers.__name__)
     of_page = files("stochlin.views.shared") / "page.css"
-    own = files("stochlin.views.explorer") / "page.css"
-    ui.add_css(f".answer {{\n{of_page.read_text()}\n}}\n{own.read_text()}", shared=True)
+    of_explorer = files("stochlin.views.explorer") / "page.css"
+    ui.add_css(f".answer {{\n{of_page.read_text()}\n}}\n{of_explorer.read_text()}", shared=True)
 
     @ui.page("/")
     async def page() -> None:

@@ -18,11 +18,11 @@ from typing import Any
 
 from stochlin.kernels.basics.children import command, environment
 
-LOOK = 0.05  # s between two looks whether the answer is still wanted
+POLL_INTERVAL = 0.05  # s between two looks whether the answer is still wanted
 GRACE = 0.5  # s that a question may take to stop by itself, before its process is killed
-LONGEST_LINE = 2**26  # bytes of an answer with its pictures
-ENDING = 1.0  # s, in which a process that closes its output ends
-PROGRAM = "from stochlin.views.explorer.answering import main; main()"
+LONGEST_REPLY = 2**26  # bytes of an answer with its pictures
+TIME_TO_END = 1.0  # s, in which a process that closes its output ends
+ANSWERING_PROGRAM = "from stochlin.views.explorer.answering import main; main()"
 # A second thread of linear algebra doubles the processor time of matrices as small as these.
 ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 LOG = logging.getLogger("stochlin")
@@ -72,7 +72,7 @@ class Worker:
             except (EOFError, OSError) as error:
                 # A signal to a process that has just ended would hide its exit code.
                 with suppress(TimeoutError):
-                    await asyncio.wait_for(self.process.wait(), ENDING)
+                    await asyncio.wait_for(self.process.wait(), TIME_TO_END)
                 await self.stop()
                 what = f"the process that computes has ended (exit code {self.process.returncode})"
                 LOG.exception("no answer")
@@ -99,11 +99,11 @@ class Worker:
 
     async def _start(self) -> Process:
         return await asyncio.create_subprocess_exec(
-            *command(PROGRAM, self._module, tempfile.gettempdir()),
+            *command(ANSWERING_PROGRAM, self._module, tempfile.gettempdir()),
             stdin=PIPE,
             stdout=PIPE,
             env=environment(ONE_THREAD),
-            limit=LONGEST_LINE,
+            limit=LONGEST_REPLY,
         )
 
     async def _send(self, process: Process, message: list[str] | None) -> None:
@@ -117,7 +117,7 @@ class Worker:
         until = float("inf")
         while True:
             with suppress(TimeoutError):
-                line = await asyncio.wait_for(process.stdout.readline(), LOOK)
+                line = await asyncio.wait_for(process.stdout.readline(), POLL_INTERVAL)
                 if not line:
                     raise EOFError
                 reply: dict[str, Any] = json.loads(line)

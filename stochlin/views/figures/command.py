@@ -7,32 +7,40 @@ from typing import Any
 
 import click
 
-from stochlin.views.shared.blocks import PICTURES
+from stochlin.views.shared.blocks import PICTURE_FORMATS
 from stochlin.views.shared.options import OptionList, QuantityType, as_option
 from stochlin.views.shared.progress import progress_bar, quiet_option
 from stochlin.views.shared.screen import COMMANDS, bad_input, check_target
 
-RATIO, SECONDS, METRES = map(QuantityType, ("1", "s", "m"))
-RATIOS = OptionList("1")
-COUNT = click.IntRange(min=0)
-POINTS = click.IntRange(min=2)
+RATIO_TYPE, SECONDS_TYPE, METRES_TYPE = map(QuantityType, ("1", "s", "m"))
+RATIO_LIST = OptionList("1")
+NOT_BELOW_ZERO = click.IntRange(min=0)
+AT_LEAST_TWO = click.IntRange(min=2)
 # Type, default and help of the options; all but the first three are parameters of ChartSettings.
-OPTIONS: dict[str, tuple[Any, Any, str]] = {
+CHART_OPTIONS: dict[str, tuple[Any, Any, str]] = {
     "out": (click.Path(file_okay=False, path_type=Path), "figures", "Folder for the files."),
-    "format": (click.Choice([ending[1:] for ending in PICTURES]), "png", "Kind of the pictures."),
-    "print_width": (METRES, None, "Width in print, such as 84mm: no title and notes, larger text."),
-    "damping": (RATIO, "0.05", "Damping ratio of the structures."),
-    "hardening": (RATIO, "0.05", "Hardening ratio."),
-    "reduction_factors": (RATIOS, "1,2,4,6", "R of the curves in Figs. 4, 5b and 9."),
-    "plane_reduction_factor": (RATIO, "4", "R of Fig. 5a."),
-    "ductility": (RATIO, "4", "Peak ductility in Fig. 3b."),
+    "format": (
+        click.Choice([ending[1:] for ending in PICTURE_FORMATS]),
+        "png",
+        "Kind of the pictures.",
+    ),
+    "print_width": (
+        METRES_TYPE,
+        None,
+        "Width in print, such as 84mm: no title and notes, larger text.",
+    ),
+    "damping": (RATIO_TYPE, "0.05", "Damping ratio of the structures."),
+    "hardening": (RATIO_TYPE, "0.05", "Hardening ratio."),
+    "reduction_factors": (RATIO_LIST, "1,2,4,6", "R of the curves in Figs. 4, 5b and 9."),
+    "plane_reduction_factor": (RATIO_TYPE, "4", "R of Fig. 5a."),
+    "ductility": (RATIO_TYPE, "4", "Peak ductility in Fig. 3b."),
     "curves": (click.STRING, None, "Effective rules in Fig. 3b, such as iwan_1980,fema_440."),
-    "ground_period": (SECONDS, "2s", "Period of the model grounds [s]."),
-    "ground_dampings": (RATIOS, "0.05,0.6", "Damping of the model grounds: a panel for each."),
-    "points": (POINTS, 161, "Number of periods along an axis."),
-    "paths": (POINTS, 64, "Simulated motions; 32 times as many in Fig. 9."),
+    "ground_period": (SECONDS_TYPE, "2s", "Period of the model grounds [s]."),
+    "ground_dampings": (RATIO_LIST, "0.05,0.6", "Damping of the model grounds: a panel for each."),
+    "points": (AT_LEAST_TWO, 161, "Number of periods along an axis."),
+    "paths": (AT_LEAST_TWO, 64, "Simulated motions; 32 times as many in Fig. 9."),
     "simulated_points": (
-        COUNT,
+        NOT_BELOW_ZERO,
         None,
         "Simulated periods: 21 in Fig. 4, 41 in 5a, 11 in 9; 0 for none.",
     ),
@@ -47,7 +55,7 @@ COMPARISON = (
 @click.command(
     params=[
         click.Option([as_option(name)], type=kind, default=default, show_default=True, help=text)
-        for name, (kind, default, text) in OPTIONS.items()
+        for name, (kind, default, text) in CHART_OPTIONS.items()
     ]
 )
 @click.argument("name", required=False)
@@ -56,7 +64,7 @@ COMPARISON = (
     "--record", type=click.Path(path_type=Path), help="File of a record for Figs. 1 and 2."
 )
 @click.option("--units", help="Units of the record, such as g, if its file does not state them.")
-@click.option("--dt", type=SECONDS, help="Its time step [s], likewise.")
+@click.option("--dt", type=SECONDS_TYPE, help="Its time step [s], likewise.")
 @quiet_option
 def charts(
     name: str | None,

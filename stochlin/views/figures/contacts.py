@@ -21,12 +21,12 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-OF_PAPER = {"Kelvin": "Kelvin", "ImpactKelvin": "Impact Kelvin"}
+ELEMENTS_OF_PAPER = {"Kelvin": "Kelvin", "ImpactKelvin": "Impact Kelvin"}
 SKETCHES = (
     ("(a) Kelvin element", r"$f = k\,d + c\,v$", ""),
     ("(b) Impact Kelvin element", r"$f = k\,d + c\,\max(v, 0)$", "in approach only"),
 )
-SYMBOLS = "while $d > 0$;\n$d = u_1 - u_2 - g$, and $v$ is its rate"
+MEANING_OF_SYMBOLS = "while $d > 0$;\n$d = u_1 - u_2 - g$, and $v$ is its rate"
 INK: Any = {"color": "0.1", "lw": 1.1, "solid_capstyle": "butt", "clip_on": False}
 
 
@@ -63,7 +63,7 @@ def draw_restitution(figure: Figure, dataset: xr.Dataset) -> None:
 
 def _curves(axes: Axes, dataset: xr.Dataset, x: str, y: str, **style: Any) -> None:
     """A curve for each element of the paper; the data have the others, too."""
-    for (name, label), (color, dash) in zip(OF_PAPER.items(), CURVES, strict=False):
+    for (name, label), (color, dash) in zip(ELEMENTS_OF_PAPER.items(), CURVES, strict=False):
         element = dataset.sel(element=name)
         axes.plot(element[x], element[y], color=color, linestyle=dash, label=label, **style)
     axes.axhline(0, color="0.4", lw=0.6)
@@ -93,4 +93,4 @@ def _sketch(axes: Axes, title: str, law: str, note: str) -> None:
     for x, y, text in ((1.175, 0.62, "$g$"), (2.62, 1.02, "$k$"), (2.62, -0.16, f"$c$ {note}")):
         axes.text(x, y, text.strip(), ha="center")
     axes.set_title(title, loc="left")
-    axes.text(0, -0.62, f"{law} {SYMBOLS}", size=7.5)
+    axes.text(0, -0.62, f"{law} {MEANING_OF_SYMBOLS}", size=7.5)

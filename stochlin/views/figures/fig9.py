@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 
 WIDTHS = 1.6, 1.1, 1.1, 1.1  # of the curves of the methods
 # of the axis of the period ratio
-ENDS = (0.05, 1.0)
-TICKS = (0.2, 0.4, 0.6, 0.8, 1.0)
+RATIO_LIMITS = (0.05, 1.0)
+TICKS_BELOW_ONE = (0.2, 0.4, 0.6, 0.8, 1.0)
 
 
 @PICTURES.register("required_gaps")
@@ -62,11 +62,12 @@ def _draw_gaps(axes: Axes, panel: xr.Dataset) -> None:
             row = panel[name].dropna("period_ratio")
             axes.plot(row.period_ratio, row, label=typeset(label), color=color, ls=dash, lw=width)
     if f"{GAP}_simulated" in panel:
-        simulated, *ends = (panel[f"{GAP}_simulated{end}"] for end in ("", "_lower", "_upper"))
+        simulated = panel[f"{GAP}_simulated"]
+        ends = [panel[f"{GAP}_simulated{end}"] for end in ("_lower", "_upper")]
         bars = [abs(end - simulated) for end in ends]
         axes.errorbar(
             ratio, simulated, bars, fmt="o", color="0.1", mfc="w", label="simulated", **POINT
         )
-    axes.set(yscale="log", xlim=ENDS, xticks=TICKS)
+    axes.set(yscale="log", xlim=RATIO_LIMITS, xticks=TICKS_BELOW_ONE)
     axes.xaxis.set_major_formatter("{x:g}")
     decade_ticks(axes.yaxis)

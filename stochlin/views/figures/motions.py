@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.applications.figures.motions import ENERGIES
-from stochlin.views.figures.pictures import PANEL, PICTURES, SQUARE, in_a_row, in_cm, planes
+from stochlin.views.figures.pictures import MEDIUM_PANEL, PICTURES, SQUARE, in_a_row, in_cm, planes
 from stochlin.views.shared.blocks import typeset
 from stochlin.views.shared.style import CURVES, quantity
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 # levels, of which those below 1 are unsafe
 OF_RATIO = (0.5, 0.7, 0.8, 0.9, 1.0, 1.1, 1.25, 1.5, 2.0, 3.0)
 TRACE: Any = {"color": "0.35", "lw": 0.7}
-PEAK: Any = {"color": "#8c2d04", "linestyle": (0, (6, 1.5))}
+PEAK_LINE: Any = {"color": "#8c2d04", "linestyle": (0, (6, 1.5))}
 
 
 @PICTURES.register("portrait")
@@ -31,11 +31,11 @@ def draw_portrait(figure: Figure, dataset: xr.Dataset) -> None:
     radius = in_cm(dataset.radius)
     largest = in_cm(dataset.pseudo_energy_radius)
     plane.plot(*states, label="motion", **TRACE)
-    plane.add_patch(Circle((0, 0), float(largest), fill=False, lw=1.6, zorder=3, **PEAK))
+    plane.add_patch(Circle((0, 0), float(largest), fill=False, lw=1.6, zorder=3, **PEAK_LINE))
     plane.set_aspect("equal", adjustable="datalim")
     plane.set(xlabel=quantity(states[0]), ylabel=quantity(states[1]))
     history.plot(dataset.time, radius, label=quantity(radius), color="0.1", lw=1.0)
-    history.axhline(float(largest), label=quantity(largest), **PEAK)
+    history.axhline(float(largest), label=quantity(largest), **PEAK_LINE)
     history.set(
         xlim=(float(dataset.time[0]), float(dataset.time[-1])), ylim=(0, 1.06 * float(largest))
     )
@@ -50,7 +50,7 @@ def draw_energies(figure: Figure, dataset: xr.Dataset) -> None:
     shown += [(f"{kind} energy", f"{kind}_energy_radius") for kind in ENERGIES]
     time = dataset.time
     factors = dataset.reduction_factor.values
-    for axes, factor in zip(in_a_row(figure, 2, PANEL, shared=True), factors, strict=True):
+    for axes, factor in zip(in_a_row(figure, 2, MEDIUM_PANEL, shared=True), factors, strict=True):
         axes.axvspan(*times, color="0.92", label="90 % of the motion's energy")
         for (label, name), (color, dash) in zip(shown, CURVES, strict=False):
             values = in_cm(dataset[name].sel(reduction_factor=factor)).values

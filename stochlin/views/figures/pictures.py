@@ -17,13 +17,15 @@ from stochlin.registry import Registry
 from stochlin.views.shared.blocks import typeset
 from stochlin.views.shared.style import (
     CURVES,
+    NOTE_LINE,
+    PAGE_WIDTH,
     decade_ticks,
     filled,
     label_axis,
     quantity,
     styled,
 )
-from stochlin.views.shared.words import rule_label
+from stochlin.views.shared.words import CENTIMETRES, rule_label
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -36,17 +38,15 @@ if TYPE_CHECKING:
 PICTURES: Registry[Callable[[Figure, xr.Dataset], None]] = Registry(
     "chart", "stochlin.views.figures"
 )
-INCH = 0.0254  # in metres
-CENTIMETRES = 100.0  # in a metre
-WIDTH = 7.2  # inches, of a picture on the screen
-NARROW = 5.0  # inches, below which panels stand in one column
+METRES_PER_INCH = 0.0254
+NARROW_WIDTH = 5.0  # inches, below which panels stand in one column
 PRINT_WIDTHS = Number(  # m
     Range(0.08, 0.25, True, True),
     "0.08 to 0.25 m, such as 0.084 and 0.174 for one and two columns",
 )
 # inches, heights
 WIDE_PANEL = 3.4
-PANEL = 2.7
+MEDIUM_PANEL = 2.7
 SMALL_PANEL = 1.75
 SQUARE = 3.1
 # Of a picture in print, where no text is below 7 points; on the screen it is 8 to 10.
@@ -61,12 +61,11 @@ SCREEN_STYLE: Any = {"axes.titlesize": 9, "legend.fontsize": 8}
 NOTE_WIDTH = 120
 LABEL_WIDTH = 30
 AMPLE = 4.0  # inches: more than any legend
-LINE = 0.14  # of notes
-APART = 0.06  # around panels
-HEAD = 0.5  # inches: of three lines above a panel
+PANEL_PAD = 0.06  # around panels
+THREE_LINES = 0.5  # inches: of three lines above a panel
 ROOM = 0.065  # around a number on a line
-SYMBOLS = {"damping": r"$\xi$", "reduction_factor": "R"}
-MARKERS = (
+SYMBOLS_OF_PARAMETERS = {"damping": r"$\xi$", "reduction_factor": "R"}
+MARKERS_OF_CURVES = (
     "os^Dvp",
     "xxxxxx",
 )  # of the simulated points of each curve, and of those in finite motions
@@ -74,7 +73,7 @@ THIN = 0.8  # line width of other results
 TWICE = 1.96  # half a 95 % interval, in standard errors
 POINT: Any = {"ms": 3.6, "mew": 0.8, "elinewidth": 0.8, "zorder": 4}
 OPEN = "simulated, drift slower than any motion"  # label of open points
-EDGE = 0.05  # of an axis, in which no contour has its number
+CLEAR_EDGE = 0.05  # of an axis, in which no contour has its number
 PLANES = {"rho": "linearized", "rho_drift": "drift closure", "rho_simulated": "simulated"}
 
 
@@ -116,10 +115,11 @@ def draw(
     numbers = [array for array in dataset.data_vars.values() if array.dtype.kind == "f"]
     if numbers and not any(bool(np.isfinite(array).any()) for array in numbers):
         raise ValueError("the chart has no finite number to draw; its status names the cause")
-    title, *notes = (dataset.attrs.get(key, "") for key in ("title", "caption", "comment"))
+    title = dataset.attrs.get("title", "")
+    notes = [dataset.attrs.get(key, "") for key in ("caption", "comment")]
     width = width_in_print(print_width)
     with mpl.rc_context({} if print_width is None else PRINT_STYLE):
-        figure = Figure(figsize=(width, SQUARE), layout=ConstrainedLayoutEngine(h_pad=APART))
+        figure = Figure(figsize=(width, SQUARE), layout=ConstrainedLayoutEngine(h_pad=PANEL_PAD))
         draw_axes(figure, dataset)
         arrange(figure, *((title, notes) if print_width is None else ("", [])))
     return figure
@@ -128,9 +128,9 @@ def draw(
 def width_in_print(print_width: float | None) -> float:
     """Width of a picture in inches; on the screen without a width [m] in print."""
     if print_width is None:
-        return WIDTH
+        return PAGE_WIDTH
     PRINT_WIDTHS("print_width", print_width)
-    return float(print_width) / INCH
+    return float(print_width) / METRES_PER_INCH
 
 
 def arrange(figure: Figure, title: str, notes: Sequence[str]) -> None:
@@ -159,7 +159,7 @@ def arrange(figure: Figure, title: str, notes: Sequence[str]) -> None:
         head.remove()
     figure.draw_without_rendering()
     above = head.get_window_extent().height / figure.dpi
-    figure.set_figheight(height + above + LINE * len(text.splitlines()))
+    figure.set_figheight(height + above + NOTE_LINE * len(text.splitlines()))
 
 
 def panels(
@@ -178,7 +178,7 @@ def in_a_row(figure: Figure, count: int, height: float, *, shared: bool = False)
 
 def is_narrow(figure: Figure) -> bool:
     """Whether a picture has the width of one column of print."""
-    return bool(figure.get_figwidth() < NARROW)
+    return bool(figure.get_figwidth() < NARROW_WIDTH)
 
 
 def places(table: xr.DataArray, inner: int) -> Iterator[tuple[str, dict[Hashable, Any]]]:
@@ -193,7 +193,7 @@ def title_of(dim: Hashable, value: Any) -> str:
     """What a panel or a curve is for: ``R = 4``, the name of a rule or of a ground."""
     if isinstance(value, str):
         return rule_label(value) if dim == "rule" else typeset(value)
-    return f"{SYMBOLS.get(str(dim), dim)} = {value:g}"
+    return f"{SYMBOLS_OF_PARAMETERS.get(str(dim), dim)} = {value:g}"
 
 
 def curve_label(values: xr.DataArray) -> str:
@@ -219,10 +219,14 @@ def draw_curves(figure: Figure, dataset: xr.Dataset) -> None:
     points = [dataset[name] for name in dataset.attrs.get("points", "").split()]
     beside = dataset.attrs.get("beside", "").split()  # other results, as thin lines
     grounds = list(places(table, 2))
-    every = in_a_row(figure, len(grounds), PANEL if len(grounds) > 1 else WIDE_PANEL, shared=True)
+    every = in_a_row(
+        figure, len(grounds), MEDIUM_PANEL if len(grounds) > 1 else WIDE_PANEL, shared=True
+    )
     for axes, (title, place) in zip(every, grounds, strict=True):
         axes.set_title(title, loc="left")
-        looks = zip(places(table.sel(place), 1), cycle(CURVES), *map(cycle, MARKERS), strict=False)
+        looks = zip(
+            places(table.sel(place), 1), cycle(CURVES), *map(cycle, MARKERS_OF_CURVES), strict=False
+        )
         for (label, along), (color, dash), *markers in looks:
             row = table.sel({**place, **along})
             if not bool(row.notnull().any()):
@@ -230,7 +234,9 @@ def draw_curves(figure: Figure, dataset: xr.Dataset) -> None:
             style: Any = {"color": color, "linestyle": dash, "label": label or quantity(table)}
             if points:  # on no point of the curve, but in the legend
                 style |= {"marker": markers[0], "markevery": [], "ms": POINT["ms"]}
-            for values, marker, all_markers in zip(points, markers, MARKERS, strict=False):
+            for values, marker, all_markers in zip(
+                points, markers, MARKERS_OF_CURVES, strict=False
+            ):
                 draw_points(
                     axes, dataset.sel({**place, **along}), values, marker, color, all_markers[0]
                 )
@@ -335,8 +341,8 @@ def compare_planes(figure: Figure, dataset: xr.Dataset) -> None:
     tables = {text: dataset[name] for name, text in PLANES.items() if name in dataset}
     if MEMORY in dataset:
         first, second = tables["simulated"].dims[-2:]
-        known = tables["simulated"].dropna(first, how="all").dropna(second, how="all")
-        tables["simulated"] = known.where(~is_slow(dataset))
+        drawn = tables["simulated"].dropna(first, how="all").dropna(second, how="all")
+        tables["simulated"] = drawn.where(~is_slow(dataset))
     apart = "\n" if is_narrow(figure) else ", "
     named = [
         (f"{title}\n{text}".strip().replace(", ", apart), table.sel(place))
@@ -344,7 +350,9 @@ def compare_planes(figure: Figure, dataset: xr.Dataset) -> None:
         for title, place in places(table, 2)
     ]
     columns = len(named) // len(tables)
-    height = min(figure.get_figwidth() / columns + (HEAD if is_narrow(figure) else 0.0), SQUARE)
+    height = min(
+        figure.get_figwidth() / columns + (THREE_LINES if is_narrow(figure) else 0.0), SQUARE
+    )
     every = panels(figure, len(tables), columns, height, shared=True)
     planes(figure, every, named, contour_levels(*tables.values()))
 
@@ -367,7 +375,9 @@ def planes(
     shades = ListedColormap(colormaps["cividis"](np.linspace(0.35, 1, 256)))
     lines = []
     for axes, (title, table) in zip(every, tables, strict=True):
-        across, up = (table[name] for name in table.dims)
+        first, second = table.dims
+        across = table[first]
+        up = table[second]
         label_axis(axes, "x", across)
         label_axis(axes, "y", up)
         mesh = _triangles(across.values, up.values, table.values)
@@ -399,9 +409,10 @@ def _triangles(x: np.ndarray, y: np.ndarray, z: np.ndarray) -> tuple[Triangulati
     opposite = corner + y.size + 1
     above = corner + 1
     triangles = np.concatenate([[corner, right, opposite], [corner, opposite, above]], axis=1).T
-    across, up = (grid.ravel() for grid in np.meshgrid(x, y, indexing="ij"))
+    across, up = np.meshgrid(x, y, indexing="ij")
     unknown = ~np.isfinite(z.ravel()[triangles]).all(axis=1)
-    return Triangulation(across, up, triangles, unknown), np.ma.masked_invalid(z.ravel())
+    mesh = Triangulation(across.ravel(), up.ravel(), triangles, unknown)
+    return mesh, np.ma.masked_invalid(z.ravel())
 
 
 def contour_levels(*tables: xr.DataArray) -> np.ndarray:
@@ -427,14 +438,14 @@ def _number(axes: Axes, lines: ContourSet) -> None:
     from scipy.spatial import KDTree
 
     inward = axes.transData + axes.transAxes.inverted()
-    each = [inward.transform(segment) for segments in lines.allsegs for segment in segments]
+    contours = [inward.transform(segment) for segments in lines.allsegs for segment in segments]
     room = ROOM * axes.figure.dpi / axes.get_window_extent().height
     spots = list[np.ndarray]()
     far = np.full((1, 2), 9.0)
-    for number, line in enumerate(each):
-        inside = line[((line > EDGE) & (line < 1 - EDGE)).all(axis=1)]
-        if len(inside) and np.ptp(inside, axis=0).max() > 2 * EDGE:
-            others = np.concatenate([*each[:number], *each[number + 1 :], far])
+    for number, line in enumerate(contours):
+        inside = line[((line > CLEAR_EDGE) & (line < 1 - CLEAR_EDGE)).all(axis=1)]
+        if len(inside) and np.ptp(inside, axis=0).max() > 2 * CLEAR_EDGE:
+            others = np.concatenate([*contours[:number], *contours[number + 1 :], far])
             away = [
                 KDTree(points).query(inside)[0]
                 for points in (others, np.concatenate([*spots, far]))

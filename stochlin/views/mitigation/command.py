@@ -9,7 +9,7 @@ import click
 from stochlin.views.shared.progress import progress_bar, quiet_option
 from stochlin.views.shared.screen import (
     COMMANDS,
-    FILE,
+    FILE_PATH,
     bad_input,
     check_target,
     lines,
@@ -20,8 +20,10 @@ from stochlin.views.shared.screen import (
 
 @COMMANDS.register("mitigate")
 @click.command()
-@click.argument("case", type=FILE)
-@click.option("--out", type=FILE, help="Save the table as .nc, or as .csv without the devices.")
+@click.argument("case", type=FILE_PATH)
+@click.option(
+    "--out", type=FILE_PATH, help="Save the table as .nc, or as .csv without the devices."
+)
 @quiet_option
 def mitigate(case: Path, out: Path | None) -> None:
     """Compare links and added damping against pounding, and find the least that is sufficient.

@@ -12,8 +12,8 @@ from stochlin.messages import plain
 from stochlin.views.shared.blocks import Items, TableBlock, ViewSection, texts
 from stochlin.views.shared.inches import sections_with_inches
 from stochlin.views.shared.words import (
-    MISSING,
-    SPACE,
+    NBSP,
+    NO_VALUE,
     along,
     centimetres,
     floors,
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
     from stochlin.applications.cases.reading.case import Case
 
-WIDE = 34  # characters of a name
+MEASURE_WIDTH = 34  # characters of a name
 NOTES = {
     "measure": "Damping: added to buildings 1 and 2, in per cent of critical. Dashpot: damping "
     "constant of all linear links between the buildings. Needed: the gap for the confidence, and "
@@ -72,7 +72,7 @@ def _headline(table: xr.Dataset) -> str:
     wanted = float(table.attrs["confidence"])
     sentence = (
         f"As built, the existing gap of {length(float(table.attrs['gap_m']))} prevents pounding in "
-        f"{per_cent(apart, 1)} of the motions; the required share is {100 * wanted:.4g}{SPACE}%."
+        f"{per_cent(apart, 1)} of the motions; the required share is {100 * wanted:.4g}{NBSP}%."
     )
     if not (table.kind == "least").any():
         sentence += " That is enough, so no further measure is searched."
@@ -82,7 +82,8 @@ def _headline(table: xr.Dataset) -> str:
 def _table(rows: Sequence[xr.Dataset], columns: Columns, words: Sequence[str] = ()) -> TableBlock:
     """A table of rows of a dataset, each with its measure and the columns."""
     cells = [
-        (plain(row.measure.item(), WIDE), *(cell(row) for cell in columns.values())) for row in rows
+        (plain(row.measure.item(), MEASURE_WIDTH), *(cell(row) for cell in columns.values()))
+        for row in rows
     ]
     return TableBlock.of(("measure", *columns), cells, words)
 
@@ -103,7 +104,7 @@ def _of_motions(table: xr.Dataset) -> Columns:
 
 def _interval(row: xr.Dataset) -> str:
     gap, low, high = with_interval(row, "required_gap")
-    return f"{centimetres(low)} to {centimetres(high)}" if np.isfinite(gap) else MISSING
+    return f"{centimetres(low)} to {centimetres(high)}" if np.isfinite(gap) else NO_VALUE
 
 
 def _devices(table: xr.Dataset) -> list[ViewSection]:
@@ -136,5 +137,7 @@ def _missing(table: xr.Dataset) -> list[str]:
 def _pair(row: xr.Dataset, name: str, form: str, scale: float = 1.0) -> str:
     values = [scale * float(row[f"{name}_{n}"]) for n in (1, 2)]
     return (
-        " | ".join(form.format(value) for value in values) if np.isfinite(values).all() else MISSING
+        " | ".join(form.format(value) for value in values)
+        if np.isfinite(values).all()
+        else NO_VALUE
     )

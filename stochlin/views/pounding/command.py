@@ -9,7 +9,7 @@ import click
 from stochlin.views.shared.progress import progress_bar, quiet_option
 from stochlin.views.shared.screen import (
     COMMANDS,
-    FILE,
+    FILE_PATH,
     bad_input,
     data_target,
     lines,
@@ -20,16 +20,16 @@ from stochlin.views.shared.screen import (
 
 @COMMANDS.register("pound")
 @click.command()
-@click.argument("case", type=FILE)
+@click.argument("case", type=FILE_PATH)
 @click.option(
     "--out",
-    type=FILE,
+    type=FILE_PATH,
     help="Save the histories and impacts in one record, or the results of each of several motions, "
     "as .nc.",
 )
 @click.option(
     "--picture",
-    type=FILE,
+    type=FILE_PATH,
     help="Draw the histories, or how often peaks are exceeded in many motions, as .png, .svg or "
     ".pdf, and save the data beside the picture.",
 )

@@ -21,29 +21,27 @@ from stochlin.messages import plain
 from stochlin.models.descriptions import roles_in_words, three_digits
 from stochlin.solver.tables.labels import CONVERGED
 from stochlin.views.pounding.words import roof
-from stochlin.views.shared.style import AS_GIVEN, CURVES, filled, styled
-from stochlin.views.shared.words import along
+from stochlin.views.shared.style import AS_GIVEN, CURVES, PAGE_WIDTH, filled, styled
+from stochlin.views.shared.words import CENTIMETRES, along
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-WIDTH = 7.2  # inches: of a picture
-WORDS = 0.5  # around its panels
-LINE = 0.135  # of a line of text
+WORDS = 0.5  # inches: around the panels
+LINE_OF_MODELS = 0.135  # inches: of a line of text
 # inches: heights of the panels
-HISTORY = 1.6
-FREQUENCY = 2.6
+HISTORY_PANEL = 1.6
+FREQUENCY_PANEL = 2.6
 # characters of a line
-CAPTION = 108
-NAME = 22
+WIDTH_OF_MODELS = 108
+LABEL_WRAP = 22
 LEGEND_NAME = 24
-CENTIMETRES = 100.0
 MEGA = 1e-6
 KILO = 1e-3
 MANY = 1e7  # J: from there on in MJ
-CONTACTS = "contacts"
-LABELS = ("from the ground", "damping", "yielding", CONTACTS, "motion, springs")  # of ENERGIES
+CONTACT_LABEL = "contacts"
+LABELS = ("from the ground", "damping", "yielding", CONTACT_LABEL, "motion, springs")  # of ENERGIES
 
 
 @styled(AS_GIVEN)
@@ -80,7 +78,7 @@ def draw_pound(dataset: xr.Dataset) -> Figure:
 
 def _histories(dataset: xr.Dataset) -> Figure:
     shown = closest_contacts(dataset) if "contact" in dataset.dims else []
-    figure, panels = _panels(dataset, len(shown) + 2, 1, HISTORY)
+    figure, panels = _panels(dataset, len(shown) + 2, 1, HISTORY_PANEL)
     for axes, number in zip(panels, shown, strict=False):
         _sides(axes, dataset, number)
     if shown:
@@ -113,9 +111,9 @@ def _panels(
         gaps = ", ".join(f"{width:.3g}" for width in widths)
         texts.append(f"{roles_in_words(dataset.attrs, 'contact')[0]}; gap {gaps} cm")
     texts += roles_in_words(dataset.attrs, "ground", "envelope")  # of simulated motions
-    caption = filled(texts, CAPTION, "    ")
-    total = rows * height + WORDS + LINE * len(caption.splitlines())
-    figure = Figure(figsize=(WIDTH, total), layout="constrained")
+    caption = filled(texts, WIDTH_OF_MODELS, "    ")
+    total = rows * height + WORDS + LINE_OF_MODELS * len(caption.splitlines())
+    figure = Figure(figsize=(PAGE_WIDTH, total), layout="constrained")
     figure.supxlabel(caption, x=0.01, ha="left", size=7.5)
     return figure, list(figure.subplots(rows, columns, squeeze=False).ravel())
 
@@ -123,14 +121,17 @@ def _panels(
 def _sides(axes: Axes, dataset: xr.Dataset, number: int) -> None:
     """Both sides of a gap in one frame: the distance between the curves is open."""
     contact = dataset.isel(contact=number)
-    beside = (displacement_beside(dataset, side) for side in ("left", "right"))
-    left, right = (CENTIMETRES * side.isel(contact=number).values for side in beside)
-    right = right + CENTIMETRES * float(contact.gap)
+
+    def place(side: str) -> np.ndarray:
+        return CENTIMETRES * displacement_beside(dataset, side).isel(contact=number).values
+
+    left = place("left")
+    right = place("right") + CENTIMETRES * float(contact.gap)
     time = dataset.time.values
     axes.fill_between(time, left, np.maximum(left, right), color="0.9", lw=0, label="open")
     names = [("wall", *dataset.building.values)[int(contact[side])] for side in ("left", "right")]
     for values, name, (color, dash) in zip((left, right), names, CURVES, strict=False):
-        label = textwrap.fill(str(name), NAME)
+        label = textwrap.fill(str(name), LABEL_WRAP)
         axes.plot(time, values, color=color, linestyle=dash, lw=0.9, label=label)
     hits = dataset.impact_time.values[dataset.impact_contact.values == number + 1]
     hits = hits[(hits >= time[0]) & (hits <= time[-1])]
@@ -150,7 +151,7 @@ def _alone(axes: Axes, dataset: xr.Dataset) -> None:
     """The displacement of a single building, at its roof."""
     building = dataset.isel(structure=0)
     color, _ = CURVES[0]
-    name = textwrap.fill(str(building.building.item()), NAME)
+    name = textwrap.fill(str(building.building.item()), LABEL_WRAP)
     place = CENTIMETRES * roof(building).displacement
     axes.plot(dataset.time, place, color=color, lw=0.9, label=name)
     axes.set_ylabel("roof [cm]" if "floor" in dataset.dims else "place [cm]")
@@ -176,7 +177,7 @@ def _energies(axes: Axes, dataset: xr.Dataset) -> None:
     histories = [energy_of(dataset, where).values for where in ENERGIES]
     scale, unit = (MEGA, "MJ") if histories[0].max() >= MANY else (KILO, "kJ")
     for values, label, (color, dash) in zip(histories, LABELS, CURVES, strict=False):
-        if label != CONTACTS or "contact" in dataset.dims:
+        if label != CONTACT_LABEL or "contact" in dataset.dims:
             axes.plot(
                 dataset.time, scale * values, color=color, linestyle=dash, lw=1.2, label=label
             )
@@ -185,7 +186,7 @@ def _energies(axes: Axes, dataset: xr.Dataset) -> None:
 
 def _frequencies(dataset: xr.Dataset) -> Figure:
     meets = "neighbours" in dataset.dims
-    figure, panels = _panels(dataset, 1, 2, FREQUENCY)
+    figure, panels = _panels(dataset, 1, 2, FREQUENCY_PANEL)
     accelerations, displacements = panels
     dataset = dataset.isel({dataset.status.dims[0]: dataset.status.values == CONVERGED})
     for building, (color, dash) in zip(along(dataset, "structure"), cycle(CURVES), strict=False):

@@ -15,8 +15,8 @@ from stochlin.solver.tables.labels import VALUE_AND_ENDS
 from stochlin.views.shared.blocks import TableBlock, TextBlock, ViewSection, texts
 from stochlin.views.shared.inches import sections_with_inches
 from stochlin.views.shared.words import (
-    MISSING,
-    SPACE,
+    NBSP,
+    NO_VALUE,
     along,
     at_medians,
     files_taken,
@@ -39,10 +39,10 @@ if TYPE_CHECKING:
 
     from stochlin.applications.cases.reading.case import Case
 
-LONGEST_NAME = 24
+LONGEST_BUILDING_NAME = 24
 LARGE_ERROR = 0.01  # by time steps, above which a caution is given
 SINKS = "damping dissipated", "yielding", "contacts"  # of ENERGIES
-ALONE = "one building alone, without a neighbour."
+NO_NEIGHBOUR = "one building alone, without a neighbour."
 # Rows of a table: the variable, and what its values are multiplied by.
 OF_GAPS = {
     "impacts": ("impacts_between", 1.0),
@@ -68,7 +68,7 @@ JUMPS = (
     "Velocities jump in impacts with this contact: accelerations and shears are those between "
     "impacts."
 )
-ERRORS = (
+STATISTICS_NOTE = (
     "Mean: with its standard error. The 95 % intervals of the quantiles are in brackets; over: the "
     "motions are too few for the upper end of the interval."
 )
@@ -76,7 +76,7 @@ FAILED = (
     "{} of {} motions FAILED and are left out: {}. These are probably strong motions, so the "
     "quantiles are too small."
 )
-STRENGTH = (
+STRENGTH_BY_GROUND = (
     "Strengths given by reduction factor or ductility refer to the ground of the file, {}, not to "
     "the records."
 )
@@ -106,7 +106,7 @@ def _of_record(case: Case, table: xr.Dataset) -> list[list[str]]:
 def headline(table: xr.Dataset) -> str:
     """The result of one record in a sentence."""
     if "contact" not in table.dims:
-        return ALONE
+        return NO_NEIGHBOUR
     count = int(table.impacts.sum())
     if not count:
         nearest = int(table.least_clearance.argmin("contact"))
@@ -150,13 +150,15 @@ def columns_faced(table: xr.Dataset, end: str = "", when: str = "") -> str:
 def energies(table: xr.Dataset) -> str:
     """The energy balance, and its error."""
     last = table.isel(time=-1)
-    energy, *parts = (float(energy_of(last, where)) for where in ENERGIES)
+    amounts = [float(energy_of(last, where)) for where in ENERGIES]
+    energy = amounts[0]
     meets = "contact" in table.dims
-    *shares, left = [per_cent(part / energy, 1) if energy > 0 else MISSING for part in parts]
-    sinks = zip(SINKS, shares, strict=True)
-    spent = ", ".join(f"{word} {share}" for word, share in sinks if meets or word != "contacts")
+    shares = [per_cent(part / energy, 1) if energy > 0 else NO_VALUE for part in amounts[1:]]
+    sinks = zip(SINKS, shares[:-1], strict=True)
+    losses = ", ".join(f"{word} {share}" for word, share in sinks if meets or word != "contacts")
+    left = shares[-1]
     return (
-        f"Of the {number(energy, 'kJ')} kJ from the ground, {spent}; {left} are left at the end. "
+        f"Of the {number(energy, 'kJ')} kJ from the ground, {losses}; {left} are left at the end. "
         f"The balance is off by {float(table.energy_balance_error.max()):.0e} at most."
     )
 
@@ -164,7 +166,7 @@ def energies(table: xr.Dataset) -> str:
 def step_error(table: xr.Dataset) -> str:
     """The error by time steps, with a caution and the cure if it is large."""
     error = float(table.step_error)
-    sentence = f"Error by time steps: at most {100 * error:.1g}{SPACE}% of a peak or largest force."
+    sentence = f"Error by time steps: at most {100 * error:.1g}{NBSP}% of a peak or largest force."
     if error <= LARGE_ERROR:
         return sentence
     return f"{sentence} CAUTION: more than {per_cent(LARGE_ERROR)}; take more --steps-per-contact."
@@ -192,18 +194,19 @@ def _values(case: Case, table: xr.Dataset) -> ViewSection:
     for n, pair in enumerate(table.neighbours.values if meets else ()):
         gap = 100 * float(table.gap.values[table.left.values == np.unique(table.left)[n]][0])
         rows.append([f"Gap {pair}, {gap:.3g} cm", *blank])
-        rows += [row(f"  {name}", {"neighbours": n}, *each) for name, each in OF_GAPS.items()]
+        for name, (stem, scale) in OF_GAPS.items():
+            rows.append(row(f"  {name}", {"neighbours": n}, stem, scale))
     for n, building in enumerate(table.building.values):
-        rows.append([f"{n + 1}  {plain(str(building), LONGEST_NAME)}", *blank])
+        rows.append([f"{n + 1}  {plain(str(building), LONGEST_BUILDING_NAME)}", *blank])
         for name, (stem, scale) in (OF_BUILDINGS | (OF_NEIGHBOURS if meets else {})).items():
             if f"{stem}{end}" in table:
                 rows.append(row(f"  {name}", {"structure": n}, stem, scale))
             if meets and f"{stem}_alone{end}" in table:
                 rows.append(row("    alone", {"structure": n}, f"{stem}_alone", scale))
-    by_ground = any(each.strength in ("reduction_factor", "ductility") for each in case.buildings)
-    notes = [STRENGTH.format(site_in_words(case))] * (single and by_ground) + [ERRORS] * (
-        not single
-    )
+    relative = "reduction_factor", "ductility"
+    by_ground = any(building.strength in relative for building in case.buildings)
+    notes = [STRENGTH_BY_GROUND.format(site_in_words(case))] * (single and by_ground)
+    notes += [STATISTICS_NOTE] * (not single)
     notes += [MEANINGS] * meets + [OF_FLOORS] * ("floor" in table.dims)
     jumps = meets and bool(table[f"hardest_force_between{end}"].isnull().any())
     text = " ".join([*notes, *[JUMPS] * jumps])
@@ -235,13 +238,17 @@ def _of_motions(case: Case, table: xr.Dataset) -> list[list[str]]:
     failed = FAILED.format(count - good, count, why) if good < count else ""
     level = f" at most in {per_cent(float(table['quantile'][-1]))} of the motions"
     columns = columns_faced(table.isel(quantile=-1), "_quantile", level)
-    return [[f"{motions}: {_shares(table) if meets else ALONE}", *strength], [failed], [columns]]
+    return [
+        [f"{motions}: {_shares(table) if meets else NO_NEIGHBOUR}", *strength],
+        [failed],
+        [columns],
+    ]
 
 
 def _strengths(table: xr.Dataset) -> str:
     """From the weakest record to the strongest."""
-    low, high = (in_g(float(end)) for end in table.peak_ground_acceleration.quantile([0.0, 1.0]))
-    return f"The shaking: PGA {low} to {high}."
+    low, high = table.peak_ground_acceleration.quantile([0.0, 1.0])
+    return f"The shaking: PGA {in_g(float(low))} to {in_g(float(high))}."
 
 
 def _shares(table: xr.Dataset) -> str:
@@ -261,11 +268,11 @@ def _statistics(table: xr.Dataset, stem: str, scale: float) -> list[str]:
     """Mean with its error, and quantiles with their intervals."""
     mean = scale * float(table[f"{stem}_mean"])
     error = scale * float(table[f"{stem}_mean_standard_error"])
-    cells = [MISSING if np.isnan(mean) else f"{_digits(mean)} +- {error:.2g}"]
+    cells = [NO_VALUE if np.isnan(mean) else f"{_digits(mean)} +- {error:.2g}"]
     ends = (scale * table[f"{stem}_quantile{end}"].values for end in VALUE_AND_ENDS)
     for value, low, high in zip(*ends, strict=True):
         between = f"{_digits(low)}-{_digits(high)}" if np.isfinite(high) else f"over {_digits(low)}"
-        cells.append(MISSING if np.isnan(value) else f"{_digits(value)} ({between})")
+        cells.append(NO_VALUE if np.isnan(value) else f"{_digits(value)} ({between})")
     return cells
 
 

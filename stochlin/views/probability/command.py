@@ -9,12 +9,12 @@ import click
 
 from stochlin.applications.cases.rows import gap_of, pair_of
 from stochlin.messages import ImplausibleInput
-from stochlin.views.shared.blocks import PICTURES
+from stochlin.views.shared.blocks import PICTURE_FORMATS
 from stochlin.views.shared.options import QuantityType
 from stochlin.views.shared.progress import progress_bar, quiet_option
 from stochlin.views.shared.screen import (
     COMMANDS,
-    FILE,
+    FILE_PATH,
     bad_input,
     check_target,
     lines,
@@ -25,14 +25,14 @@ from stochlin.views.shared.screen import (
 
 @COMMANDS.register("probability")
 @click.command()
-@click.argument("case", type=FILE)
+@click.argument("case", type=FILE_PATH)
 @click.option(
     "--gap",
     type=QuantityType("m"),
     help="Gap, such as 8cm, instead of the existing gap of the file.",
 )
-@click.option("--out", type=FILE, help="Save the table as .nc or .csv.")
-@click.option("--picture", type=FILE, help="Draw the probability as .png, .svg or .pdf.")
+@click.option("--out", type=FILE_PATH, help="Save the table as .nc or .csv.")
+@click.option("--picture", type=FILE_PATH, help="Draw the probability as .png, .svg or .pdf.")
 @quiet_option
 def probability(case: Path, gap: float | None, out: Path | None, picture: Path | None) -> None:
     """Compute the probability over time that two buildings pound in earthquakes of finite duration.
@@ -56,7 +56,7 @@ def probability(case: Path, gap: float | None, out: Path | None, picture: Path |
     with bad_input():
         described = read_case(case)
         check_target("--out", out, FORMATS, described.files)
-        check_target("--picture", picture, PICTURES, described.files)
+        check_target("--picture", picture, PICTURE_FORMATS, described.files)
         _ = pair_of(described)  # raises where there are not two
         chosen = gap_of(described) if gap is None else gap or TOUCHING
         if chosen is None:

@@ -6,21 +6,19 @@ from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
+from stochlin.applications.probability.probability import STEM
 from stochlin.models.descriptions import roles_in_words
-from stochlin.views.shared.style import CURVES, filled, styled
+from stochlin.views.shared.style import CURVES, NOTE_LINE, PAGE_WIDTH, filled, styled
 from stochlin.views.shared.words import with_interval
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 # inches
-WIDE = 7.2
-HEAD = 0.38
-FOOT = 0.5
-LINE = 0.14
-PANEL = 2.6
-WIDTH = 112  # characters of the caption
-STEM = "confidence_of_no_pounding"
+TITLE_HEIGHT = 0.38
+TIME_AXIS_HEIGHT = 0.5
+CONFIDENCE_PANEL = 2.6
+CAPTION_CHARACTERS = 112  # characters of the caption
 CURVES_OF = {STEM: "clustered crossings", f"{STEM}_poisson": "independent crossings"}
 
 
@@ -37,12 +35,12 @@ def draw_pounding(dataset: xr.Dataset) -> Figure:
         raise ValueError(
             f"{what}; allowed: a simulated probability of one pair and one gap over time"
         )
-    caption = filled(roles_in_words(dataset.attrs), WIDTH, "    ")
-    foot = FOOT + LINE * (caption.count("\n") + 1)
-    height = foot + PANEL + HEAD
-    figure = Figure(figsize=(WIDE, height))
+    caption = filled(roles_in_words(dataset.attrs), CAPTION_CHARACTERS, "    ")
+    foot = TIME_AXIS_HEIGHT + NOTE_LINE * (caption.count("\n") + 1)
+    height = foot + CONFIDENCE_PANEL + TITLE_HEIGHT
+    figure = Figure(figsize=(PAGE_WIDTH, height))
     time = dataset.time.values
-    axes = figure.add_axes((0.1, foot / height, 0.6, PANEL / height))
+    axes = figure.add_axes((0.1, foot / height, 0.6, CONFIDENCE_PANEL / height))
     present = ((name, label) for name, label in CURVES_OF.items() if name in dataset)
     for (color, dash), (name, label) in zip(CURVES, present, strict=False):
         axes.plot(time, dataset[name], color=color, linestyle=dash, label=label)
@@ -57,5 +55,5 @@ def draw_pounding(dataset: xr.Dataset) -> Figure:
     axes.set(ylabel="confidence of no pounding", xlabel="time [s]")
     axes.legend(loc="upper left", bbox_to_anchor=(1.02, 1), borderaxespad=0)
     figure.text(0.1, 1 - 0.2 / height, dataset.attrs["title"], size=10)
-    figure.text(0.1, (foot - FOOT) / height, caption, va="top", size=7.5)
+    figure.text(0.1, (foot - TIME_AXIS_HEIGHT) / height, caption, va="top", size=7.5)
     return figure

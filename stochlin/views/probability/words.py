@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING
 
 from stochlin.applications.cases.rows import pair_of, simulated_as
 from stochlin.applications.cases.shaking import doubts
+from stochlin.applications.probability.probability import STEM
 from stochlin.views.shared.blocks import TableBlock, TextBlock, ViewSection, texts
 from stochlin.views.shared.inches import sections_with_inches
 from stochlin.views.shared.words import (
-    SPACE,
+    NBSP,
     along,
     centimetres,
     floors,
@@ -27,10 +28,9 @@ if TYPE_CHECKING:
     from stochlin.applications.cases.reading.case import Case
 
 # of a confidence by formula above the interval of the simulated one, of which a line warns
-OFF = 0.1
+UNSAFE_EXCESS = 0.1
 ROWS = 11  # instants that are printed
-STEM = "confidence_of_no_pounding"
-FORMULAS = {"clustered crossings": STEM, "independent crossings": f"{STEM}_poisson"}
+COLUMNS_OF_FORMULAS = {"clustered crossings": STEM, "independent crossings": f"{STEM}_poisson"}
 UNRELIABLE = (
     "Do not rely on the formula: for buildings like these it may be far off. The simulated "
     "confidence has no such error."
@@ -40,11 +40,11 @@ UNRELIABLE = (
 def answer_sections(table: xr.Dataset, case: Case, gap: float) -> list[ViewSection]:
     """The simulated confidence and gap, then the course by formula, and cautions."""
     case = simulated_as(case, table)
-    first, second = (building.name for building in pair_of(case))
-    duration = f"{case.site.course.duration:.4g}{SPACE}s"
-    between = f"{first} (left) and {second}, gap {length(gap)}, {duration}"
+    first, second = pair_of(case)
+    duration = f"{case.site.course.duration:.4g}{NBSP}s"
+    between = f"{first.name} (left) and {second.name}, gap {length(gap)}, {duration}"
     about = (between, floors(case), *left_out(case), *strength(table, case))
-    formulas = {head: name for head, name in FORMULAS.items() if name in table}
+    formulas = {head: name for head, name in COLUMNS_OF_FORMULAS.items() if name in table}
     step = max(1, (table.sizes["time"] - 1) // (ROWS - 1))
     rows = [
         [
@@ -73,7 +73,7 @@ def answer_sections(table: xr.Dataset, case: Case, gap: float) -> list[ViewSecti
 def _simulated(table: xr.Dataset) -> str:
     """The confidence by simulation, with its interval."""
     share, low, high = with_interval(table, f"{STEM}_simulated")
-    ends = f"95{SPACE}% interval {low:.4f} to {high:.4f}"
+    ends = f"95{NBSP}% interval {low:.4f} to {high:.4f}"
     return f"Confidence of no pounding, simulated: {share:.4f} ({ends})."
 
 
@@ -82,7 +82,7 @@ def _wanted(table: xr.Dataset) -> str:
     simulated, low, high = with_interval(table, "required_gap_simulated")
     by_formula = f"{length(float(table.required_gap))} by formula, " if STEM in table else ""
     return (
-        f"Gap for a confidence of {100 * table.attrs['confidence']:.4g}{SPACE}%: {by_formula}"
+        f"Gap for a confidence of {100 * table.attrs['confidence']:.4g}{NBSP}%: {by_formula}"
         f"{length(simulated)} simulated ({centimetres(low)} to {centimetres(high)})."
     )
 
@@ -95,7 +95,7 @@ def _cautions(table: xr.Dataset, case: Case) -> list[str]:
             f"The formulas are for the worst height, {float(table.governing_height):.4g} m; the "
             "simulated confidence is for all heights at once."
         )
-    if STEM in table and float(table[STEM][-1] - table[f"{STEM}_simulated_lower"]) > OFF:
+    if STEM in table and float(table[STEM][-1] - table[f"{STEM}_simulated_lower"]) > UNSAFE_EXCESS:
         cautions.append(UNRELIABLE)
     yields = any(building.structure.yields for building in pair_of(case))
     if (

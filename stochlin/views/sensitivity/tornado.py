@@ -12,13 +12,16 @@ from stochlin.models.descriptions import shown_unit
 from stochlin.views.shared.blocks import Block, Picture, TableBlock, TextBlock, texts
 from stochlin.views.shared.style import (
     AS_GIVEN,
+    CAPTION_LINE,
+    CAPTION_WIDTH,
+    COLUMN_WIDTH,
     caption_of,
     filled,
     legend_above,
     open_frame,
     styled,
 )
-from stochlin.views.shared.words import MINUS, SPACE, number, per_cent
+from stochlin.views.shared.words import CENTIMETRES, MINUS, NBSP, number, per_cent
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -26,23 +29,19 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-NAMES = {"structure_1": "building 1", "structure_2": "building 2", "ground": "the ground"}
-CENTIMETRES = 100.0
+NAMES_OF_ROLES = {"structure_1": "building 1", "structure_2": "building 2", "ground": "the ground"}
 LARGE_GAP = 0.05  # [m]: from here on tenths of a centimetre tell enough of a change
-NOTHING = 1e-6  # of the gap: what moves it by less does not matter
-KINDS = f"±{SPACE}10{SPACE}%", f"16 to 84{SPACE}%"  # ranges of known and of uncertain inputs
-WIDTH = 4.6  # inches
-HEAD = 0.28  # inches
+NEGLIGIBLE_CHANGE = 1e-6  # of the gap: what moves it by less does not matter
+INPUT_RANGES = f"±{NBSP}10{NBSP}%", f"16 to 84{NBSP}%"  # ranges of known and of uncertain inputs
+LEGEND_HEIGHT = 0.28  # inches
 AXIS = 0.5  # inches
-LINE = 0.17  # inches
-ROW = 0.48  # inches: of at most three lines
-NAME = 34  # characters on a line
-CAPTION = 66  # likewise
-LEFT = 0.47  # of the width
-RIGHT = 0.97  # of the width
-MOST = 14  # inputs that are drawn
-EDGE: Any = {"edgecolor": "#1b1b1b", "lw": 0.6, "error_kw": {"lw": 1.0}}
-ENDS = {"low": ("#f2f2f2", "////", -0.19), "high": ("#7a9cbf", "", 0.19)}  # distinct in grey
+INPUT_ROW = 0.48  # inches: of at most three lines
+INPUT_NAME_WIDTH = 34  # characters on a line
+AXES_LEFT = 0.47  # of the width
+AXES_RIGHT = 0.97  # of the width
+MOST_INPUTS = 14  # inputs that are drawn
+BAR_STYLE: Any = {"edgecolor": "#1b1b1b", "lw": 0.6, "error_kw": {"lw": 1.0}}
+END_LOOKS = {"low": ("#f2f2f2", "////", -0.19), "high": ("#7a9cbf", "", 0.19)}  # distinct in grey
 
 
 class InputLine(NamedTuple):
@@ -55,11 +54,11 @@ class InputLine(NamedTuple):
     change: str
 
 
-def rows(table: xr.Dataset, names: Mapping[str, str] = NAMES) -> list[InputLine]:
+def rows(table: xr.Dataset, names: Mapping[str, str] = NAMES_OF_ROLES) -> list[InputLine]:
     """The inputs that change the gap: uncertain ones, then known ones, by decreasing influence."""
     moves = np.abs(table.gap_change).max("end").values
     order = np.lexsort((-moves, 1 - table.uncertain.values))
-    least = NOTHING * max(float(table.gap), float(moves.max()))
+    least = NEGLIGIBLE_CHANGE * max(float(table.gap), float(moves.max()))
     return [_row(table.isel(input=n), int(n), names) for n in order if moves[n] > least]
 
 
@@ -69,19 +68,19 @@ def _row(table: xr.Dataset, place: int, names: Mapping[str, str]) -> InputLine:
     median = float(table.input_median)
     of_all = unit == "1" and key in OF_STOREYS  # a factor on all values
     unit, scale = ("times", 1.0) if of_all else shown_unit(unit, median)
-    low, high = (number(median * scale * float(factor)) for factor in table.input_factor_at)
+    ends = [number(median * scale * float(factor)) for factor in table.input_factor_at]
     digits = 1 if float(table.gap) >= LARGE_GAP else 2
     changes = [f"{CENTIMETRES * float(change):+.{digits}f}" for change in table.gap_change]
     return InputLine(
         place=place,
         label=f"{key.replace('_', ' ')} of {names[role]}",
-        range=f"{low} to {high}{SPACE}{unit.replace(' ', SPACE)}".rstrip(),
-        kind=KINDS[int(table.uncertain)],
+        range=f"{' to '.join(ends)}{NBSP}{unit.replace(' ', NBSP)}".rstrip(),
+        kind=INPUT_RANGES[int(table.uncertain)],
         change=" / ".join(changes).replace("-", MINUS),
     )
 
 
-def blocks(table: xr.Dataset, names: Mapping[str, str] = NAMES) -> list[Block]:
+def blocks(table: xr.Dataset, names: Mapping[str, str] = NAMES_OF_ROLES) -> list[Block]:
     """The result in sentences, a row for each input, and the chart."""
     shown = rows(table, names)
     quantity = _asked(table)
@@ -90,7 +89,7 @@ def blocks(table: xr.Dataset, names: Mapping[str, str] = NAMES) -> list[Block]:
     most = shown[0]
     sentences = [
         f"The {quantity} depends most on the {most.label}: at the ends of its range, {most.range} "
-        f"({most.kind}), it changes by {most.change}{SPACE}cm."
+        f"({most.kind}), it changes by {most.change}{NBSP}cm."
     ]
     if table.uncertain.any():
         less = float(table.gap_of_medians / table.gap) - 1
@@ -121,7 +120,7 @@ def _asked(table: xr.Dataset) -> str:
 
 @styled(AS_GIVEN | {"font.size": 9, "hatch.linewidth": 0.7})
 def draw_sensitivity(
-    dataset: xr.Dataset, names: Mapping[str, str] = NAMES, caption: bool = True
+    dataset: xr.Dataset, names: Mapping[str, str] = NAMES_OF_ROLES, caption: bool = True
 ) -> Figure:
     """Draw what `stochlin.sensitivity` returns: a bar for every input, the longest on top.
 
@@ -151,25 +150,27 @@ def draw_sensitivity(
     if "gap_change" not in dataset or "input" not in dataset.dims:
         what = f"dataset has the dimensions {tuple(dataset.dims)}"
         raise ValueError(f"{what}; allowed: a dataset that sensitivity returns")
-    shown = rows(dataset, names)[:MOST]
-    text = caption_of(dataset, CAPTION) if caption else ""
-    foot = LINE * len(text.splitlines())
+    shown = rows(dataset, names)[:MOST_INPUTS]
+    text = caption_of(dataset, CAPTION_WIDTH) if caption else ""
+    foot = CAPTION_LINE * len(text.splitlines())
     place = np.arange(len(shown))
-    high = ROW * max(len(shown), 1)
-    height = high + HEAD + AXIS + foot
-    figure = Figure(figsize=(WIDTH, height))
-    axes = figure.add_axes((LEFT, (AXIS + foot) / height, RIGHT - LEFT, high / height))
+    high = INPUT_ROW * max(len(shown), 1)
+    height = high + LEGEND_HEIGHT + AXIS + foot
+    figure = Figure(figsize=(COLUMN_WIDTH, height))
+    axes = figure.add_axes(
+        (AXES_LEFT, (AXIS + foot) / height, AXES_RIGHT - AXES_LEFT, high / height)
+    )
     drawn = dataset.isel(input=[row.place for row in shown])
-    for end, (face, hatch, shift) in ENDS.items():
+    for end, (face, hatch, shift) in END_LOOKS.items():
         at_end = CENTIMETRES * drawn.sel(end=end)
-        style = EDGE | {"color": face, "hatch": hatch, "label": f"input {end}"}
+        style = BAR_STYLE | {"color": face, "hatch": hatch, "label": f"input {end}"}
         axes.barh(
             place + shift, at_end.gap_change, 0.36, xerr=at_end.gap_change_standard_error, **style
         )
     reach = CENTIMETRES * (np.abs(drawn.gap_change) + drawn.gap_change_standard_error)
     right = max(1e-9, float(reach.max())) if shown else 1e-9
     axes.axvline(0, color="#1b1b1b", lw=0.8, zorder=4)
-    labels = [f"{filled([row.label], NAME)}\n{row.range}, {row.kind}" for row in shown]
+    labels = [f"{filled([row.label], INPUT_NAME_WIDTH)}\n{row.range}, {row.kind}" for row in shown]
     axes.set_yticks(place, labels)
     axes.tick_params(axis="y", length=0, labelsize=8.5)
     axes.grid(visible=False, axis="y")

@@ -9,7 +9,7 @@ import click
 from stochlin.views.shared.progress import progress_bar, quiet_option
 from stochlin.views.shared.screen import (
     COMMANDS,
-    FILE,
+    FILE_PATH,
     bad_input,
     check_target,
     data_target,
@@ -24,16 +24,18 @@ MORE = "'--details' adds the shaking, drifts, all other rules and the notes on t
 
 @COMMANDS.register("gap")
 @click.command()
-@click.argument("case", required=False, type=FILE)
-@click.option("--report", type=FILE, help="Write a page with the table and pictures, as .html.")
+@click.argument("case", required=False, type=FILE_PATH)
+@click.option(
+    "--report", type=FILE_PATH, help="Write a page with the table and pictures, as .html."
+)
 @click.option(
     "--out",
-    type=FILE,
+    type=FILE_PATH,
     help="Save the table, as .nc (everything) or .csv (one row for each rule).",
 )
 @click.option(
     "--picture",
-    type=FILE,
+    type=FILE_PATH,
     help="Draw the buildings to scale with the gaps and how often they are enough, as .png, .svg "
     "or .pdf, and save the data beside the picture.",
 )

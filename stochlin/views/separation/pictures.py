@@ -9,11 +9,11 @@ import numpy as np
 
 from stochlin.messages import plain
 from stochlin.views.separation.words import (
-    SHARE,
+    NO_POUNDING,
     confidence,
+    contact_level,
     gap_of,
     judged,
-    meeting_level,
     needed,
     own_codes,
     share_of,
@@ -24,6 +24,9 @@ from stochlin.views.shared.inches import inches, with_inches
 from stochlin.views.shared.page import PAGE_STYLE
 from stochlin.views.shared.style import (
     AS_GIVEN,
+    CAPTION_LINE,
+    CAPTION_WIDTH,
+    COLUMN_WIDTH,
     CURVES,
     caption_of,
     filled,
@@ -31,7 +34,7 @@ from stochlin.views.shared.style import (
     open_frame,
     styled,
 )
-from stochlin.views.shared.words import FAR, length, rule_label, with_interval
+from stochlin.views.shared.words import CENTIMETRES, length, rule_label, with_interval
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -41,31 +44,29 @@ if TYPE_CHECKING:
     from stochlin.applications.cases.reading.buildings import Building
     from stochlin.applications.cases.separation import CaseAnswer
 
-WIDTH = 4.6  # inches: a phone shows it at three quarters of its size
-PANEL = 3.4  # inches: of a panel with its axis and legend
-LINE = 0.17  # of a line of text
-CAPTION = 66  # characters
+PANEL_WITH_LEGEND = 3.4  # inches: of a panel with its axis and legend
 # beside the simulation, where they are known
-FORMULAS = ("eq_3_linearized", "linearization", "srss")
+FORMULAS_DRAWN = ("eq_3_linearized", "linearization", "srss")
 GREY = "0.75"
-CENTIMETRES = 100.0
 FACADE = 1.55  # inches: of a building
-BETWEEN = 1.5  # of what is between both
-HEAD = 0.4  # inches: of names
+BETWEEN_FACADES = 1.5  # of what is between both
+NAMES_HEIGHT = 0.4  # inches: of names
 TALL = 1.75  # of buildings
-ROW = 0.34  # of a gap
-ROW_WITH_INCHES = 0.5
+GAP_ROW = 0.34  # of a gap
+GAP_ROW_WITH_INCHES = 0.5
 BAR = 0.78  # of the shares
 LEGEND = 0.19  # inches: of a line
 SIZE = 9  # points
-NAME = 22  # characters of a name
+BUILDING_NAME_WIDTH = 22  # characters of a name
 LABEL = 24  # of the words beside a gap
+# times the required gap: gaps beyond are told at the border of the picture, not drawn
+LARGEST_GAP_DRAWN = 2.5
 EMPTY = 10.0  # m: the height that a building is drawn with where none is known
-EDGE = "#1b1b1b"
+EDGE_COLOR = "#1b1b1b"
 FACES = ("#e8e2d4", "#d3dde8")
 INTERVAL = "0.6"
-APART = ("#c6d9ea", "")
-POUND = ("#e0906a", "////")
+LOOK_APART = ("#c6d9ea", "")
+LOOK_POUNDING = ("#e0906a", "////")
 
 
 def distribution_figure(answer: CaseAnswer) -> Figure:
@@ -127,8 +128,8 @@ def draw_heights(dataset: xr.Dataset, caption: bool = True) -> Figure:
         raise ValueError(
             f"{what}; allowed: the separation of one pair that meets at several heights"
         )
-    text = caption_of(dataset, CAPTION) if caption else ""
-    figure, axes = _panel(LINE * len(text.splitlines()))
+    text = caption_of(dataset, CAPTION_WIDTH) if caption else ""
+    figure, axes = _panel(CAPTION_LINE * len(text.splitlines()))
     _gaps(axes, dataset)
     legend_above(axes)
     axes.set(xlim=(0, None))
@@ -140,7 +141,7 @@ def _panel(foot: float = 0.0) -> tuple[Figure, Axes]:
     """A figure with one panel, and so many inches below it."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(WIDTH, PANEL + foot), layout="constrained")
+    figure = Figure(figsize=(COLUMN_WIDTH, PANEL_WITH_LEGEND + foot), layout="constrained")
     axes = figure.add_subplot()
     open_frame(axes)
     return figure, axes
@@ -153,7 +154,9 @@ def _gaps(axes: Axes, dataset: xr.Dataset) -> None:
     def at_height(name: str, rule: str) -> np.ndarray:
         return np.append(0.0, CENTIMETRES * dataset[name].sel(rule=rule).values)
 
-    for rule, (color, dash), marker in zip(("simulation", *FORMULAS), CURVES, "o^vD", strict=False):
+    for rule, (color, dash), marker in zip(
+        ("simulation", *FORMULAS_DRAWN), CURVES, "o^vD", strict=False
+    ):
         if not np.isfinite(dataset.gap.sel(rule=rule)):
             continue
         style: Any = {"color": color, "linestyle": dash, "marker": marker, "ms": 4, "lw": 1.3}
@@ -210,21 +213,21 @@ def elevation_figure(answer: CaseAnswer) -> Figure:
 
     gaps = dimensions(answer)
     legend = LEGEND * (len(answer.case.buildings) + 1)
-    row = ROW_WITH_INCHES if answer.case.in_inches else ROW
+    row = GAP_ROW_WITH_INCHES if answer.case.in_inches else GAP_ROW
     heights = (TALL, row * len(gaps) + legend, BAR)
-    height = sum(heights) + HEAD
-    figure = Figure(figsize=(WIDTH, height))
+    height = sum(heights) + NAMES_HEIGHT
+    figure = Figure(figsize=(COLUMN_WIDTH, height))
     whole = {"left": 0, "right": 1, "bottom": 0, "hspace": 0}
-    grid = whole | {"top": 1 - HEAD / height, "height_ratios": heights}
+    grid = whole | {"top": 1 - NAMES_HEIGHT / height, "height_ratios": heights}
     above, below, shares = figure.subplots(3, 1, gridspec_kw=grid)
     right = _reach(answer, gaps)
-    ends = -FACADE / BETWEEN * right, (1 + FACADE / BETWEEN) * right
+    ends = -FACADE / BETWEEN_FACADES * right, (1 + FACADE / BETWEEN_FACADES) * right
     for axes in figure.axes:
         axes.axis("off")
         axes.set_xlim(*ends)
     _draw_buildings(above, answer, ends)
     below.set_ylim(len(gaps) - 0.5 + legend / row, -0.5)
-    _draw_gaps(below, gaps, standing(answer), right)
+    _draw_gaps(below, gaps, drawn_gap(answer), right)
     below.legend(
         handles=above.get_legend_handles_labels()[0], loc="lower left",
         fontsize=SIZE, title_fontsize=SIZE,
@@ -236,7 +239,7 @@ def elevation_figure(answer: CaseAnswer) -> Figure:
     return figure
 
 
-def standing(answer: CaseAnswer) -> float:
+def drawn_gap(answer: CaseAnswer) -> float:
     """How far apart the buildings are drawn [m]: the existing gap, without one the required gap."""
     if answer.existing is None:
         return float(answer.separation.gap[0].fillna(0.0))
@@ -249,7 +252,7 @@ def dimensions(answer: CaseAnswer) -> list[Dimension]:
     table = answer.separation
     lines = []
     if answer.existing is not None:
-        now = standing(answer)
+        now = drawn_gap(answer)
         lines.append(Dimension(f"existing {about.gap}\n{length(now)}", now, judged(answer)))
     gap, low, high = with_interval(table.isel(rule=0), "gap")
     ends = f"\n({needed(answer).partition(';')[0]})" if np.isfinite(gap) else ""
@@ -266,8 +269,8 @@ def dimensions(answer: CaseAnswer) -> list[Dimension]:
 def _reach(answer: CaseAnswer, gaps: list[Dimension]) -> float:
     """The length between both buildings that is drawn [cm]; gaps far beyond the answer are not."""
     table = answer.separation
-    near = [line.gap for line in gaps if line.gap <= FAR * float(table.gap[0])]
-    ends = [standing(answer), *near, *(line.high for line in gaps if np.isfinite(line.high))]
+    near = [line.gap for line in gaps if line.gap <= LARGEST_GAP_DRAWN * float(table.gap[0])]
+    ends = [drawn_gap(answer), *near, *(line.high for line in gaps if np.isfinite(line.high))]
     peaks = (float(table[f"peak_{n}"]) for n in range(1, len(answer.case.buildings) + 1))
     return CENTIMETRES * max([*ends, *peaks]) or 1.0
 
@@ -275,7 +278,7 @@ def _reach(answer: CaseAnswer, gaps: list[Dimension]) -> float:
 def _draw_buildings(axes: Axes, answer: CaseAnswer, ends: tuple[float, float]) -> None:
     """Both buildings, or one and its property line, and slabs that meet columns."""
     case = answer.case
-    apart = CENTIMETRES * standing(answer)
+    apart = CENTIMETRES * drawn_gap(answer)
     heights = [building.height or EMPTY for building in case.buildings]
     faces = [0.0, apart]
     for n, building in enumerate(case.buildings):
@@ -285,8 +288,8 @@ def _draw_buildings(axes: Axes, answer: CaseAnswer, ends: tuple[float, float]) -
         axes.text(middle, 1.02 * heights[n], name, ha="center", va="bottom", size=SIZE)
         displaced, levels = _displaced(answer, n + 1, min(heights))
         away = faces[n] + displaced if n == 0 else faces[n] - displaced
-        size = f"{length(displaced[-1] / CENTIMETRES)}{meeting_level(answer)}"
-        label = f"{plain(building.name, NAME)}: {with_inches(case, size)}"
+        size = f"{length(displaced[-1] / CENTIMETRES)}{contact_level(answer)}"
+        label = f"{plain(building.name, BUILDING_NAME_WIDTH)}: {with_inches(case, size)}"
         style: Any = {
             "color": CURVES[n + 1][0],
             "ls": (0, (4, 1.5)),
@@ -295,11 +298,11 @@ def _draw_buildings(axes: Axes, answer: CaseAnswer, ends: tuple[float, float]) -
         }
         axes.plot(away, levels, lw=1.4, ms=3, zorder=4, clip_on=False, **style)
     if case.alone:
-        axes.plot([apart, apart], [0, heights[0]], color=EDGE, lw=1.2, ls=(0, (8, 2, 1, 2)))
+        axes.plot([apart, apart], [0, heights[0]], color=EDGE_COLOR, lw=1.2, ls=(0, (8, 2, 1, 2)))
         axes.text(apart, 1.02 * heights[0], "property\nline", ha="center", va="bottom", size=SIZE)
     for slab in case.slabs:
-        axes.plot(faces[slab.column_of - 1], slab.level, "x", color=EDGE, ms=5, zorder=5)
-    axes.axhline(0, color=EDGE, lw=2.0, zorder=3)
+        axes.plot(faces[slab.column_of - 1], slab.level, "x", color=EDGE_COLOR, ms=5, zorder=5)
+    axes.axhline(0, color=EDGE_COLOR, lw=2.0, zorder=3)
     axes.set_ylim(0, max(heights))
 
 
@@ -308,7 +311,7 @@ def _draw_building(
 ) -> None:
     """A building from its face on, with its floors, those of an oscillator dotted."""
     axes.fill([far, face, face, far], [0, 0, height, height], color=color, lw=0, zorder=1)
-    axes.plot([far, face, face], [height, height, 0], color=EDGE, lw=1.2, zorder=2)
+    axes.plot([far, face, face], [height, height, 0], color=EDGE_COLOR, lw=1.2, zorder=2)
     dash: Any = "-" if building.has_storeys else (0, (1, 2))
     axes.hlines(_floors(building), face, far, color="0.45", lw=0.7, ls=dash, zorder=2)
 
@@ -316,7 +319,7 @@ def _draw_building(
 def _name(building: Building) -> str:
     """The name of a building, and its height."""
     height = f"{building.height:.4g} m" if building.height else "height not given"
-    return f"{plain(building.name, NAME)}\n{height}"
+    return f"{plain(building.name, BUILDING_NAME_WIDTH)}\n{height}"
 
 
 def _floors(building: Building) -> np.ndarray:
@@ -329,7 +332,7 @@ def _floors(building: Building) -> np.ndarray:
     return np.linspace(0, building.height, building.storeys + 1)[1:]
 
 
-def _displaced(answer: CaseAnswer, number: int, meeting: float) -> tuple[np.ndarray, np.ndarray]:
+def _displaced(answer: CaseAnswer, number: int, roof: float) -> tuple[np.ndarray, np.ndarray]:
     """Peak displacements of a building [cm], and the levels where they are known [m]."""
     table = answer.separation
     if "height" in table.dims:
@@ -337,7 +340,7 @@ def _displaced(answer: CaseAnswer, number: int, meeting: float) -> tuple[np.ndar
         levels = table.height.values
     else:
         peaks = np.array([float(table[f"peak_{number}"])])
-        levels = np.array([meeting])
+        levels = np.array([roof])
     return CENTIMETRES * np.append(0.0, peaks), np.append(0.0, levels)
 
 
@@ -353,10 +356,10 @@ def _draw_gaps(axes: Axes, gaps: list[Dimension], apart: float, right: float) ->
             ends = [CENTIMETRES * line.low, CENTIMETRES * far]
             axes.plot(ends, [row, row], color=INTERVAL, lw=7, solid_capstyle="butt", zorder=2)
         if np.isfinite(gap):
-            drawn: Any = {"color": EDGE, "lw": 1.1, "ms": 9, "zorder": 3}
+            drawn: Any = {"color": EDGE_COLOR, "lw": 1.1, "ms": 9, "zorder": 3}
             axes.plot([0, min(gap, right)], [row, row], marker="|", **drawn)
         if gap > right:
-            axes.plot(right, row, color=EDGE, marker=">", ms=6)
+            axes.plot(right, row, color=EDGE_COLOR, marker=">", ms=6)
         style: Any = {"va": "center", "size": SIZE, "linespacing": 1.0}
         axes.text(low + 0.01 * (high - low), row, line.label, **style)
         axes.text(high - 0.01 * (high - low), row, filled([line.note], LABEL), ha="right", **style)
@@ -367,13 +370,17 @@ def _draw_shares(axes: Axes, answer: CaseAnswer) -> None:
     about = subject_of(answer.case)
     now = answer.existing
     table = answer.separation.isel(rule=0) if now is None else now
-    enough, *ends = (100 * value for value in with_interval(table, SHARE))
+    percentages = [100 * share for share in with_interval(table, NO_POUNDING)]
+    enough = percentages[0]
     axes.set(xlim=(-4, 104), ylim=(-1.15, 1.5))
-    for left, wide, (face, hatch) in ((0, enough, APART), (enough, 100 - enough, POUND)):
-        axes.barh(0, wide, 0.8, left, color=face, hatch=hatch, edgecolor=EDGE, lw=0.7)
-    axes.plot(ends, [0, 0], color=EDGE, lw=2.5, solid_capstyle="butt")
+    for left, wide, (face, hatch) in (
+        (0, enough, LOOK_APART),
+        (enough, 100 - enough, LOOK_POUNDING),
+    ):
+        axes.barh(0, wide, 0.8, left, color=face, hatch=hatch, edgecolor=EDGE_COLOR, lw=0.7)
+    axes.plot(percentages[1:], [0, 0], color=EDGE_COLOR, lw=2.5, solid_capstyle="butt")
     required = 100 * answer.case.wanted.confidence
-    axes.plot([required, required], [-0.6, 0.6], color=EDGE, lw=1.2, ls=(0, (3, 1.5)))
+    axes.plot([required, required], [-0.6, 0.6], color=EDGE_COLOR, lw=1.2, ls=(0, (3, 1.5)))
     axes.text(
         required, -0.62, f"required {confidence(answer.case)}", ha="right", va="top", size=SIZE
     )

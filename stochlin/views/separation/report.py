@@ -111,7 +111,7 @@ def _records(answer: CaseAnswer) -> Block:
         count = len(case.site.records)
         return TextBlock(over_records(answer.over_records, count, float(table.gap[0]), gap))
     heads = {"record_separation": f"{gap} [cm]"}
-    where = words.meeting_level(answer)
+    where = words.contact_level(answer)
     peaks = {1: "peak [cm]"} if case.alone else {n: f"peak {n}{where} [cm]" for n in (1, 2)}
     heads |= {f"record_peak_{n}": head for n, head in peaks.items() if f"record_peak_{n}" in table}
     rows = [

@@ -11,8 +11,8 @@ from stochlin.models.hazards import HazardCurve
 from stochlin.views.separation.words import subject_of
 from stochlin.views.shared.blocks import Block, TableBlock, TextBlock, texts
 from stochlin.views.shared.words import (
-    MISSING,
-    SPACE,
+    NBSP,
+    NO_VALUE,
     along,
     centimetres,
     length,
@@ -45,7 +45,7 @@ def risk_blocks(answer: CaseAnswer) -> list[Block]:
     )
     note = (
         f"From {table.attrs['risk_paths']} motions at each of {table.sizes['risk_intensity']} "
-        f"intensities of the hazard; the intervals are those of their sampling, 95{SPACE}%, and "
+        f"intensities of the hazard; the intervals are those of their sampling, 95{NBSP}%, and "
         "include what shaking beyond the ends of the hazard can add. "
         "Different years are taken as independent."
     )
@@ -75,13 +75,13 @@ def _frequency(risk: xr.Dataset) -> tuple[str, str]:
     unseen = float(risk.risk_annual_rate_unseen + risk.risk_annual_rate_unseen_weaker)
     if unseen > NOTICED * rate:
         return f"{rate:.2g} to {most:.2g}", f"{_years(most)} or more"
-    return f"{rate:.2g}", _years(rate) if rate else MISSING
+    return f"{rate:.2g}", _years(rate) if rate else NO_VALUE
 
 
 def _years(rate: float) -> str:
     """The return period of an annual frequency, to two digits."""
     years = float(f"{1 / rate:.2g}")
-    return f"{years:.0f}{SPACE}years" if years >= 1 else f"{years:g}{SPACE}years"
+    return f"{years:.0f}{NBSP}years" if years >= 1 else f"{years:g}{NBSP}years"
 
 
 def risk_sentences(answer: CaseAnswer) -> list[str]:
@@ -96,16 +96,18 @@ def risk_sentences(answer: CaseAnswer) -> list[str]:
     beyond = float(risk.risk_annual_rate_unseen)
     sentences = [f"{gap}, {meet} in none of the motions, at any intensity of the hazard."]
     if rate:
-        low, high = (end / unit for end in range_of_rate(risk, LITTLE))
+        weaker, stronger = range_of_rate(risk, LITTLE)
+        low = weaker / unit
+        high = stronger / unit
         within = f"{low:.2g} to {high:.2g}" if low else f"less than {high:.2g}"
         within = within if np.isfinite(high) else f"more than {low:.2g}"
         sentences = [
             f"{gap}, nine tenths of the annual frequency come from shaking of {name} {within}"
-            f"{SPACE}{units}."
+            f"{NBSP}{units}."
         ]
     weakest = float(risk.risk_pounding_probability[0])
     if isinstance(answer.case.site.hazard, HazardCurve) and weakest > NOTICED:
-        least = f"{float(risk.risk_intensity[0]) / unit:.2g}{SPACE}{units}"
+        least = f"{float(risk.risk_intensity[0]) / unit:.2g}{NBSP}{units}"
         sentences.append(
             f"The hazard begins at {name} {least}, with which {meet} in {per_cent(weakest)} of the "
             "motions. Weaker shaking is left out, so that the true frequency is higher by up to "
@@ -113,7 +115,7 @@ def risk_sentences(answer: CaseAnswer) -> list[str]:
             "straight line in logarithms: start the table at lower intensities."
         )
     if beyond > NOTICED * rate:
-        highest = f"{float(risk.risk_intensity[-1]) / unit:.2g}{SPACE}{units}"
+        highest = f"{float(risk.risk_intensity[-1]) / unit:.2g}{NBSP}{units}"
         sentences.insert(
             0,
             f"The hazard curve ends at {name} {highest}. Stronger shaking could add up to "

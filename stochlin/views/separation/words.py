@@ -22,7 +22,7 @@ from stochlin.views.shared.blocks import (
     texts,
 )
 from stochlin.views.shared.words import (
-    SPACE,
+    NBSP,
     along,
     centimetres,
     files_taken,
@@ -46,20 +46,20 @@ if TYPE_CHECKING:
     from stochlin.applications.cases.reading.case import Case
     from stochlin.applications.cases.separation import CaseAnswer
 
-ALIKE = 0.05  # gap over peak of buildings that move alike
+ALIKE_RATIO = 0.05  # gap over peak of buildings that move alike
 MUCH = 10.0  # ductility that is doubtful
-SHARE = "no_pounding_probability"
+NO_POUNDING = "no_pounding_probability"
 ONE_MASS = (
     "A building that is described by its period moves as one mass: its displacement counts at any "
     "height. Roofs of equal storeys move farther, up to 1.5 times; describe the storeys for that."
 )
-LINE = (
+BEYOND_PROPERTY_LINE = (
     "Nothing beyond the property line is in the model: two neighbours that each stay on their own "
     "side cannot meet; for a neighbour nearer to the line, compute the gap between both buildings."
 )
 AS_APPLIED = "the code as you apply it"
 COMBINATION = "the code's combination of simulated peaks"
-KINDS = {
+GROUPS_OF_KINDS = {
     "simulation": "",
     "first_passage": "first passage with the plastic drift in time",
     "equation_3": "eq. (3) with a correlation coefficient",
@@ -68,10 +68,10 @@ KINDS = {
     "code": "families of rules of building codes",
     KIND: AS_APPLIED,
 }
-GROUPS = (*KINDS.values(), COMBINATION)  # in the order in which they are shown
-NAMED = {AS_APPLIED: "as you apply it", COMBINATION: "of simulated peaks"}
+GROUPS_IN_ORDER = (*GROUPS_OF_KINDS.values(), COMBINATION)  # in the order in which they are shown
+WORDS_OF_GROUPS = {AS_APPLIED: "as you apply it", COMBINATION: "of simulated peaks"}
 # Without details.
-USUAL = (
+USUAL_RULES = (
     "simulation",
     "first_passage_drift",
     "srss",
@@ -87,7 +87,7 @@ MARKS = (
     "Marks: S, compared with its source; C, derived and checked; P, in the text of the paper; M, "
     "not compared with its source."
 )
-SURE = " high"  # end of marks M of what is well known without its source
+SURE_MARK = " high"  # end of marks M of what is well known without its source
 # How a code combines the displacements of two buildings, by the family of its rule.
 COMBINATIONS = {
     "sum": "the sum of both displacements",
@@ -117,7 +117,7 @@ class Subject(NamedTuple):
     meet: str  # what is not wanted
 
 
-PAIR = Subject(
+TWO_BUILDINGS = Subject(
     gap="gap",
     stand="should stand {gap} apart",
     keeping="keeps them apart",
@@ -126,7 +126,7 @@ PAIR = Subject(
     good="motions without pounding",
     meet="they pound",
 )
-ALONE = Subject(
+ONE_BUILDING = Subject(
     gap="set-back",
     stand="should stand {gap} away from its property line",
     keeping="keeps it on its side of the line",
@@ -139,12 +139,12 @@ ALONE = Subject(
 
 def subject_of(case: Case) -> Subject:
     """The subject of the answer to a case."""
-    return ALONE if case.alone else PAIR
+    return ONE_BUILDING if case.alone else TWO_BUILDINGS
 
 
 def gap_of(dataset: xr.Dataset) -> str:
     """A gap or a set-back, of a table that `stochlin.separation` returned."""
-    return PAIR.gap if "peak_2" in dataset else ALONE.gap
+    return TWO_BUILDINGS.gap if "peak_2" in dataset else ONE_BUILDING.gap
 
 
 def first_lines(answer: CaseAnswer) -> list[str]:
@@ -156,7 +156,7 @@ def first_lines(answer: CaseAnswer) -> list[str]:
     required = float(table.gap[0])
     if np.isfinite(required):
         stand = about.stand.format(gap=length(required))
-        lines = [f"{names} {stand}. 95{SPACE}% interval of sampling: {needed(answer)}."]
+        lines = [f"{names} {stand}. 95{NBSP}% interval of sampling: {needed(answer)}."]
     else:
         falls = (
             f"in more than {per_cent(1 - case.wanted.confidence)} of the motions a building falls"
@@ -172,9 +172,9 @@ def first_lines(answer: CaseAnswer) -> list[str]:
     if not np.isfinite(required):
         return [*filter(None, lines)]
     peaks = of_each(table, "peak_mean")
-    means = f"mean peak{'s' * (len(peaks) > 1)} {' and '.join(map(centimetres, peaks))}{SPACE}cm"
+    means = f"mean peak{'s' * (len(peaks) > 1)} {' and '.join(map(centimetres, peaks))}{NBSP}cm"
     why = f"{confidence(case)} of {case.simulated.motions} motions need no more"
-    return [*filter(None, lines), f"Why: {why}; {means}{meeting_level(answer)}."]
+    return [*filter(None, lines), f"Why: {why}; {means}{contact_level(answer)}."]
 
 
 def of_earthquakes(answer: CaseAnswer) -> str:
@@ -196,14 +196,14 @@ def needed(answer: CaseAnswer) -> str:
 
 def share_of(table: xr.Dataset) -> str:
     """The share of motions in which a gap is enough, with its interval."""
-    of_all, low, high = (per_cent(value, 1) for value in with_interval(table, SHARE))
+    of_all, low, high = (per_cent(value, 1) for value in with_interval(table, NO_POUNDING))
     return f"{of_all} ({low} to {high})"
 
 
 def judged(answer: CaseAnswer) -> str:
     """Whether the existing gap is enough."""
     assert answer.existing is not None
-    _, low, high = with_interval(answer.existing, SHARE)
+    _, low, high = with_interval(answer.existing, NO_POUNDING)
     if low >= answer.case.wanted.confidence:
         return "enough"
     undecided = "undecided within the error of the simulation"
@@ -212,18 +212,18 @@ def judged(answer: CaseAnswer) -> str:
 
 def confidence(case: Case) -> str:
     """The required probability of no pounding."""
-    return f"{100 * case.wanted.confidence:.4g}{SPACE}%"
+    return f"{100 * case.wanted.confidence:.4g}{NBSP}%"
 
 
-def meeting_level(answer: CaseAnswer) -> str:
+def contact_level(answer: CaseAnswer) -> str:
     """The level at which both buildings could meet, to which peaks refer; empty if unknown."""
     if answer.case.alone:
         return ""
     table = answer.separation
     buildings = answer.case.buildings
-    known = table.height[-1:] if "height" in table.dims else [b.height or np.nan for b in buildings]
-    level = float(np.min(known))
-    return f" at {level:.4g}{SPACE}m" if np.isfinite(level) else ""
+    heights = [building.height or np.nan for building in buildings]
+    level = float(table.height[-1]) if "height" in table.dims else float(np.min(heights))
+    return f" at {level:.4g}{NBSP}m" if np.isfinite(level) else ""
 
 
 def of_each(table: xr.Dataset, name: str) -> list[float]:
@@ -257,7 +257,7 @@ def cautions(answer: CaseAnswer) -> list[str]:
         *left_out(answer.case),
     ]
     gap = float(table.gap[0])
-    if "peak_2" in table and np.isfinite(gap) and gap <= ALIKE * max(of_each(table, "peak")):
+    if "peak_2" in table and np.isfinite(gap) and gap <= ALIKE_RATIO * max(of_each(table, "peak")):
         sentences.append(
             "Both move alike in this model, but no two real buildings do. A small difference of "
             "the periods needs a gap: repeat the calculation with one."
@@ -281,11 +281,11 @@ def _without_storeys(answer: CaseAnswer) -> str:
     for building, other in zip(both, both[::-1], strict=True):
         if "height" in answer.separation.dims and not building.has_storeys:
             height = (
-                f", although it is {building.height:.4g}{SPACE}m high" if building.height else ""
+                f", although it is {building.height:.4g}{NBSP}m high" if building.height else ""
             )
             return (
                 f"{building.name} is described without storeys: its displacement is compared with "
-                f"that of the roof of {other.name}, {other.height:.4g}{SPACE}m up{height}."
+                f"that of the roof of {other.name}, {other.height:.4g}{NBSP}m up{height}."
             )
     return ""
 
@@ -331,14 +331,14 @@ def _storeys(answer: CaseAnswer) -> str:
     for number, building in enumerate(answer.case.buildings, start=1):
         if not building.has_storeys or np.isinf(table[f"peak_mean_{number}"]):
             continue
-        own = table.isel(
+        storeys = table.isel(
             element=(table.element_structure.values == number) & (table.storey.values > 0)
         )
         yields = bool(
-            (own.ductility > 0).any()
+            (storeys.ductility > 0).any()
         )  # not of a building by its modes, of which modes yield
-        worst = own.ductility if yields else own.peak_drift_mean
-        row = own.isel(element=int(worst.argmax("element")))
+        worst = storeys.ductility if yields else storeys.peak_drift_mean
+        row = storeys.isel(element=int(worst.argmax("element")))
         drift = float(row.peak_drift_mean)
         storey = int(row.storey)
         share = drift / float(building.structure.arrays()["heights"][storey - 1])
@@ -382,15 +382,19 @@ def _strength(limits: xr.Dataset, table: xr.Dataset) -> list[tuple[str, ...]]:
         return rows
     of_building = f"_{yielding + 1}"
     now = factors[yielding]
-    value, low, high = (
-        now / x for x in with_interval(limits, "largest_reduction_factor", of_building)
-    )
-    rows.append(_limit(what, "at least", value, high, low))
+    largest = with_interval(limits, "largest_reduction_factor", of_building)
+    rows.append(_limit_of_strength(what, "at least", now, *largest))
     least = with_interval(limits, "least_reduction_factor", of_building)
     if least[0] > 0:
-        value, low, high = (now / x for x in least)
-        rows.append(_limit(what, "at most", value, high, low))
+        rows.append(_limit_of_strength(what, "at most", now, *least))
     return rows
+
+
+def _limit_of_strength(
+    what: str, bound: str, now: float, factor: float, low: float, high: float
+) -> tuple[str, ...]:
+    """A row for the limit of a strength, of which R is ``now``, by the limit of R."""
+    return _limit(what, bound, now / factor, now / high, now / low)
 
 
 def _limit(what: str, bound: str, value: float, low: float, high: float) -> tuple[str, ...]:
@@ -406,16 +410,16 @@ def method(case: Case) -> list[str]:
     """The models of the answer and what they leave out, for the page."""
     scatter = case.site.scatter
     spread = f"; a scatter of {scatter:g} about it is in the answer" if scatter else ""
-    known = " that are not uncertain here" if case.uncertain else ""
+    certain = " that are not uncertain here" if case.uncertain else ""
     by_one_mass = any(not building.has_storeys for building in case.buildings)
     return [
         f"{case.simulated.motions} motions of a stationary random process with an envelope "
         f"({site_in_words(case)}); the interval covers their sampling only. The strength of the "
         f"next earthquake is the largest unknown{spread}.",
         "Left out: modes beyond the models, torsion, soil under the foundations, loss of strength, "
-        f"errors of the parameters{known}; load factors and least distances of codes.",
+        f"errors of the parameters{certain}; load factors and least distances of codes.",
         *([ONE_MASS] if by_one_mass else []),
-        *([LINE] if case.alone else []),
+        *([BEYOND_PROPERTY_LINE] if case.alone else []),
     ]
 
 
@@ -456,7 +460,7 @@ def rows(answer: CaseAnswer) -> list[RuleLine]:
         of_two = [str(text).startswith(OF_TWO) for text in table.missing.values]
         table = table.isel(rule=~np.array(of_two))
     grouped = [(_group(answer.case, row), row) for row in along(table, "rule")]
-    grouped.sort(key=lambda of_rule: GROUPS.index(of_rule[0]))
+    grouped.sort(key=lambda of_rule: GROUPS_IN_ORDER.index(of_rule[0]))
     return [_line(answer, *of_rule) for of_rule in grouped]
 
 
@@ -471,12 +475,12 @@ def _group(case: Case, row: xr.Dataset) -> str:
     rule = str(row.rule.item())
     if kind == "code" and CODE_RULES[rule].multiplies:
         return COMBINATION
-    return AS_APPLIED if rule in case.codes else KINDS[kind]
+    return AS_APPLIED if rule in case.codes else GROUPS_OF_KINDS[kind]
 
 
 def _line(answer: CaseAnswer, group: str, row: xr.Dataset) -> RuleLine:
     rule = str(row.rule.item())
-    words = NAMED.get(group, "")
+    words = WORDS_OF_GROUPS.get(group, "")
     gap = float(row.gap)
     stem = rule.removesuffix(APPLIED)
     verdict = row.verdict.attrs["flag_meanings"].split()[int(row.verdict)].replace("_", " ")
@@ -485,14 +489,14 @@ def _line(answer: CaseAnswer, group: str, row: xr.Dataset) -> RuleLine:
     texts = {
         name: str(row[name].item()) for name in ("mark", "assumptions", "reference", "missing")
     }
-    mark = texts["mark"].removesuffix(SURE)
+    mark = texts["mark"].removesuffix(SURE_MARK)
     if stem != rule:
         texts["assumptions"] = stated(answer.case, CODE_RULES[stem])
     return RuleLine(
         rule=rule,
         label=rule_label(stem.removeprefix("eq_3_")),
         group=group,
-        usual=rule in USUAL or group == AS_APPLIED or rule in answer.case.wanted.numbers.more,
+        usual=rule in USUAL_RULES or group == AS_APPLIED or rule in answer.case.wanted.numbers.more,
         metres=gap,
         verdict=verdict,
         cells=(

@@ -12,7 +12,11 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 # Endings of pictures, with what their files would say of themselves but for this.
-PICTURES = {".png": {"Software": None}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
+PICTURE_FORMATS = {
+    ".png": {"Software": None},
+    ".svg": {"Date": None},
+    ".pdf": {"CreationDate": None},
+}
 GREEK = dict(zip(("alpha", "beta", "xi", "rho", "sigma", "tau", "omega"), "αβξρστω", strict=True))
 LETTERS = {letter: name for name, letter in GREEK.items()}
 LATIN = r"T[0-9fguyL]|T(?=/)|S[0-9afguy]|SD[S1]|u[0-9fgy]|[mv][0-9]|r_PER|ag|Cd|Ie|Ra"

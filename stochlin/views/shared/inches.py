@@ -8,24 +8,24 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from stochlin.views.shared.blocks import Block, Items, Row, TableBlock, TextBlock, ViewSection
-from stochlin.views.shared.words import SPACE, centimetres, number
+from stochlin.views.shared.words import NBSP, centimetres, number
 
 if TYPE_CHECKING:
     from stochlin.applications.cases.reading.case import Case
 
 AS_WRITTEN = ("title", "file")  # looks of texts that are the user's
-INCH = 2.54  # cm
-FOOT = 0.3048  # m
-NUMBER = r"\d+(?:\.\d+)?"
-LENGTHS = re.compile(rf"(?<![\w.])((?:{NUMBER} (?:to|and) )?{NUMBER})[ {SPACE}](cm|m)(?![\w/²³^])")
-IN_CM = "[cm]"
-IN_INCHES = "[in]"
+CM_PER_INCH = 2.54  # cm
+METRES_PER_FOOT = 0.3048  # m
+DIGITS = r"\d+(?:\.\d+)?"
+LENGTHS = re.compile(rf"(?<![\w.])((?:{DIGITS} (?:to|and) )?{DIGITS})[ {NBSP}](cm|m)(?![\w/²³^])")
+UNIT_CM = "[cm]"
+UNIT_INCHES = "[in]"
 BELOW = "alone"  # name of a row that has the unit of the row above
 
 
 def inches(metres: float) -> str:
     """A length in inches, with its unit."""
-    return f"{_in_inches(str(100 * metres))}{SPACE}in"
+    return f"{_in_inches(str(100 * metres))}{NBSP}in"
 
 
 def with_inches(case: Case, text: str) -> str:
@@ -46,14 +46,14 @@ def sections_with_inches(case: Case, sections: Sequence[ViewSection]) -> list[Vi
 def _with_other(lengths: re.Match[str]) -> str:
     """Lengths with the same in the other unit, which is not more exact."""
     if lengths[2] == "cm":
-        return f"{lengths[0]} / {_in_inches(lengths[1])}{SPACE}in"
-    feet = re.sub(NUMBER, lambda metres: number(float(metres[0]) / FOOT), lengths[1])
-    return f"{lengths[0]} / {feet}{SPACE}ft"
+        return f"{lengths[0]} / {_in_inches(lengths[1])}{NBSP}in"
+    feet = re.sub(DIGITS, lambda metres: number(float(metres[0]) / METRES_PER_FOOT), lengths[1])
+    return f"{lengths[0]} / {feet}{NBSP}ft"
 
 
 def _in_inches(text: str) -> str:
     """A text with all of its numbers in inches in place of centimetres: tenths, or two digits."""
-    return re.sub(NUMBER, lambda length: centimetres(float(length[0]) / INCH / 100), text)
+    return re.sub(DIGITS, lambda length: centimetres(float(length[0]) / CM_PER_INCH / 100), text)
 
 
 def _of_block(case: Case, block: Block) -> Block:
@@ -69,7 +69,7 @@ def _of_table(case: Case, table: TableBlock) -> TableBlock:
     heads = [
         twice
         for head in table.heads
-        for twice in _twice(head, head, head.replace(IN_CM, IN_INCHES))
+        for twice in _twice(head, head, head.replace(UNIT_CM, UNIT_INCHES))
     ]
     rows: list[Row] = []
     group: list[Row] = []  # in inches, below those in centimetres
@@ -82,12 +82,12 @@ def _of_table(case: Case, table: TableBlock) -> TableBlock:
             rows += group
             group = []
         rows.append(replace(row, cells=both))
-        if IN_CM in first or below:
+        if UNIT_CM in first or below:
             values = (_in_inches(cell) for cell in row.cells[1:])
-            group.append(replace(row, cells=[first.replace(IN_CM, IN_INCHES), *values]))
+            group.append(replace(row, cells=[first.replace(UNIT_CM, UNIT_INCHES), *values]))
     return replace(table, heads=heads, rows=[*rows, *group])
 
 
 def _twice(head: str, cell: str, converted: str) -> list[str]:
     """A cell, and below a head in centimetres what stands beside it."""
-    return [cell, converted] if IN_CM in head else [cell]
+    return [cell, converted] if UNIT_CM in head else [cell]

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from itertools import count
 from typing import TYPE_CHECKING, Any
 
-from stochlin.views.shared.blocks import PICTURES, Picture, ViewSection, typeset_html
+from stochlin.views.shared.blocks import PICTURE_FORMATS, Picture, ViewSection, typeset_html
 
 if TYPE_CHECKING:
     from markupsafe import Markup
@@ -59,7 +59,7 @@ def _svg(picture: Picture, prefix: str) -> Markup:
     from stochlin.views.shared.style import STYLE
 
     with mpl.rc_context(STYLE | PAGE_STYLE), io.StringIO() as stream:
-        picture.draw().savefig(stream, format="svg", metadata=PICTURES[".svg"])
+        picture.draw().savefig(stream, format="svg", metadata=PICTURE_FORMATS[".svg"])
         svg = stream.getvalue()
     svg = re.sub(r"<metadata>.*?</metadata>|<!--.*?-->\n?", "", svg, flags=re.DOTALL)
     svg = re.sub(r'(\bid="|url\(#|href="#)', rf"\g<1>{prefix}-", svg[svg.index("<svg") :])

@@ -15,8 +15,8 @@ import click
 
 from stochlin.messages import WHEN_COMPILING
 
-STEPS = 1000  # of a bar
-FIRST = 1.0  # s, in which no time is foretold
+BAR_STEPS = 1000  # of a bar
+WITHOUT_ESTIMATE = 1.0  # s, in which no time is foretold
 MINUTE = 60.0  # s
 QUIET = "stochlin.quiet"  # whether no progress is shown, among what click keeps for a command
 COMPILING = (
@@ -53,7 +53,7 @@ class TimeLeft:
         while len(self._reports) > 2 and self._reports[1][0] <= now / 2:
             self._reports.popleft()
         begin, before = self._reports[0]
-        if now < FIRST or share <= before:
+        if now < WITHOUT_ESTIMATE or share <= before:
             return math.inf
         return (1 - share) * (now - begin) / (share - before)
 
@@ -82,7 +82,7 @@ def progress_bar(
     left = TimeLeft()
     with ExitStack() as shown:
         bar = click.progressbar(
-            length=STEPS,
+            length=BAR_STEPS,
             label=label,
             file=sys.stderr,
             show_eta=False,
@@ -93,7 +93,7 @@ def progress_bar(
             if not bar.entered:  # what is refused before the work has no bar
                 shown.enter_context(bar)
             words = (doing() if doing else "", in_words(left.after(share)) if share < 1 else "")
-            bar.update(int(STEPS * share) - bar.pos, ", ".join(filter(None, words)))
+            bar.update(int(BAR_STEPS * share) - bar.pos, ", ".join(filter(None, words)))
             bar.render_progress()
 
         yield progress

@@ -27,7 +27,7 @@ from stochlin.messages import (
 from stochlin.registry import Registry
 from stochlin.views.shared.blocks import (
     LETTERS,
-    PICTURES,
+    PICTURE_FORMATS,
     Block,
     Items,
     TableBlock,
@@ -51,8 +51,8 @@ COMMANDS: Registry[click.Command] = Registry(
     "command", "stochlin.views", "command", check=_check_command
 )
 SCREEN_ROWS = 40
-WIDTH = 100
-FILE = click.Path(dir_okay=False, path_type=Path)
+SCREEN_WIDTH = 100
+FILE_PATH = click.Path(dir_okay=False, path_type=Path)
 # Consoles that know few signs are still about.
 PLAIN = {ord("\N{MINUS SIGN}"): "-", ord("\N{EN DASH}"): "-", ord("\N{NO-BREAK SPACE}"): " "}
 PLAIN |= {ord("²"): "^2", ord("³"): "^3"}
@@ -98,8 +98,12 @@ def bad_input(**called: str) -> Iterator[None]:
 def _options() -> dict[str, str]:
     """The options of the command that runs, by the names of their arguments."""
     context = click.get_current_context(silent=True)
-    known = context.command.params if context else []
-    return {str(each.name): each.opts[0] for each in known if each.opts[0].startswith("--")}
+    parameters = context.command.params if context else []
+    return {
+        str(parameter.name): parameter.opts[0]
+        for parameter in parameters
+        if parameter.opts[0].startswith("--")
+    }
 
 
 def _as_option(option: str, value: str | None) -> str:
@@ -147,7 +151,7 @@ def data_target(
     """Where the data go, where asked for or beside the picture; raises as `check_target`."""
     data = out if out or not picture else picture.with_suffix(allowed[0])
     check_target("--out" if out else "--picture", data, allowed, inputs)
-    check_target("--picture", picture, PICTURES, inputs)
+    check_target("--picture", picture, PICTURE_FORMATS, inputs)
     return data
 
 
@@ -186,9 +190,11 @@ def lines(sections: Iterable[ViewSection], details: bool = False) -> list[str]:
 def _written(block: Block) -> list[str]:
     """The lines of a block; pictures and names with their meaning are for pages."""
     if isinstance(block, TextBlock):
-        return textwrap.wrap(block.text, WIDTH)
+        return textwrap.wrap(block.text, SCREEN_WIDTH)
     if isinstance(block, Items):
-        fill = partial(textwrap.wrap, width=WIDTH, initial_indent="  ", subsequent_indent="    ")
+        fill = partial(
+            textwrap.wrap, width=SCREEN_WIDTH, initial_indent="  ", subsequent_indent="    "
+        )
         return [line for text in block.texts for line in fill(text)]
     return _columns(block) if isinstance(block, TableBlock) and block.rows else []
 
@@ -205,7 +211,7 @@ def _columns(table: TableBlock) -> list[str]:
     across = [*zip(*columns, strict=True)]
     loose = ["  ".join(cells).rstrip() for cells in across]
     close = [" ".join(cells).rstrip() for cells in across]
-    fitting = close if max(map(len, close)) <= WIDTH < max(map(len, loose)) else loose
+    fitting = close if max(map(len, close)) <= SCREEN_WIDTH < max(map(len, loose)) else loose
     return ["", *fitting, ""]
 
 

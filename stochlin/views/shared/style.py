@@ -17,7 +17,7 @@ from stochlin.files.storage import whole_file
 from stochlin.messages import brief, check_names
 from stochlin.models.arguments import checked
 from stochlin.models.descriptions import roles_in_words
-from stochlin.views.shared.blocks import PICTURES, typeset
+from stochlin.views.shared.blocks import PICTURE_FORMATS, typeset
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -48,19 +48,25 @@ CURVES = (
 )
 PRINT = 300  # points an inch
 SCREEN = 150
-TICKS = (0.1, 0.25, 0.5, 1, 2, 4)
+# inches
+PAGE_WIDTH = 7.2  # of a picture as wide as a page
+COLUMN_WIDTH = 4.6  # of one as wide as a column: a phone shows it at three quarters of its size
+NOTE_LINE = 0.14  # of a line of notes, of 7.5 or 8 points
+CAPTION_LINE = 0.17  # of a line of a caption, of 8.5 points
+CAPTION_WIDTH = 66  # characters of such a line in a column
+TICKS_OF_RATIOS = (0.1, 0.25, 0.5, 1, 2, 4)
 BEFORE_UNIT = re.compile(r"(?<=\d) (?=[^\W\d])")
-Given = ParamSpec("Given")
+Arguments = ParamSpec("Arguments")
 
 
 def styled(
     more: Mapping[str, Any] | None = None,
-) -> Callable[[Callable[Given, Figure]], Callable[Given, Figure]]:
+) -> Callable[[Callable[Arguments, Figure]], Callable[Arguments, Figure]]:
     """A decorator: the function draws in the package's style, and these settings."""
 
-    def decorate(draw: Callable[Given, Figure]) -> Callable[Given, Figure]:
+    def decorate(draw: Callable[Arguments, Figure]) -> Callable[Arguments, Figure]:
         @wraps(draw)
-        def drawing(*args: Given.args, **kwargs: Given.kwargs) -> Figure:
+        def drawing(*args: Arguments.args, **kwargs: Arguments.kwargs) -> Figure:
             import matplotlib as mpl
 
             check_names(draw.__name__, kwargs, signature(draw).parameters)
@@ -89,7 +95,7 @@ def caption_of(dataset: xr.Dataset, width: int) -> str:
 @checked
 def ratio_ticks(axis: Any, values: np.ndarray) -> None:
     """Label a logarithmic axis of period ratios with plain numbers."""
-    axis.set_ticks([t for t in TICKS if values[0] / 1.001 <= t <= values[-1] * 1.001])
+    axis.set_ticks([t for t in TICKS_OF_RATIOS if values[0] / 1.001 <= t <= values[-1] * 1.001])
     axis.set_ticks([], minor=True)
     axis.set_major_formatter("{x:g}")
 
@@ -142,13 +148,13 @@ def save(figure: Figure, path: str | os.PathLike[str], dpi: float | None = None)
     import matplotlib as mpl
 
     suffix = os.path.splitext(path)[1].lower()
-    if suffix not in PICTURES:
+    if suffix not in PICTURE_FORMATS:
         raise ValueError(
-            f"path = {brief(os.fspath(path))}; allowed: an ending of {', '.join(PICTURES)}"
+            f"path = {brief(os.fspath(path))}; allowed: an ending of {', '.join(PICTURE_FORMATS)}"
         )
     with mpl.rc_context(STYLE), whole_file(path) as temporary:
         _fix_layout(figure, dpi or PRINT)
-        figure.savefig(temporary, dpi=dpi or PRINT, metadata=PICTURES[suffix])
+        figure.savefig(temporary, dpi=dpi or PRINT, metadata=PICTURE_FORMATS[suffix])
 
 
 def _fix_layout(figure: Figure, dpi: float) -> None:
@@ -158,10 +164,10 @@ def _fix_layout(figure: Figure, dpi: float) -> None:
     """
     if figure.get_layout_engine() is None:
         return
-    own = figure.dpi
+    previous = figure.dpi
     figure.dpi = dpi
     figure.draw_without_rendering()
     figure.set_layout_engine("none")
     for axes in figure.axes:
         axes.set_position(np.round(axes.get_position(original=True).bounds, 9))
-    figure.dpi = own
+    figure.dpi = previous

@@ -25,19 +25,19 @@ if TYPE_CHECKING:
 
     from stochlin.applications.cases.reading.case import Case
 
-MISSING = "\N{EN DASH}"
+NO_VALUE = "\N{EN DASH}"
 MINUS = "\N{MINUS SIGN}"
-SPACE = "\N{NO-BREAK SPACE}"
+NBSP = "\N{NO-BREAK SPACE}"
+CENTIMETRES = 100.0  # in a metre
 IN_SI = {"1": 1.0, "g": constants.g, "m/s": 1.0, "ms": 1e-3, "kJ": 1e3, "MN": 1e6, "MN/m": 1e6}
-FAR = 2.5  # times what most rules ask: gaps beyond are told at the border of a picture, not drawn
-PAPER = "as in Valles-Mattox and Reinhorn (1996)"
-SLABS = (
+RULE_OF_PAPER = "as in Valles-Mattox and Reinhorn (1996)"
+SLABS_ON_COLUMNS = (
     "A slab can break the column that it hits, and the storey with it. Codes that allow a smaller "
     "gap where floors align, such as Eurocode 8 (4.4.2.7) with 0.7 of the gap within one property, "
     "mean only floors at the same level."
 )
 
-TURNS = (
+TURNS_IN_PLAN = (
     "Caution: {building} turns in plan, and a gap can be too small: export the displacements of "
     'joints on the edge that faces the neighbour, and name one on each floor, as points = ["12"].'
 )
@@ -51,13 +51,13 @@ def centimetres(metres: float) -> str:
     """A length in cm: tenths, or two digits below one."""
     value = round(100 * metres, 3)
     if not np.isfinite(value):
-        return MISSING
+        return NO_VALUE
     return f"{value:.1f}" if value >= 0.95 else f"{value:.2g}"
 
 
 def length(metres: float) -> str:
     """A length in cm, with its unit."""
-    return f"{centimetres(metres)}{SPACE}cm"
+    return f"{centimetres(metres)}{NBSP}cm"
 
 
 def with_interval(table: xr.Dataset, name: str, of: str = "") -> tuple[float, float, float]:
@@ -82,17 +82,17 @@ def along(table: xr.Dataset, dimension: str) -> list[xr.Dataset]:
 def per_cent(share: float, digits: int = 0, sign: str = "") -> str:
     """A share in per cent."""
     if not np.isfinite(share):
-        return MISSING
-    return f"{100 * share:{sign}.{digits}f}{SPACE}%".replace("-", MINUS)
+        return NO_VALUE
+    return f"{100 * share:{sign}.{digits}f}{NBSP}%".replace("-", MINUS)
 
 
 @checked
 def rule_label(rule: str) -> str:
     """Name of a rule for a reader, ``eq. (3), Iwan (1980)``; of one without a title by its name."""
     stem = rule.removeprefix("eq_3_")
-    known = EFFECTIVE_RULES.get(stem) or CODE_RULES.get(stem)
-    plain = {"paper": PAPER, "cqc": "CQC"}.get(stem, stem.replace("_", " "))
-    name = known.published_name() if known and known.title else plain
+    registered = EFFECTIVE_RULES.get(stem) or CODE_RULES.get(stem)
+    plain = {"paper": RULE_OF_PAPER, "cqc": "CQC"}.get(stem, stem.replace("_", " "))
+    name = registered.published_name() if registered and registered.title else plain
     return name if stem == rule else f"eq. (3), {name}"
 
 
@@ -142,7 +142,7 @@ def _together(*parts: str) -> str:
 def _size_of(record: xr.DataArray) -> str:
     """Peak, length and time step of a record."""
     step = record.attrs["dt"]
-    seconds = f"{record.size * step:.4g}{SPACE}s in steps of {step:.4g}{SPACE}s"
+    seconds = f"{record.size * step:.4g}{NBSP}s in steps of {step:.4g}{NBSP}s"
     return f"peak {in_g(float(abs(record).max()))}, {seconds}"
 
 
@@ -152,7 +152,7 @@ def _of_design(hazard: HazardCurve) -> str:
     if not np.isfinite(design):
         return ""
     name, units, unit = measure_of(hazard)
-    return f"with a return period of {OF_DESIGN:g} years {name} {design / unit:.3g}{SPACE}{units}"
+    return f"with a return period of {OF_DESIGN:g} years {name} {design / unit:.3g}{NBSP}{units}"
 
 
 def measure_of(hazard: Hazard) -> tuple[str, str, float]:
@@ -170,7 +170,7 @@ def strength(table: xr.Dataset, case: Case) -> list[str]:
 
 def in_g(acceleration: float) -> str:
     """An acceleration in g."""
-    return f"{number(acceleration, 'g')}{SPACE}g"
+    return f"{number(acceleration, 'g')}{NBSP}g"
 
 
 def shaking(table: xr.Dataset, case: Case) -> str:
@@ -200,7 +200,7 @@ def _spectral(case: Case, accelerations: Iterable[float]) -> str:
         for period, acceleration in zip(case.periods, accelerations, strict=True)
     }
     shown = ", ".join(f"{acceleration} at {period}" for period, acceleration in at_periods.items())
-    return f"Sa (damping 5{SPACE}%) {shown}"
+    return f"Sa (damping 5{NBSP}%) {shown}"
 
 
 def _peak_and_rms(table: xr.Dataset, spectral: str) -> str:
@@ -217,7 +217,7 @@ def over_records(table: xr.Dataset, count: int, gap: float, what: str = "gap") -
         ends = f"{centimetres(low)} to {centimetres(high)}"
         ends = ends if np.isfinite(high) else "too few records for an interval"
         share = 100 * float(quantile["quantile"])
-        parts.append(f"{length(needed)} in {share:.4g}{SPACE}% of them ({ends})")
+        parts.append(f"{length(needed)} in {share:.4g}{NBSP}% of them ({ends})")
     share, low, high = with_interval(table, "record_no_pounding_probability")
     return (
         f"The {count} recorded motions would have needed {', '.join(parts)}. A {what} of "
@@ -255,7 +255,11 @@ def site_in_words(case: Case) -> str:
 
 def left_out(case: Case) -> list[str]:
     """What the models leave out of buildings that turn in plan."""
-    return [TURNS.format(building=building.name) for building in case.buildings if building.turning]
+    return [
+        TURNS_IN_PLAN.format(building=building.name)
+        for building in case.buildings
+        if building.turning
+    ]
 
 
 def yielding_modes(case: Case) -> str:
@@ -278,7 +282,7 @@ def floors(case: Case) -> str:
     if not (slabs := case.slabs):
         return ""
     more = {0: "", 1: ", and one more does"}.get(len(slabs) - 1, f", and {len(slabs) - 1} more do")
-    return f"Floors are not level: {slabs[0].words}{more}. {SLABS}"
+    return f"Floors are not level: {slabs[0].words}{more}. {SLABS_ON_COLUMNS}"
 
 
 def with_uncertainty(case: Case, what: str) -> str:

@@ -12,7 +12,9 @@ from scipy import constants
 from stochlin.applications.cases.separation import BAND
 from stochlin.views.shared.style import (
     AS_GIVEN,
+    COLUMN_WIDTH,
     CURVES,
+    NOTE_LINE,
     decade_ticks,
     filled,
     legend_above,
@@ -25,10 +27,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-WIDTH = 4.6  # inches
-HEIGHT = 3.6  # inches
-LINE = 0.14  # inches: of a line of text
-CAPTION = 70  # characters
+SPECTRUM_HEIGHT = 3.6  # inches
+MOTIONS_WIDTH = 70  # characters
 BAND_IN_WORDS = f"{BAND[0]:g} to {BAND[1]:g} times the periods of the buildings"
 
 
@@ -61,14 +61,16 @@ def draw_spectrum(
     """
     from matplotlib.figure import Figure
 
-    known = "pseudo_acceleration_quantile" in dataset and "duration_s" in dataset.attrs
-    if not known or dataset.sizes["period"] < 2:
+    complete = "pseudo_acceleration_quantile" in dataset and "duration_s" in dataset.attrs
+    if not complete or dataset.sizes["period"] < 2:
         what = f"dataset has the dimensions {dict(dataset.sizes)}"
         raise ValueError(
             f"{what}; allowed: what simulated_spectrum returns, of two periods or more"
         )
-    text = filled(_caption(dataset, periods), CAPTION) if caption else ""
-    figure = Figure((WIDTH, HEIGHT + LINE * text.count("\n")), layout="constrained")
+    text = filled(_caption(dataset, periods), MOTIONS_WIDTH) if caption else ""
+    figure = Figure(
+        (COLUMN_WIDTH, SPECTRUM_HEIGHT + NOTE_LINE * text.count("\n")), layout="constrained"
+    )
     axes = figure.add_subplot()
     period = np.asarray(dataset.period)
     _spectra(axes, dataset)

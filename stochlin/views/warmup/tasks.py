@@ -23,10 +23,10 @@ from stochlin.models.links import Link
 from stochlin.models.uncertain import Uncertain
 from stochlin.solver.simulation.simulation import simulate
 
-SECONDS = 8.0
-PATHS = 32
-YIELDING: Any = {"hardening": 0.05, "yield_displacement": 0.01}
-STOREYS: Any = {"storey_height": 3.0, "mass": 1e6, "base_shear_coefficient": 0.1}
+TASK_SECONDS = 8.0
+TASK_PATHS = 32
+YIELDING_VALUES: Any = {"hardening": 0.05, "yield_displacement": 0.01}
+STOREY_VALUES: Any = {"storey_height": 3.0, "mass": 1e6, "base_shear_coefficient": 0.1}
 
 
 def _ground() -> Ground:
@@ -34,13 +34,15 @@ def _ground() -> Ground:
 
 
 def _pair() -> tuple[Bilinear, Bilinear]:
-    first = Bilinear(0.8, 0.05, **YIELDING, mass=1e6)
-    second = Bilinear(0.5, 0.05, **YIELDING, mass=1e6)
+    first = Bilinear(0.8, 0.05, **YIELDING_VALUES, mass=1e6)
+    second = Bilinear(0.5, 0.05, **YIELDING_VALUES, mass=1e6)
     return first, second
 
 
 def _tower(period: Any = 0.8) -> ShearBuilding:
-    return ShearBuilding.regular(period=period, storeys=2, damping=0.05, hardening=0.05, **STOREYS)
+    return ShearBuilding.regular(
+        period=period, storeys=2, damping=0.05, hardening=0.05, **STOREY_VALUES
+    )
 
 
 def _record() -> xr.DataArray:
@@ -51,7 +53,7 @@ def _record() -> xr.DataArray:
 
 
 def _finite(structures: Sequence[Any], ground: Any, link: Link | None = None) -> None:
-    simulate(structures, ground, paths=PATHS, duration=SECONDS, link=link)
+    simulate(structures, ground, paths=TASK_PATHS, duration=TASK_SECONDS, link=link)
 
 
 def pounding() -> None:
@@ -78,11 +80,11 @@ def oscillators() -> None:
     first, second = _pair()
     for ground in (WhiteNoise(0.01), _ground(), named_ground("firm", intensity=0.01)):
         _finite([first, second], ground)
-    _finite([first, BoucWen(0.5, 0.05, **YIELDING)], _ground())
-    simulate([first, second], _ground(), paths=PATHS, relaxation_times=1.0)
-    pounding_probability(first, second, _ground(), 0.05, duration=SECONDS, paths=PATHS)
+    _finite([first, BoucWen(0.5, 0.05, **YIELDING_VALUES)], _ground())
+    simulate([first, second], _ground(), paths=TASK_PATHS, relaxation_times=1.0)
+    pounding_probability(first, second, _ground(), 0.05, duration=TASK_SECONDS, paths=TASK_PATHS)
     unknown: Any = Uncertain(0.5, 0.1)
-    uncertain = Bilinear(unknown, 0.05, **YIELDING)
+    uncertain = Bilinear(unknown, 0.05, **YIELDING_VALUES)
     _finite([uncertain, second], KanaiTajimi(unknown, 0.3, intensity=0.01))
 
 
@@ -91,7 +93,7 @@ def storeys() -> None:
     _finite([_tower()], _ground())
     _finite([_tower(), _pair()[1]], _ground(), Link(1e7))
     _finite([_tower(Uncertain(0.8, 0.1)), _pair()[1]], _ground())
-    simulate([_tower(), _pair()[1]], _ground(), paths=PATHS, relaxation_times=1.0)
+    simulate([_tower(), _pair()[1]], _ground(), paths=TASK_PATHS, relaxation_times=1.0)
 
 
 # The longest first: they are taken in turn by as many processes as there are cores.
