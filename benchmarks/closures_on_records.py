@@ -33,13 +33,13 @@ def rms(values):
 
 def chosen(folder):
     """The first record of each earthquake."""
-    kept = {}
+    files = {}
     with (folder / "suites.csv").open(encoding="utf-8", newline="") as file:
         for row in csv.DictReader(file):
             if row["file"].startswith("far_field") and not row["flag"]:
-                kept.setdefault(row["event"], row["file"])
+                files.setdefault(row["event"], row["file"])
     records = sl.read_records(folder / "suites.csv")
-    return [records[name] for name in kept.values()]
+    return [records[name] for name in files.values()]
 
 
 def building(period, factor, elastic):
@@ -60,22 +60,23 @@ def ratios(record, estimator):
     def moved(structure):
         return sl.respond(structure, record).displacement.sel(time=strong.time)
 
-    found = {}
+    quotients = {}
     for factor in FACTORS:
         for pair in PERIODS:
             sides = [building(T, factor, moved(sl.Bilinear(T, DAMPING))) for T in pair]
-            one, two = (moved(side) for side in sides)
+            relative = rms(moved(sides[0]) - moved(sides[1]))
             for name, values in parts(sides, ground).items():
-                found.setdefault(name, []).append(np.squeeze(difference(*values)) / rms(one - two))
-    return {name: np.reshape(values, (len(FACTORS), -1)) for name, values in found.items()}
+                computed = np.squeeze(difference(*values))
+                quotients.setdefault(name, []).append(computed / relative)
+    return {name: np.reshape(values, (len(FACTORS), -1)) for name, values in quotients.items()}
 
 
 if __name__ == "__main__":
     folder, estimator = [*sys.argv[1:], "whittle"][:2]
-    each = [ratios(record, estimator) for record in chosen(Path(folder))]
-    print(f"{len(each)} records; R =", *("elastic" if R is None else R for R in FACTORS))
-    for name in each[0]:
-        logs = np.array([np.log(of_record[name]).mean(axis=-1) for of_record in each])
-        error = logs.std(axis=0, ddof=1) / np.sqrt(len(each))
+    of_records = [ratios(record, estimator) for record in chosen(Path(folder))]
+    print(f"{len(of_records)} records; R =", *("elastic" if R is None else R for R in FACTORS))
+    for name in of_records[0]:
+        logs = np.array([np.log(of_record[name]).mean(axis=-1) for of_record in of_records])
+        error = logs.std(axis=0, ddof=1) / np.sqrt(len(of_records))
         cells = zip(np.exp(logs.mean(axis=0)) - 1, error, strict=True)
         print(f"{name:16}", *(f"{mean:+.2f} ({width:.2f})" for mean, width in cells))

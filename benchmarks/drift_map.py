@@ -136,9 +136,9 @@ def coarse_part(ductility, hardening, ground_damping, seed=1):
     """Ductilities of the structures of the coarse grid, damping by period."""
     white = np.isinf(ground_damping)
     ground = sl.WhiteNoise() if white else sl.KanaiTajimi(1.0, ground_damping)
-    found = np.empty((len(COARSE["damping"]), COARSE_PERIOD.size))
+    ductilities = np.empty((len(COARSE["damping"]), COARSE_PERIOD.size))
     error, memory = np.zeros(1), 0.0
-    for row, damping in zip(found, COARSE["damping"], strict=True):
+    for row, damping in zip(ductilities, COARSE["damping"], strict=True):
         for window in (NOISE_WINDOW,) if white else WINDOWS[::-1]:
             structures = [building(p, ductility, hardening, damping) for p in COARSE_PERIOD[window]]
             options = {"seed": seed, "steps_per_period": STEPS_PER_PERIOD}
@@ -156,7 +156,7 @@ def coarse_part(ductility, hardening, ground_damping, seed=1):
             row[:] = row[window].mean() if white else row
             relative = table.displacement_std_standard_error / table.displacement_std
             error, memory = np.append(error, relative), max(memory, trial["memory_s"])
-    return {"ductility_std": found, "error": error, "memory": memory}
+    return {"ductility_std": ductilities, "error": error, "memory": memory}
 
 
 def fine_part(ductility, hardening, ground_damping, seed=4):
@@ -193,16 +193,16 @@ def near_part(ductility, hardening, ground_damping, seed=5):
         steps_per_period=STEPS_PER_PERIOD,
         seed=seed,
     )
-    own = (len(middles), 5, len(middles), 5)
+    shape = (len(middles), 5, len(middles), 5)
     within = np.arange(len(middles))
     return {
-        "rho": table.rho.values.reshape(own)[within, :, within],
-        "error": table.rho_standard_error.values.reshape(own)[within, :, within],
+        "rho": table.rho.values.reshape(shape)[within, :, within],
+        "error": table.rho_standard_error.values.reshape(shape)[within, :, within],
         "memory": table.attrs["memory_s"],
     }
 
 
-def kept(folder, ductility, hardening, ground_damping, simulated=part, kind=""):
+def saved(folder, ductility, hardening, ground_damping, simulated=part, kind=""):
     path = folder / f"{kind}{ductility:.3g}_{hardening:g}_{ground_damping:g}.npz"
     if not path.exists():
         result = simulated(ductility, hardening, ground_damping)
@@ -251,8 +251,8 @@ def derived(structure, ground):
     """Derived signatures."""
     solved = solved_together((structure,), ground, "drift")
     grounds, place = np.unique(solved.oscillators.soil, axis=1, return_inverse=True)
-    known = solved_references(ground, grounds, USUAL, xr.Dataset(reference_arrays()))
-    rows = derived_signatures(drifting_side(solved.values), known, place.ravel())
+    of_references = solved_references(ground, grounds, USUAL, xr.Dataset(reference_arrays()))
+    rows = derived_signatures(drifting_side(solved.values), of_references, place.ravel())
     (table,) = solved.tables
     return xr.DataArray(table.table(rows.T, ("drift_reference",)), table.shape.coords)
 
@@ -266,8 +266,8 @@ def derived_ductility(structure, ground):
 
 def signature_correction(simulated):
     """Simulated less derived signatures."""
-    found = derived(*grid(PERIOD, DAMPING)).transpose(*GRID, "drift_reference")
-    return filled(found.copy(data=simulated - found.values))
+    computed = derived(*grid(PERIOD, DAMPING)).transpose(*GRID, "drift_reference")
+    return filled(computed.copy(data=simulated - computed.values))
 
 
 def filled(correction):
@@ -334,23 +334,24 @@ def refinement(ductility, coarse):
     )
     derived = derived_ductility(structure, ground).transpose(*FINE)
     whole = Grid.of([np.log(coarse[name].values) for name in coarse.dims], coarse.values)
-    place = np.array(np.meshgrid(*(np.log(fine[own].values) for own in FINE), indexing="ij"))
+    place = np.array(np.meshgrid(*(np.log(fine[name].values) for name in FINE), indexing="ij"))
     (between,) = whole.at(place.reshape(len(place), -1))
     added = np.log(fine / derived) - between.reshape(fine.shape)
-    known = [
-        np.isin(fine[own].values, coarse[name]) for name, own in zip(coarse.dims, FINE, strict=True)
+    at_coarse = [
+        np.isin(fine[refined].values, coarse[name])
+        for name, refined in zip(coarse.dims, FINE, strict=True)
     ]
-    known[2] &= fine.refined_damping.values > DAMPING[0]  # not on the coarse grid
-    known[4] = np.isclose(fine.refined_period.values[:, None], coarse.period.values).any(axis=1)
-    added.values[np.ix_(*known)] = 0
+    at_coarse[2] &= fine.refined_damping.values > DAMPING[0]  # not on the coarse grid
+    at_coarse[4] = np.isclose(fine.refined_period.values[:, None], coarse.period.values).any(axis=1)
+    added.values[np.ix_(*at_coarse)] = 0
     return added.fillna(0)
 
 
 def refined(coarse, added):
     """The corrections at the points of both grids together, between which each is interpolated."""
     points = {
-        own: np.union1d(coarse[name].values.round(12), added[own].values.round(12))
-        for name, own in zip(coarse.dims, FINE, strict=True)
+        refined: np.union1d(coarse[name].values.round(12), added[refined].values.round(12))
+        for name, refined in zip(coarse.dims, FINE, strict=True)
     }
     place = np.array(np.meshgrid(*map(np.log, points.values()), indexing="ij")).reshape(
         len(points), -1
@@ -398,8 +399,8 @@ def nearness(shares):
         )
         for point, rho in shares.items()
     }
-    found = on_grid(NEAR, forms, (ENTRIES,))
-    return found.fillna(found.shift(near_hardening=-1))
+    entries = on_grid(NEAR, forms, (ENTRIES,))
+    return entries.fillna(entries.shift(near_hardening=-1))
 
 
 def labelled(signatures, displacement, white, near):
@@ -476,15 +477,15 @@ def main():
     options = parser.parse_args()
     options.work.mkdir(parents=True, exist_ok=True)
     wanted = itertools.product(ELASTIC_DUCTILITY, HARDENING[::-1], GROUND_DAMPING)
-    parts = {point: kept(options.work, *point) for point in wanted if point[:2] != LEFT_OUT}
+    parts = {point: saved(options.work, *point) for point in wanted if point[:2] != LEFT_OUT}
     simulated, ductility = assembled(parts)
     coarse = {
-        p: kept(options.work, *p, coarse_part, "coarse_")["ductility_std"] for p in points(COARSE)
+        p: saved(options.work, *p, coarse_part, "coarse_")["ductility_std"] for p in points(COARSE)
     }
     displacement, white = displacement_corrections(coarse, ductility)
-    fine = {p: kept(options.work, *p, fine_part, "fine_")["ductility_std"] for p in points(FINE)}
+    fine = {p: saved(options.work, *p, fine_part, "fine_")["ductility_std"] for p in points(FINE)}
     near = {
-        p: kept(options.work, *p, near_part, "near_")["rho"]
+        p: saved(options.work, *p, near_part, "near_")["rho"]
         for p in points(NEAR)
         if p[:2] != NEAR_LEFT_OUT
     }

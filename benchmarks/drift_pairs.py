@@ -45,19 +45,19 @@ def moments(pair, ground, closure):
         return [table[name].values for name in MOMENTS]
     solved = solved_together(tuple(pair), ground, "drift")
     side = drifting_side(solved.values)
-    one, two = solved.parts
-    sides = on_arrays(lambda x: x[..., one], side), on_arrays(lambda x: x[..., two], side)
-    return [*(np.sqrt(own.variance) for own in sides), drifting_correlation(*sides)]
+    first, second = solved.parts
+    sides = on_arrays(lambda x: x[..., first], side), on_arrays(lambda x: x[..., second], side)
+    return [*(np.sqrt(part.variance) for part in sides), drifting_correlation(*sides)]
 
 
 def parts(pair, ground):
     """Moments of the closures, and of the drift closure with some of its corrections."""
-    found = {closure: moments(pair, ground, closure) for closure in CLOSURES}
-    drift = found.pop("drift")
-    found[WITH_MAP] = [*drift[:2], found[DERIVED][2]]
+    of_parts = {closure: moments(pair, ground, closure) for closure in CLOSURES}
+    drift = of_parts.pop("drift")
+    of_parts[WITH_MAP] = [*drift[:2], of_parts[DERIVED][2]]
     with patch("stochlin.kernels.correlation.pairs.by_nearness", lambda rho, *_: (rho, 0 * rho)):
-        found[WITH_SIGNATURES] = moments(pair, ground, "drift")
-    return {**found, "drift": drift}
+        of_parts[WITH_SIGNATURES] = moments(pair, ground, "drift")
+    return {**of_parts, "drift": drift}
 
 
 def difference(std_1, std_2, rho):
@@ -67,17 +67,17 @@ def difference(std_1, std_2, rho):
 
 def renewed(pairs):
     """The table with the moments of every closure beside the simulated ones."""
-    found = np.empty((len(MOMENTS), len(CLOSURES), pairs.sizes["case"]))
+    computed = np.empty((len(MOMENTS), len(CLOSURES), pairs.sizes["case"]))
     for on_white in (False, True):
         here = pairs.white.values.astype(bool) == on_white
         some = pairs.isel(case=here)
         ground = sl.WhiteNoise() if on_white else sl.KanaiTajimi(1.0, some.ground_damping)
         for number, closure in enumerate(CLOSURES):
-            found[:, number, here] = moments(structures(some), ground, closure)
+            computed[:, number, here] = moments(structures(some), ground, closure)
     exact = pairs.sel(closure=SIMULATION)
     columns = {
         name: (("closure", "case"), np.vstack([exact[name], values]), pairs[name].attrs)
-        for name, values in zip(MOMENTS, found, strict=True)
+        for name, values in zip(MOMENTS, computed, strict=True)
     }
     return pairs.drop_dims("closure").assign(columns).assign_coords(closure=[SIMULATION, *CLOSURES])
 

@@ -77,7 +77,7 @@ def drawn(seed):
                 between(PERIODS, ratios[0]),
                 between(other.get("factors", FACTORS), ratios[1]),
             )
-            own = [*zip(periods, between(DAMPING), between(HARDENING), factors, strict=True)]
+            sides = [*zip(periods, between(DAMPING), between(HARDENING), factors, strict=True)]
             cycles = other.get("cycles")
             seconds = (
                 random.uniform(*SECONDS)
@@ -85,24 +85,24 @@ def drawn(seed):
                 else max(periods) * random.uniform(*cycles)
             )
             ground = [*grounds][number % len(grounds)]
-            rows.append([family, ground, random.integers(4), seconds, *own[0], *own[1]])
+            rows.append([family, ground, random.integers(4), seconds, *sides[0], *sides[1]])
     names = ["family", "ground", "envelope", "seconds"]
     names += [f"{name}_{n}" for n in (1, 2) for name in PARAMETERS]
     columns = zip(names, zip(*rows, strict=True), strict=True)
     return xr.Dataset({name: ("case", list(column)) for name, column in columns})
 
 
-def each(pairs):
+def cases_of(pairs):
     """Structures, ground and motion of each pair."""
     for number in range(pairs.sizes["case"]):
-        one = pairs.isel(case=number)
-        both = [[float(one[f"{name}_{n}"]) for name in PARAMETERS] for n in (1, 2)]
+        case = pairs.isel(case=number)
+        both = [[float(case[f"{name}_{n}"]) for name in PARAMETERS] for n in (1, 2)]
         structures = [sl.Bilinear(*values, reduction_factor=factor) for *values, factor in both]
-        seconds = float(one.seconds)
-        envelope = envelope_of(int(one.envelope), seconds)
+        seconds = float(case.seconds)
+        envelope = envelope_of(int(case.envelope), seconds)
         yield (
             structures,
-            GROUNDS[str(one.ground.values)],
+            GROUNDS[str(case.ground.values)],
             {"duration": seconds, "envelope": envelope},
         )
 
@@ -110,7 +110,7 @@ def each(pairs):
 def simulated(pairs):
     """The pairs with their simulated gaps [m] over ``confidence``."""
     gaps = []
-    for seed, (structures, ground, motion) in enumerate(each(pairs)):
+    for seed, (structures, ground, motion) in enumerate(cases_of(pairs)):
         table = sl.simulate(structures, ground, paths=PATHS, seed=seed, **motion)
         gaps.append(np.quantile(table.separation[:, 0, 1], CONFIDENCES))
     return pairs.assign(gap=(("case", "confidence"), gaps), confidence=list(CONFIDENCES))
@@ -119,7 +119,7 @@ def simulated(pairs):
 def errors(pairs, confidences=CONFIDENCES):
     """Relative errors of the gaps over case and confidence, and the caution flag."""
     rows, flags = [], []
-    for structures, ground, motion in each(pairs):
+    for structures, ground, motion in cases_of(pairs):
         tables = [sl.passage_gap(*structures, ground, **motion, confidence=c) for c in confidences]
         rows.append([float(table.required_gap) for table in tables])
         flags.append(int(tables[0].caution))
@@ -130,7 +130,7 @@ def errors(pairs, confidences=CONFIDENCES):
 def errors_of_confidence(pairs):
     """Errors of the probability of no pounding (case, confidence) with the simulated gaps."""
     rows = []
-    for (structures, ground, motion), gaps in zip(each(pairs), pairs.gap.values, strict=True):
+    for (structures, ground, motion), gaps in zip(cases_of(pairs), pairs.gap.values, strict=True):
         gap = xr.DataArray(gaps, dims="gap")
         stays = sl.passage_gap(*structures, ground, **motion, gap=gap).no_pounding_probability
         rows.append(stays.values - CONFIDENCES)
@@ -178,7 +178,11 @@ LEFT_OUT = {
     "nothing": (),
     "the map of simulations": (
         (structures_at_levels, "structure_rows", _without_map(ROWS)),
-        (pairs_at_levels, "pair_rows", lambda one, two, added: ADDED(one, two, 0 * added)),
+        (
+            pairs_at_levels,
+            "pair_rows",
+            lambda first, second, added: ADDED(first, second, 0 * added),
+        ),
     ),
     "the lag of the level, (14)": ((structures_at_levels, "lagged", _without_lag),),
     "the slow mode, (16)": ((structures_at_levels, "structure_rows", _without_slow_mode(ROWS)),),
@@ -191,13 +195,13 @@ LEFT_OUT = {
 
 def ablation(pairs):
     """Errors of the gaps for 90 % (case,) without each of the parts."""
-    found = {}
+    without = {}
     for part, changes in LEFT_OUT.items():
         with ExitStack() as stick:
             for module, name, other in changes:
                 stick.enter_context(patch.object(module, name, other))
-            found[part] = errors(pairs, CONFIDENCES[MIDDLE : MIDDLE + 1]).error[:, 0]
-    return found
+            without[part] = errors(pairs, CONFIDENCES[MIDDLE : MIDDLE + 1]).error[:, 0]
+    return without
 
 
 def in_words(error):
@@ -205,7 +209,8 @@ def in_words(error):
     percent = 100 * np.asarray(error)
     size = abs(percent)
     numbers = percent.mean(), size.mean(), np.percentile(size, 95), percent.min()
-    mean, absolute, most, worst = (round(float(each)) + 0 for each in numbers)  # no sign of zeros
+    rounded = [round(float(number)) + 0 for number in numbers]  # no sign of zeros
+    mean, absolute, most, worst = rounded
     return f"{mean:+d} / {absolute} / {most} / {worst:+d}"
 
 

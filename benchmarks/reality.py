@@ -33,7 +33,7 @@ from reality_tables import (
     LAKE_BED,
     LEVELS,
     OTHER,
-    OWN,
+    OWN_COMPONENT,
     PGA_ELSEWHERE,
     SA_ELSEWHERE,
     SA_ELSEWHERE_BOTH,
@@ -58,7 +58,7 @@ DAMPING, HARDENING, STOREY_HEIGHT, MASS = 0.05, 0.05, 3.2, 4e5
 # Period [s] and storeys of the left and of the right building; one storey: an oscillator.
 OSCILLATORS = ((0.3, 0.45), (0.5, 0.8), (1.0, 0.6), (1.0, 1.4), (1.8, 1.2), (2.5, 1.5))
 PAIRS = (
-    *(((one, 1), (two, 1)) for one, two in OSCILLATORS),
+    *(((left, 1), (right, 1)) for left, right in OSCILLATORS),
     ((0.8, 3), (0.5, 2)),
     ((1.2, 4), (0.8, 3)),
 )
@@ -172,22 +172,22 @@ def predicted(motion: Motion, yields: Array, scatter: float) -> Array:
     """Gaps (strength, pair, path), sorted [m]."""
     return np.array(
         [
-            simulated(motion, each if strength > 1 else None, scatter)[0]
-            for strength, each in zip(STRENGTHS, yields, strict=True)
+            simulated(motion, at_yield if strength > 1 else None, scatter)[0]
+            for strength, at_yield in zip(STRENGTHS, yields, strict=True)
         ]
     )
 
 
 def tried(yields: Array, records: Mapping[str, xr.DataArray], pairs: Iterable[int]) -> Array:
     """Gaps that records need (record, strength, pair) [m], NaN of other pairs."""
-    found = np.full((len(records), len(STRENGTHS), len(PAIRS)), np.nan)
+    needed = np.full((len(records), len(STRENGTHS), len(PAIRS)), np.nan)
     for number, n in itertools.product(range(len(STRENGTHS)), pairs):
         both = [
             structure(*PAIRS[n][side], float(yields[number, n, side]) if number else None)
             for side in (0, 1)
         ]
-        found[:, number, n] = sl.recorded_gap(*both, dict(records)).separation
-    return found
+        needed[:, number, n] = sl.recorded_gap(*both, dict(records)).separation
+    return needed
 
 
 class Prediction(NamedTuple):
@@ -200,11 +200,10 @@ class Prediction(NamedTuple):
 
 def _mean(values: Array) -> Array:
     """Over the last axis, of what is known; NaN of nothing."""
-    known = ~np.isnan(values)
-    found: Array = np.where(known, values, 0.0).sum(axis=-1) / np.where(
-        known.any(axis=-1), known.sum(axis=-1), np.nan
-    )
-    return found
+    defined = ~np.isnan(values)
+    count = np.where(defined.any(axis=-1), defined.sum(axis=-1), np.nan)
+    mean: Array = np.where(defined, values, 0.0).sum(axis=-1) / count
+    return mean
 
 
 def compared(prediction: Prediction, needed: Array, names: list[str], part: str) -> xr.Dataset:
@@ -213,7 +212,8 @@ def compared(prediction: Prediction, needed: Array, names: list[str], part: str)
     record = needed[:, None]  # (case, scatter, strength, pair)
     below = (gaps < record[..., None]).mean(axis=-1)
     # A structure that yields away from its neighbour may need no gap at all.
-    logs, log_record = (np.log(np.where(each > 0, each, np.nan)) for each in (gaps, record))
+    logs = np.log(np.where(gaps > 0, gaps, np.nan))
+    log_record = np.log(np.where(record > 0, record, np.nan))
     gap = np.array(GAP_SHARES) * yields[0].sum(axis=-1)[:, None]
     needed = needed[..., None]
     likely = (gaps[..., None] > gap[:, None]).mean(axis=-2)
@@ -243,7 +243,7 @@ def compared(prediction: Prediction, needed: Array, names: list[str], part: str)
     )
 
 
-class Kept:
+class SavedResults:
     """What was computed under a name stays in a folder."""
 
     def __init__(self, folder: Path) -> None:
@@ -274,12 +274,12 @@ def mean_spectrum(records: Mapping[str, xr.DataArray]) -> xr.DataArray:
     """Geometric mean of the spectra of records of one peak acceleration, that of their median."""
     period = np.geomspace(0.05, LONGEST, 80)
     median = float(np.median([abs(record).max() for record in records.values()]))
-    found = [
+    logs = [
         np.log(sl.response_spectrum(record, period, DAMPING).pseudo_acceleration.values.ravel())
         for record in sl.scale_records(records, pga=median).values()
     ]
     return xr.DataArray(
-        np.exp(np.mean(found, axis=0)),
+        np.exp(np.mean(logs, axis=0)),
         dims="period",
         coords={"period": period},
         attrs={
@@ -302,16 +302,18 @@ LENGTHS = {
 class OfSpectrum(NamedTuple):
     """A suite, the spectrum to which it is scaled, and what is predicted from this."""
 
-    own: Mapping[str, xr.DataArray]
+    records: Mapping[str, xr.DataArray]
     target: xr.DataArray
     motion: Motion
     prediction: Prediction
 
 
-def of_spectrum(kept: Kept, records: Mapping[str, Recorded], suite: str) -> OfSpectrum:
-    own = {name: each.values for name, each in records.items() if each.suite == suite}
+def of_spectrum(saved: SavedResults, records: Mapping[str, Recorded], suite: str) -> OfSpectrum:
+    of_suite = {name: record.values for name, record in records.items() if record.suite == suite}
     target = (
-        sl.eurocode_8(0.25 * scipy.constants.g, "B") if suite == FAR_FIELD else mean_spectrum(own)
+        sl.eurocode_8(0.25 * scipy.constants.g, "B")
+        if suite == FAR_FIELD
+        else mean_spectrum(of_suite)
     )
     duration, shape = LENGTHS[suite]
     envelope = sl.AminAng(*shape)
@@ -320,28 +322,30 @@ def of_spectrum(kept: Kept, records: Mapping[str, Recorded], suite: str) -> OfSp
         ground = sl.fit_ground(target, duration=duration, envelope=envelope)
         return Motion(ground, envelope, duration, SPECTRUM_PATHS)
 
-    motion = kept(f"{suite}, motion", fitted)
-    return OfSpectrum(own, target, motion, kept.prediction(suite, motion))
+    motion = saved(f"{suite}, motion", fitted)
+    return OfSpectrum(of_suite, target, motion, saved.prediction(suite, motion))
 
 
 def tried_by_spectrum(
     yields: Array, records: Mapping[str, xr.DataArray], target: xr.DataArray, pairs: Iterable[int]
 ) -> Array:
     """As `tried`, each record scaled to a spectrum in a band around the periods of the pair."""
-    found = np.full((len(records), len(STRENGTHS), len(PAIRS)), np.nan)
+    needed = np.full((len(records), len(STRENGTHS), len(PAIRS)), np.nan)
     for n in pairs:
         periods = [side[0] for side in PAIRS[n]]
         band = (BAND[0] * min(periods), min(BAND[1] * max(periods), LONGEST))
         scaled = sl.scale_records(records, spectrum=target, band=band)
-        found[..., n] = tried(yields, scaled, [n])[..., n]
-    return found
+        needed[..., n] = tried(yields, scaled, [n])[..., n]
+    return needed
 
 
-def from_spectrum(kept: Kept, records: Mapping[str, Recorded], suite: str) -> xr.Dataset:
-    own, target, _, prediction = of_spectrum(kept, records, suite)
+def from_spectrum(saved: SavedResults, records: Mapping[str, Recorded], suite: str) -> xr.Dataset:
+    of_suite, target, _, prediction = of_spectrum(saved, records, suite)
     pairs = range(len(PAIRS))
-    needed = kept(f"{suite}, records", tried_by_spectrum, prediction.yields, own, target, pairs)
-    return compared(prediction, needed, list(own), SPECTRUM)
+    needed = saved(
+        f"{suite}, records", tried_by_spectrum, prediction.yields, of_suite, target, pairs
+    )
+    return compared(prediction, needed, list(of_suite), SPECTRUM)
 
 
 # --- gaps of every rule
@@ -366,20 +370,20 @@ def gaps_by_rule(motion: Motion, yields: Array) -> xr.DataArray:
             paths=motion.paths,
             seed=SEED,
         )
-        known = table.gap.where(~table.family.isin(["height", "fixed"]))
-        known = known.drop_vars(set(known.coords) - {"rule"})
-        cells.append(known.expand_dims(strength=[strength], pair=[n]).to_dataset(name="gap"))
-    found: xr.DataArray = xr.combine_by_coords(cells).gap
-    return found.dropna("rule")
+        gap = table.gap.where(~table.family.isin(["height", "fixed"]))
+        gap = gap.drop_vars(set(gap.coords) - {"rule"})
+        cells.append(gap.expand_dims(strength=[strength], pair=[n]).to_dataset(name="gap"))
+    by_rule: xr.DataArray = xr.combine_by_coords(cells).gap
+    return by_rule.dropna("rule")
 
 
-def rules_of(kept: Kept, records: Mapping[str, Recorded]) -> xr.DataArray:
+def rules_of(saved: SavedResults, records: Mapping[str, Recorded]) -> xr.DataArray:
     """Gaps [m] of every rule in (a), over suite, rule, strength and pair."""
-    each = []
+    of_suites = []
     for suite in LENGTHS:
-        _, _, motion, (_, yields, _) = of_spectrum(kept, records, suite)
-        each.append(kept(f"{suite}, rules", gaps_by_rule, motion, yields))
-    return xr.concat(each, xr.DataArray(list(LENGTHS), dims="suite", name="suite"))
+        _, _, motion, (_, yields, _) = of_spectrum(saved, records, suite)
+        of_suites.append(saved(f"{suite}, rules", gaps_by_rule, motion, yields))
+    return xr.concat(of_suites, xr.DataArray(list(LENGTHS), dims="suite", name="suite"))
 
 
 # --- (b) and (c) from one record
@@ -391,45 +395,50 @@ def pairs_on(suite: str) -> Sequence[Sequence[int]]:
     return GROUPS[:1] if suite == LAKE_BED else GROUPS
 
 
-def from_record(kept: Kept, records: Mapping[str, Recorded], name: str) -> xr.Dataset:
+def from_record(saved: SavedResults, records: Mapping[str, Recorded], name: str) -> xr.Dataset:
     """The record itself, the other component of its station, and the rest of its suite."""
-    one = records[name]
-    groups = pairs_on(one.suite)
+    record = records[name]
+    groups = pairs_on(record.suite)
     pairs = [n for group in groups for n in group]
 
     def fitted() -> Motion:
-        motion = sl.fit_motion(one.values)
+        motion = sl.fit_motion(record.values)
         return Motion(motion.ground, motion.envelope, motion.duration, groups=groups)
 
-    prediction = kept.prediction(name, kept(f"{name}, motion", fitted), LEVELS_OF_FITS)
-    found = []
+    prediction = saved.prediction(name, saved(f"{name}, motion", fitted), LEVELS_OF_FITS)
+    parts = []
 
     def add(part: str, others: Mapping[str, xr.DataArray], pairs: Sequence[int] = pairs) -> None:
         if others:
-            needed = kept(f"{name}, {part}", tried, prediction.yields, others, pairs)
-            found.append(compared(prediction, needed, list(others), part))
+            needed = saved(f"{name}, {part}", tried, prediction.yields, others, pairs)
+            parts.append(compared(prediction, needed, list(others), part))
 
-    add(OWN, {name: one.values})
-    rest = {other: each for other, each in records.items() if other != name}
-    beside = {other: each.values for other, each in rest.items() if each.place == one.place}
+    add(OWN_COMPONENT, {name: record.values})
+    rest = {key: other for key, other in records.items() if key != name}
+    beside = {key: other.values for key, other in rest.items() if other.place == record.place}
     add(OTHER, beside)
-    far = {o: e for o, e in rest.items() if e.suite == one.suite and o not in beside}
-    scaled = sl.scale_records(
-        {other: each.values for other, each in far.items()}, pga=float(abs(one.values).max())
-    )
-    if one.suite == LAKE_BED:
+    far = {
+        key: other
+        for key, other in rest.items()
+        if other.suite == record.suite and key not in beside
+    }
+    others = {key: other.values for key, other in far.items()}
+    scaled = sl.scale_records(others, pga=float(abs(record.values).max()))
+    if record.suite == LAKE_BED:
         for part, same in (("other station", True), ("other event", False)):
             some = {
-                other: scaled[other] for other in far if (far[other].event == one.event) is same
+                key: scaled[key]
+                for key, other in far.items()
+                if (other.event == record.event) is same
             }
             add(part, some)
-    others, target = {other: each.values for other, each in far.items()}, spectrum_of([one.values])
+    target = spectrum_of([record.values])
     add(PGA_ELSEWHERE, scaled, GROUPS[0])
-    needed = kept(
+    needed = saved(
         f"{name}, {SA_ELSEWHERE}", tried_by_spectrum, prediction.yields, others, target, GROUPS[0]
     )
-    found.append(compared(prediction, needed, list(others), SA_ELSEWHERE))
-    return xr.concat(found, "case")
+    parts.append(compared(prediction, needed, list(others), SA_ELSEWHERE))
+    return xr.concat(parts, "case")
 
 
 def spectrum_of(components: Sequence[xr.DataArray]) -> xr.DataArray:
@@ -439,16 +448,16 @@ def spectrum_of(components: Sequence[xr.DataArray]) -> xr.DataArray:
     return marked(labelled(period, values, DAMPING, "a record"), OF_RECORDS)
 
 
-def from_both(kept: Kept, records: Mapping[str, Recorded], place: str) -> xr.Dataset:
+def from_both(saved: SavedResults, records: Mapping[str, Recorded], place: str) -> xr.Dataset:
     """Fitted to both components of a station: each of them, and the rest of its suite by Sa.
 
     The scatter is that of the fit, which differs from station to station.
     """
-    both = {name: each for name, each in records.items() if each.place == place}
+    both = {name: record for name, record in records.items() if record.place == place}
     suite = next(iter(both.values())).suite
     groups = pairs_on(suite)
-    shortest = min(each.values.size for each in both.values())
-    components = [each.values[:shortest] for each in both.values()]
+    shortest = min(record.values.size for record in both.values())
+    components = [record.values[:shortest] for record in both.values()]
 
     def fitted() -> tuple[Motion, float]:
         motion = sl.fit_motion(components)
@@ -457,18 +466,22 @@ def from_both(kept: Kept, records: Mapping[str, Recorded], place: str) -> xr.Dat
         ), motion.scatter
 
     name = f"{place}, both"
-    motion, scatter = kept(f"{name}, motion", fitted)
-    prediction = kept.prediction(name, motion, (0.0, scatter))
+    motion, scatter = saved(f"{name}, motion", fitted)
+    prediction = saved.prediction(name, motion, (0.0, scatter))
     prediction = prediction._replace(levels=(0.0, FITTED))
     pairs = [n for group in groups for n in group]
-    own = {name: each.values for name, each in both.items()}
-    needed = kept(f"{name}, own", tried, prediction.yields, own, pairs)
-    found = compared(prediction, needed, list(own), BOTH)
-    rest = {o: e.values for o, e in records.items() if e.suite == suite and o not in both}
+    of_place = {key: record.values for key, record in both.items()}
+    needed = saved(f"{name}, own", tried, prediction.yields, of_place, pairs)
+    near = compared(prediction, needed, list(of_place), BOTH)
+    rest = {
+        key: record.values
+        for key, record in records.items()
+        if record.suite == suite and key not in both
+    }
     target = spectrum_of(components)
-    needed = kept(f"{name}, by Sa", tried_by_spectrum, prediction.yields, rest, target, GROUPS[0])
+    needed = saved(f"{name}, by Sa", tried_by_spectrum, prediction.yields, rest, target, GROUPS[0])
     far = compared(prediction, needed, list(rest), SA_ELSEWHERE_BOTH)
-    return xr.concat([found, far], "case")
+    return xr.concat([near, far], "case")
 
 
 # --- all of it
@@ -477,11 +490,11 @@ def from_both(kept: Kept, records: Mapping[str, Recorded], place: str) -> xr.Dat
 
 def all_cases(records: Mapping[str, Recorded], work: Path) -> xr.Dataset:
     """All that was tried, over case; with where each record is from."""
-    kept = Kept(work)
-    tables = [from_spectrum(kept, records, suite) for suite in LENGTHS]
-    tables += [from_record(kept, records, name) for name in records]
-    count = Counter(each.place for each in records.values())
-    tables += [from_both(kept, records, place) for place, number in count.items() if number == 2]
+    saved = SavedResults(work)
+    tables = [from_spectrum(saved, records, suite) for suite in LENGTHS]
+    tables += [from_record(saved, records, name) for name in records]
+    count = Counter(record.place for record in records.values())
+    tables += [from_both(saved, records, place) for place, number in count.items() if number == 2]
     cases = xr.concat(tables, "case", join="outer")
     names = cases.record.values
     return cases.assign_coords(
@@ -508,12 +521,12 @@ def main() -> None:
         )
     warnings.simplefilter("ignore", DoubtfulInput)  # strong buildings, large factors
     records = suites(table)
-    places = list(dict.fromkeys(each.place for each in records.values()))[:: options.every]
-    records = {name: each for name, each in records.items() if each.place in places}
+    places = list(dict.fromkeys(record.place for record in records.values()))[:: options.every]
+    records = {name: record for name, record in records.items() if record.place in places}
     cases = all_cases(records, options.work)
     save_table(cases, options.work / "cases.nc")
-    kept = Kept(options.work)
-    figures = figures_of(cases, rules_of(kept, records))
+    saved = SavedResults(options.work)
+    figures = figures_of(cases, rules_of(saved, records))
     text = tables_of(figures)
     print("\n\n".join(text.values()))
     if options.save:

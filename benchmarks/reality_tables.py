@@ -19,7 +19,7 @@ CURVE = np.union1d(NOMINAL, np.arange(0.05, 0.99, 0.05).round(2))
 EDGES = (0.0, 0.05, 0.2, 0.4, 0.6, 0.8, 0.95, 1.0)  # of predicted probabilities
 GRID = np.arange(0, 0.805, 0.01)  # of scatter
 DRAWS, TAIL = 2000, 0.025
-SPECTRUM, OWN, OTHER = "spectrum", "own component", "other component"
+SPECTRUM, OWN_COMPONENT, OTHER = "spectrum", "own component", "other component"
 BOTH, PGA_ELSEWHERE, SA_ELSEWHERE = "both components", "elsewhere by PGA", "elsewhere by Sa"
 SA_ELSEWHERE_BOTH = f"{SA_ELSEWHERE}, {BOTH}"
 USUAL, AFTER = OF_SPECTRUM.scatter, OTHER_COMPONENT.scatter
@@ -86,9 +86,9 @@ def misfits(cases: xr.Dataset) -> Array:
     variance = np.fmax(
         variance, cases.spread.isel(scatter=0, drop=True) ** 2
     )  # never less than without
-    each = np.log(variance) / 2 + off**2 / (2 * variance)
-    found: Array = each.mean(("strength", "pair")).transpose("case", "trial").to_numpy()
-    return found
+    misfit = np.log(variance) / 2 + off**2 / (2 * variance)
+    of_cases: Array = misfit.mean(("strength", "pair")).transpose("case", "trial").to_numpy()
+    return of_cases
 
 
 def scatter_of(groups: Sequence[xr.Dataset]) -> tuple[float, float, float]:
@@ -118,8 +118,8 @@ def shown(cases: xr.Dataset) -> dict[str, xr.Dataset]:
     groups = {
         "(a) spectrum, far field": of(cases, SPECTRUM, FAR_FIELD),
         "(a) spectrum, lake bed": of(cases, SPECTRUM, LAKE_BED),
-        "(b) own component, far field": of(cases, OWN, FAR_FIELD),
-        "(b) own component, lake bed": of(cases, OWN, LAKE_BED),
+        "(b) own component, far field": of(cases, OWN_COMPONENT, FAR_FIELD),
+        "(b) own component, lake bed": of(cases, OWN_COMPONENT, LAKE_BED),
         "(b) other component, far field": of(cases, OTHER, FAR_FIELD),
         "(b) other component, lake bed": of(cases, OTHER, LAKE_BED),
         "(c) same earthquake, other stations": of(cases, "other station"),
@@ -173,7 +173,7 @@ def _with_interval(
     """A share or a scatter with both ends of its interval, which are last in ``values``."""
     names = _with_ends(name, long_name).items()
     return {
-        each: (dims, np.array(values)[..., n], _attrs(text)) for n, (each, text) in enumerate(names)
+        key: (dims, np.array(values)[..., n], _attrs(text)) for n, (key, text) in enumerate(names)
     }
 
 
@@ -193,12 +193,12 @@ def _binned(group: xr.Dataset, scatter: float) -> Iterator[tuple[float, float, f
         yield *share_interval(hit.values, group.place.values), float(likely.where(inside).mean())
 
 
-def _percent(found: tuple[float, ...]) -> str:
-    return "{:.0f} ({:.0f} to {:.0f})".format(*(100 * value for value in found))
+def _percent(share: tuple[float, ...]) -> str:
+    return "{:.0f} ({:.0f} to {:.0f})".format(*(100 * value for value in share))
 
 
-def _likely(found: tuple[float, ...]) -> str:
-    return "" if np.isnan(found[0]) else "{:.2f} ({:.2f} to {:.2f})".format(*found)
+def _likely(scatter: tuple[float, ...]) -> str:
+    return "" if np.isnan(scatter[0]) else "{:.2f} ({:.2f} to {:.2f})".format(*scatter)
 
 
 def _table(head: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
@@ -222,18 +222,18 @@ def _held(figures: xr.Dataset) -> str:
 
 def _scatters(cases: xr.Dataset) -> xr.Dataset:
     """The most likely scatter, of each strength too."""
-    parts = *KNOWN_PLACE, *((OWN, suite) for suite in SUITES)
-    groups = {", ".join(each): [of(cases, *each)] for each in parts}
+    parts = *KNOWN_PLACE, *((OWN_COMPONENT, suite) for suite in SUITES)
+    groups = {", ".join(group): [of(cases, *group)] for group in parts}
     joint = {
-        "other component, both suites": [of(cases, *each) for each in KNOWN_PLACE[2:]],
-        "first four rows": [of(cases, *each) for each in KNOWN_PLACE],
+        "other component, both suites": [of(cases, *group) for group in KNOWN_PLACE[2:]],
+        "first four rows": [of(cases, *group) for group in KNOWN_PLACE],
     }
     by_strength = [
         [scatter_of([group.sel(strength=[s])])[0] for s in cases.strength.values]
         for (group,) in groups.values()
     ]
     unknown = [[np.nan] * cases.sizes["strength"]] * len(joint)
-    likely = [scatter_of(each) for each in (groups | joint).values()]
+    likely = [scatter_of(several) for several in (groups | joint).values()]
     columns = _with_interval("likely_scatter", ("source",), likely, "most likely scatter")
     attrs = _attrs("most likely scatter by strength")
     columns["likely_scatter_by_strength"] = ("source", "strength"), [*by_strength, *unknown], attrs
@@ -253,7 +253,7 @@ def _of_equal_gaps(gaps: xr.DataArray) -> xr.DataArray:
         )
         names.setdefault(next(alike, rule), []).append(str(gaps.rule.values[rule]))
     distinct = gaps.isel(rule=list(names))
-    return distinct.assign_coords(rule=[", ".join(each) for each in names.values()])
+    return distinct.assign_coords(rule=[", ".join(alike) for alike in names.values()])
 
 
 def judged_rules(cases: xr.Dataset, gaps: xr.DataArray) -> xr.Dataset:
@@ -263,19 +263,20 @@ def judged_rules(cases: xr.Dataset, gaps: xr.DataArray) -> xr.Dataset:
     own if the mean logarithms over the cells are.
     """
     gaps = _of_equal_gaps(gaps)
-    found: dict[str, list[list[float]]] = {name: [] for name in _RULE_COLUMNS}
+    columns_of_rules: dict[str, list[list[float]]] = {name: [] for name in _RULE_COLUMNS}
     for suite in gaps.suite.values:
         group = of(cases, SPECTRUM, suite).isel(pair=gaps.pair.values)
         needed, place = group.needed.drop_vars("pair", errors="ignore"), group.place.values
-        own = gaps.sel(suite=suite).drop_vars("pair")
-        equal = np.exp(np.log(own.isel(rule=0) / own).mean(("strength", "pair")))
+        of_suite = gaps.sel(suite=suite).drop_vars("pair")
+        equal = np.exp(np.log(of_suite.isel(rule=0) / of_suite).mean(("strength", "pair")))
         for name in gaps.rule.values:
-            gap = own.sel(rule=name)
+            gap = of_suite.sel(rule=name)
             logs = np.log((needed / gap).where(needed > 0))
             cells = logs.mean("case")
+            gaps_tried = gap, gap * equal.sel(rule=name)
             held, held_equal = (
-                share_interval((needed <= each).transpose("case", ...).values * 1.0, place)
-                for each in (gap, gap * equal.sel(rule=name))
+                share_interval((needed <= width).transpose("case", ...).values * 1.0, place)
+                for width in gaps_tried
             )
             values = (
                 float(np.exp(logs.median())),
@@ -286,12 +287,12 @@ def judged_rules(cases: xr.Dataset, gaps: xr.DataArray) -> xr.Dataset:
                 *held_equal,
             )
             for column, value in zip(_RULE_COLUMNS, values, strict=True):
-                found[column].append(value)
+                columns_of_rules[column].append(value)
     sizes = gaps.sizes["suite"], gaps.sizes["rule"]
     columns = {
         name: (
             ("suite", "rule"),
-            np.reshape(found[name], sizes),
+            np.reshape(columns_of_rules[name], sizes),
             {"units": "1", "long_name": long_name},
         )
         for name, long_name in _RULE_COLUMNS.items()
@@ -325,15 +326,15 @@ def _ends(table: xr.Dataset, name: str) -> tuple[float, ...]:
 def _rules(figures: xr.Dataset) -> str:
     rows = []
     for suite in figures.suite.values:
-        own = figures.sel(suite=suite)
-        order = own.rule_held_at_equal_gap.argsort().values[::-1]
+        of_suite = figures.sel(suite=suite)
+        order = of_suite.rule_held_at_equal_gap.argsort().values[::-1]
         for number, n in enumerate(order):
-            one = own.isel(rule=n)
+            rule = of_suite.isel(rule=n)
             rows.append(
-                (suite if not number else "", str(one.rule.values).replace("_", "\\_"),
-                 f"{float(one.rule_median_ratio):.2f}", f"{float(one.rule_scatter_within):.2f}",
-                 f"{float(one.rule_scatter_between):.2f}", _percent(_ends(one, "rule_held")),
-                 f"{float(one.rule_factor):.2f}", _percent(_ends(one, "rule_held_at_equal_gap")))
+                (suite if not number else "", str(rule.rule.values).replace("_", "\\_"),
+                 f"{float(rule.rule_median_ratio):.2f}", f"{float(rule.rule_scatter_within):.2f}",
+                 f"{float(rule.rule_scatter_between):.2f}", _percent(_ends(rule, "rule_held")),
+                 f"{float(rule.rule_factor):.2f}", _percent(_ends(rule, "rule_held_at_equal_gap")))
             )  # fmt: skip
     head = (
         "",
@@ -352,13 +353,13 @@ def _rules(figures: xr.Dataset) -> str:
 # ---------------------------------------------------------------------------
 
 
-ONE = "one component"
+ONE_COMPONENT = "one component"
 REST = "the rest of the suite, scaled by"
 _TRIALS = {  # fitted to, tried on, scatters
-    OTHER: (ONE, "the other component", (0.0, USUAL, AFTER)),
+    OTHER: (ONE_COMPONENT, "the other component", (0.0, USUAL, AFTER)),
     BOTH: (BOTH, "each of them", (0.0, FITTED)),
-    PGA_ELSEWHERE: (ONE, f"{REST} PGA", (0.0, USUAL, AFTER)),
-    SA_ELSEWHERE: (ONE, f"{REST} Sa", (0.0, USUAL, AFTER)),
+    PGA_ELSEWHERE: (ONE_COMPONENT, f"{REST} PGA", (0.0, USUAL, AFTER)),
+    SA_ELSEWHERE: (ONE_COMPONENT, f"{REST} Sa", (0.0, USUAL, AFTER)),
     SA_ELSEWHERE_BOTH: (BOTH, f"{REST} Sa", (0.0, FITTED)),
 }
 
@@ -370,9 +371,9 @@ def _of_components(cases: xr.Dataset) -> xr.Dataset:
     for part, level in trials:
         groups = [of(cases, part, suite) for suite in SUITES]
         shares.append([_share(group, level, CONFIDENCE) for group in groups])
-        known = level == 0 and FITTED not in _TRIALS[part][2]
+        has_likely = level == 0 and FITTED not in _TRIALS[part][2]
         of_group = (scatter_of([group.sel(scatter=list(LEVELS))]) for group in groups)
-        likely.append(list(of_group) if known else [[np.nan] * 3] * len(SUITES))
+        likely.append(list(of_group) if has_likely else [[np.nan] * 3] * len(SUITES))
     dims = ("trial", "suite")
     columns = {
         **_with_interval("trial_held", dims, shares, "share of the gaps of 90 % that held"),
@@ -393,8 +394,8 @@ def _components(figures: xr.Dataset) -> str:
         row = [fitted, on] if level == levels[0] else ["", ""]
         row.append("of the fit" if level == FITTED else f"{level:g}")
         of_suites = [trial.sel(suite=suite) for suite in SUITES]
-        row += [_percent(_ends(one, "trial_held")) for one in of_suites]
-        rows.append([*row, *(_likely(_ends(one, "trial_scatter")) for one in of_suites)])
+        row += [_percent(_ends(of_suite, "trial_held")) for of_suite in of_suites]
+        rows.append([*row, *(_likely(_ends(of_suite, "trial_scatter")) for of_suite in of_suites)])
     held_on = [f"held on the {suite}, %" for suite in SUITES]
     scatters = [f"most likely scatter, {suite}" for suite in SUITES]
     return _table(("Fitted to", "tried on", "scatter", *held_on, *scatters), rows)
@@ -404,6 +405,6 @@ def write_page(page: Path, tables: dict[str, str]) -> None:
     """Put each table where the page names it: between ``<!-- name -->`` and ``<!-- end -->``."""
     text = page.read_text(encoding="utf-8")
     for name, table in tables.items():
-        found = re.compile(rf"(<!-- {name} -->\n).*?(<!-- end -->)", re.DOTALL)
-        text = found.sub(lambda match, table=table: f"{match[1]}\n{table}\n\n{match[2]}", text)
+        pattern = re.compile(rf"(<!-- {name} -->\n).*?(<!-- end -->)", re.DOTALL)
+        text = pattern.sub(lambda match, table=table: f"{match[1]}\n{table}\n\n{match[2]}", text)
     page.write_text(text, encoding="utf-8")

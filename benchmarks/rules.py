@@ -43,10 +43,8 @@ RULES = {
 def errors(ground, factor, periods, paths=PATHS):
     """Gap over the simulated minus 1, by rule, of all pairs, and the latter's standard error."""
     period = xr.DataArray(periods, dims="period")
-    first, second = (
-        sl.Bilinear(each, 0.05, HARDENING, reduction_factor=factor)
-        for each in (RATIOS * period, period)
-    )
+    first = sl.Bilinear(RATIOS * period, 0.05, HARDENING, reduction_factor=factor)
+    second = sl.Bilinear(period, 0.05, HARDENING, reduction_factor=factor)
     table = sl.separation(
         first,
         second,
@@ -77,23 +75,22 @@ def results():
 
 def in_words(percent):
     """Mean (least to largest), without a sign of zeros."""
-    mean, least, largest = (
-        f"{round(float(each)) + 0:+d}" for each in (percent.mean(), percent.min(), percent.max())
-    )
+    numbers = percent.mean(), percent.min(), percent.max()
+    mean, least, largest = (f"{round(float(number)) + 0:+d}" for number in numbers)
     return f"{mean} ({least} to {largest})"
 
 
-def table(found):
+def table(by_case):
     """Rows by rule, columns by ground and R: mean (least to largest) error in %."""
-    lines = [["$\\rho$ by", *found], ["---"] * (1 + len(found))]
+    lines = [["$\\rho$ by", *by_case], ["---"] * (1 + len(by_case))]
     for rule, text in RULES.items():
-        percent = [100 * error.sel(rule=rule) for error, _ in found.values()]
+        percent = [100 * error.sel(rule=rule) for error, _ in by_case.values()]
         lines.append([text, *map(in_words, percent)])
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 
 
 if __name__ == "__main__":
-    found = results()
-    print(table(found))
-    largest = max(float(error.max()) for _, error in found.values())
+    by_case = results()
+    print(table(by_case))
+    largest = max(float(error.max()) for _, error in by_case.values())
     print(f"standard error of a gap: at most {100 * largest:.1f} %")

@@ -36,8 +36,8 @@ PAIR = tuple(sl.Bilinear(*numbers) for numbers in NUMBERS[:2])
 QUAKE = {"duration": 30.0, "envelope": sl.AminAng(4.0, 15.0, 0.35)}
 FIRST_TABLE = (
     "import numpy as np, stochlin as sl\n"
-    "own = {'damping': 0.05, 'hardening': 0.05, 'reduction_factor': 4}\n"
-    "first, second = (sl.Bilinear(np.linspace(0.2, 4, 50), **own) for _ in range(2))\n"
+    "common = {'damping': 0.05, 'hardening': 0.05, 'reduction_factor': 4}\n"
+    "first, second = (sl.Bilinear(np.linspace(0.2, 4, 50), **common) for _ in range(2))\n"
     "sl.correlate(first, second, sl.KanaiTajimi(2.0, 0.3)).rho.values\n"
 )
 
@@ -140,9 +140,9 @@ def peer_jobs():
     sides = []
     for seed, dim in ((1, "one"), (2, "two")):
         side = structures(SIDE, dim, seed)
-        own = [side.period, side.damping, side.hardening]
+        parameters = [side.period, side.damping, side.hardening]
         table = sl.linearize(side, GROUND)
-        rows = np.array([*own, 1 + table.c_eq, table.k_eq]).T
+        rows = np.array([*parameters, 1 + table.c_eq, table.k_eq]).T
         sides.append(np.array([equations(*row) for row in rows]))
 
     def by_scipy(matrix, noise):
@@ -200,8 +200,8 @@ FIRST = "the first table, with import, from an empty cache"
 
 
 def main():
-    own = Path(__file__).parents[1]
-    checkouts = [*map(Path, sys.argv[1:]), own]
+    repository = Path(__file__).parents[1]
+    checkouts = [*map(Path, sys.argv[1:]), repository]
     names, peers = [*table_jobs(), FIRST], []
     if len(checkouts) == 1:
         jobs = peer_jobs()

@@ -44,15 +44,21 @@ class TwoPeaks(Ground):
     @staticmethod
     def filter(values):
         """The sum of both accelerations."""
-        w, second = (2 * np.pi / values[name] for name in ("period", "second_period"))
-        one = [w**2, 2 * values["damping"] * w]
-        two = [second**2, 2 * values["second_damping"] * second]
+        w_1 = 2 * np.pi / values["period"]
+        w_2 = 2 * np.pi / values["second_period"]
+        first = [w_1**2, 2 * values["damping"] * w_1]
+        second = [w_2**2, 2 * values["second_damping"] * w_2]
         return Filter(
             values["intensity"],
             states=("x", "x_rate", "y", "y_rate"),
-            matrix=[[0, 1, 0, 0], [-one[0], -one[1], 0, 0], [0, 0, 0, 1], [0, 0, -two[0], -two[1]]],
+            matrix=[
+                [0, 1, 0, 0],
+                [-first[0], -first[1], 0, 0],
+                [0, 0, 0, 1],
+                [0, 0, -second[0], -second[1]],
+            ],
             noise=[0, 1, 0, 1],
-            output=[*one, *(values["share"] * each for each in two)],
+            output=[*first, *(values["share"] * term for term in second)],
         )
 
 
@@ -69,17 +75,19 @@ def simulated_pairs():
         soil = [first, second, between(first, 0.25), between(0.4, 1.0)]
         mean, ratio = between(0.35, 2.9, 2), between(3**-0.5, 3**0.5, 2)
         limits = ((0.01, 0.1), (0.02, 0.5), (0.3, 4.0))
-        own = [np.ravel([mean * ratio, mean / ratio], "F"), *(between(*each, 4) for each in limits)]
-        each = [
-            sl.Bilinear(*values, reduction_factor=3 * R) for *values, R in zip(*own, strict=True)
+        periods = np.ravel([mean * ratio, mean / ratio], "F")
+        parameters = [periods, *(between(*ends, 4) for ends in limits)]
+        buildings = [
+            sl.Bilinear(*values, reduction_factor=3 * R)
+            for *values, R in zip(*parameters, strict=True)
         ]
-        table = sl.simulate(each, TwoPeaks(1.0, *soil), paths=PATHS, seed=seed)
+        table = sl.simulate(buildings, TwoPeaks(1.0, *soil), paths=PATHS, seed=seed)
         std, rho = table.displacement_std.values, table.rho.values
         share, off = (
             table[f"{name}_standard_error"].values for name in ("displacement_std", "rho")
         )
         for n in (0, 2):
-            sides = [values[k] for k in (n, n + 1) for values in own]
+            sides = [values[k] for k in (n, n + 1) for values in parameters]
             moments = std[n], std[n + 1], rho[n, n + 1]
             errors = share[n] / std[n], share[n + 1] / std[n + 1], off[n, n + 1] / (1 - moments[2])
             certain, _ = error_of_difference(
@@ -94,13 +102,13 @@ def simulated_pairs():
 
 def errors(pairs):
     """Of every part: errors of standard deviations, of rho and, with sign, of the difference."""
-    found, ground = {}, TwoPeaks(1.0, *(pairs[f"ground_{name}"] for name in SOIL))
+    of_parts, ground = {}, TwoPeaks(1.0, *(pairs[f"ground_{name}"] for name in SOIL))
     exact = [pairs[name].values for name in MOMENTS]
     for name, values in parts(structures(pairs), ground).items():
         std = [abs(values[n] / exact[n] - 1) for n in (0, 1)]
         apart = difference(*values) / difference(*exact) - 1
-        found[name] = np.concatenate(std), abs(values[2] - exact[2]), apart
-    return found
+        of_parts[name] = np.concatenate(std), abs(values[2] - exact[2]), apart
+    return of_parts
 
 
 if __name__ == "__main__":
