@@ -8,7 +8,7 @@ import numpy as np
 
 from stochlin.models.buildings.base import GRAVITY
 from stochlin.views.shared.blocks import Items, TableBlock, TextBlock, ViewSection
-from stochlin.views.shared.words import NBSP, TURNS_IN_PLAN, along, length, per_cent
+from stochlin.views.shared.words import NBSP, TURNS_IN_PLAN, along, counted, length, per_cent
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -26,8 +26,8 @@ def building_sections(
     """The sections of ``stochlin building``; ``ideal`` is the idealized pushover curve."""
     height = float(table["level"][-1])
     mass = float(table["mass"].sum()) / 1000
-    modes = _count(table.sizes["mode"], "mode")
-    floors = _count(table.sizes["floor"], "floor")
+    modes = counted(table.sizes["mode"], "mode")
+    floors = counted(table.sizes["floor"], "floor")
     along_axis = f" along {table.attrs['direction']}" if "direction" in table.attrs else ""
     head = (
         f"{table.attrs['source']}: {modes}{along_axis} of {floors}, {height:.4g}{NBSP}m high, "
@@ -44,10 +44,6 @@ def building_sections(
         ViewSection(moves, [_floors(table)]),
         ViewSection("Taken and assumed", [Items(taken)]),
     ]
-
-
-def _count(number: int, what: str) -> str:
-    return f"{number} {what}{'s' * (number > 1)}"
 
 
 def _modes(table: xr.Dataset) -> TableBlock:
@@ -99,7 +95,7 @@ def _assumed(table: xr.Dataset, building: ModalBuilding) -> Iterator[str]:
     if "turning" in table.attrs:
         yield TURNS_IN_PLAN.format(building=table.attrs["source"])
     if "below_ground" in table.attrs:
-        count = _count(table.attrs["below_ground"], "floor")
+        count = counted(table.attrs["below_ground"], "floor")
         yield (
             f"Left out: {count} at or below the ground, with whose mass the lowest floor is shown."
         )

@@ -142,7 +142,9 @@ def _sides(axes: Axes, dataset: xr.Dataset, number: int) -> None:
         transform = axes.get_xaxis_transform()
         axes.plot(hits, np.full(hits.size, 1.0), transform=transform, label="impact", **style)
     if "level" in dataset.coords:
-        where = f"{float(contact.level):.4g} m up{', SLAB AGAINST COLUMN' * struck}"
+        where = f"{float(contact.level):.4g} m up"
+        if struck:
+            where += ", SLAB AGAINST COLUMN"
         axes.text(0.01, 0.97, where, transform=axes.transAxes, va="top", size=8)
     axes.set_ylabel("place [cm]")
 

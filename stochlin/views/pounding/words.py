@@ -19,6 +19,7 @@ from stochlin.views.shared.words import (
     NO_VALUE,
     along,
     at_medians,
+    counted,
     files_taken,
     floors,
     in_g,
@@ -114,7 +115,7 @@ def headline(table: xr.Dataset) -> str:
         gap = float(table["gap"][nearest])
         return f"no pounding. At least {length(left)} of the gap of {length(gap)} remain open."
     begin = float(table.impact_time.min())
-    sentence = f"{count} impact{'s' * (count > 1)}, the first at {begin:.2f} s."
+    sentence = f"{counted(count, 'impact')}, the first at {begin:.2f} s."
     force = float(table.largest_force.max(skipna=False))
     speed = float(table.fastest_approach.max())
     if np.isfinite(force):
@@ -140,7 +141,7 @@ def columns_faced(table: xr.Dataset, end: str = "", when: str = "") -> str:
     if np.isfinite(share):
         force += f", {per_cent(share)} of the storey's shear at yield"
     return (
-        f"SLABS HIT COLUMNS at {hit} contact{'s' * (hit > 1)}, since the floors are not level. "
+        f"SLABS HIT COLUMNS at {counted(hit, 'contact')}, since the floors are not level. "
         f"Hardest, {float(contact.level):.4g} m up: the columns of storey {int(contact.storey)} of "
         f"building {struck} take {force}{when}. They carry the building above: check them in "
         "bending and shear, or widen the gap."

@@ -31,6 +31,7 @@ from stochlin.views.shared.words import (
     left_out,
     length,
     per_cent,
+    plural,
     rule_label,
     scatter,
     shaking,
@@ -172,7 +173,7 @@ def first_lines(answer: CaseAnswer) -> list[str]:
     if not np.isfinite(required):
         return [*filter(None, lines)]
     peaks = of_each(table, "peak_mean")
-    means = f"mean peak{'s' * (len(peaks) > 1)} {' and '.join(map(centimetres, peaks))}{NBSP}cm"
+    means = f"mean {plural('peak', len(peaks))} {' and '.join(map(centimetres, peaks))}{NBSP}cm"
     why = f"{confidence(case)} of {case.simulated.motions} motions need no more"
     return [*filter(None, lines), f"Why: {why}; {means}{contact_level(answer)}."]
 

@@ -55,6 +55,16 @@ def centimetres(metres: float) -> str:
     return f"{value:.1f}" if value >= 0.95 else f"{value:.2g}"
 
 
+def counted(number: int, noun: str) -> str:
+    """A number with its noun, such as ``2 impacts``."""
+    return f"{number} {plural(noun, number)}"
+
+
+def plural(noun: str, number: int) -> str:
+    """The noun for this number of things."""
+    return noun if number == 1 else f"{noun}s"
+
+
 def length(metres: float) -> str:
     """A length in cm, with its unit."""
     return f"{centimetres(metres)}{NBSP}cm"
