@@ -13,7 +13,7 @@ from cases import BLOCK, example_of_short_motion, with_buildings
 
 import stochlin as sl
 from stochlin.applications.cases.separation import answer_case
-from stochlin.applications.explorer.answers import PATHS, correlations, gap_by_few_motions
+from stochlin.applications.explorer.answers import PATHS_OF_ANSWER, correlations, gap_by_few_motions
 from stochlin.views.explorer.answers import correlation_of, gap_of
 from stochlin.views.separation.words import first_lines
 
@@ -38,14 +38,14 @@ def answered(question, text, folder):
 def test_the_gap_is_that_of_the_case_with_few_motions(tmp_path):
     (tmp_path / "case.toml").write_text(TEXT, encoding="utf-8")
     case = sl.read_case(tmp_path / "case.toml")
-    few = dataclasses.replace(case.simulated, paths=PATHS)
+    few = dataclasses.replace(case.simulated, paths=PATHS_OF_ANSWER)
     expected = answer_case(dataclasses.replace(case, simulated=few))
     page = answered(gap_of, TEXT.replace('title = "', 'title = "<b>'), tmp_path)
     for sentence in first_lines(expected):
         assert sentence in page
     shown = [answer.separation.gap for answer in (gap_by_few_motions(case), expected)]
     xr.testing.assert_identical(*shown)
-    assert f"From {PATHS} motions; 'stochlin gap' takes more" in page
+    assert f"From {PATHS_OF_ANSWER} motions; 'stochlin gap' takes more" in page
     assert "RuleGap [cm]Error" in page
 
 

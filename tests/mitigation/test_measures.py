@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import stochlin as sl
-from stochlin.applications.separation.existing_gap import CLOSE
+from stochlin.applications.separation.existing_gap import CLOSE_GAPS
 
 pytestmark = pytest.mark.oracle
 
@@ -48,10 +48,12 @@ def test_as_built_and_least_damping_are_those_of_existing_gap(table):
     assert float(built.no_pounding_probability) == float(known.no_pounding_probability)
     np.testing.assert_allclose(built.required_gap, known.required_gap, rtol=1e-9)
     least = table.sel(measure="least damping, both")
-    # Both searches end within CLOSE of the gap, which falls with a third or more of the damping's
-    # power.
-    np.testing.assert_allclose(least.added_damping_1, known.least_added_damping, rtol=3 * CLOSE)
-    np.testing.assert_allclose(least.required_gap, GAP, rtol=CLOSE)
+    # Both searches end within CLOSE_GAPS of the gap, which falls with a third or more of the
+    # damping's power.
+    np.testing.assert_allclose(
+        least.added_damping_1, known.least_added_damping, rtol=3 * CLOSE_GAPS
+    )
+    np.testing.assert_allclose(least.required_gap, GAP, rtol=CLOSE_GAPS)
     assert float(least.added_damping_1) == float(least.added_damping_2) > 0
 
 
@@ -81,7 +83,7 @@ def test_least_measures_are_just_enough(table):
     least = table.where(table.kind == "least", drop=True)
     known = least.required_gap.notnull()
     assert int(known.sum()) >= 2
-    np.testing.assert_allclose(least.required_gap[known], GAP, rtol=CLOSE)
+    np.testing.assert_allclose(least.required_gap[known], GAP, rtol=CLOSE_GAPS)
     for name in least.measure.values[~known.values]:
         row = least.sel(measure=name)
         assert "was searched, and none is enough" in row.missing.item()

@@ -13,14 +13,14 @@ from cases import read_text
 
 import stochlin as sl
 from stochlin.applications.sheets.quantities import (
-    ANGULAR,
-    DISPLACEMENT,
-    FREQUENCY,
-    PERIOD,
+    ANGULAR_COLUMN,
+    DISPLACEMENT_COLUMN,
+    FREQUENCY_COLUMN,
+    PERIOD_COLUMN,
     QUANTITIES,
-    RATE,
-    RETURN_PERIOD,
-    TIME,
+    RATE_COLUMN,
+    RETURN_PERIOD_COLUMN,
+    TIME_COLUMN,
     Quantity,
 )
 from stochlin.models.units import UNITS, size_of
@@ -67,7 +67,7 @@ READERS = {
         ("period_column", "column"),
         both,
         np.array([T, G * SA]),
-        {PERIOD: T, FREQUENCY: 1 / T, ANGULAR: 2 * np.pi / T},
+        {PERIOD_COLUMN: T, FREQUENCY_COLUMN: 1 / T, ANGULAR_COLUMN: 2 * np.pi / T},
         {"units": "g"},
     ),
     "record": Reader(
@@ -77,7 +77,7 @@ READERS = {
         ("time_column", "column"),
         both,
         np.array([TIMES, G * WAVE]),
-        {TIME: TIMES},
+        {TIME_COLUMN: TIMES},
         {"units": "g"},
     ),
     "hazard": Reader(
@@ -87,7 +87,7 @@ READERS = {
         ("frequency_column", "column"),
         lambda curve: np.array([curve.frequencies, curve.intensities]),
         np.array([RATES, G * LEVELS]),
-        {RATE: RATES, RETURN_PERIOD: 1 / RATES},
+        {RATE_COLUMN: RATES, RETURN_PERIOD_COLUMN: 1 / RATES},
         {"units": "g"},
     ),
     "pushover": Reader(
@@ -97,7 +97,7 @@ READERS = {
         ("displacement_column", "force_column"),
         both,
         np.array([ROOF, 1e3 * SHEAR]),
-        {DISPLACEMENT: ROOF},
+        {DISPLACEMENT_COLUMN: ROOF},
         {"length_units": "m", "force_units": "kN"},
     ),
 }

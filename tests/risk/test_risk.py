@@ -159,7 +159,7 @@ def test_the_error_of_a_rate_contains_that_of_the_intensities(monkeypatch):
     pair = dict(zip(("first", "second"), YIELDING, strict=True))
     motion = pair, GROUND, sl.PowerLawHazard(k0=0.02, k=2.5), FiniteMotion(15.0, SHAPE, 0.0, 3), 512
     usual = risk_module.simulated_risk(*motion)
-    monkeypatch.setattr(risk_module, "POINTS", 97)
+    monkeypatch.setattr(risk_module, "SIMULATED_INTENSITIES", 97)
     fine = risk_module.simulated_risk(*motion)
     for gap in (0.05, 0.1, 0.2):
         off = abs(usual.rate(gap)[0] - fine.rate(gap)[0])

@@ -12,7 +12,7 @@ import xarray as xr
 
 from stochlin.applications.buildings.mode_files import AskedModes, ModesOfFile, csi
 from stochlin.applications.buildings.mode_files import plain as plain_form
-from stochlin.applications.buildings.mode_files.csi_tables import RATIOS, tables_in
+from stochlin.applications.buildings.mode_files.csi_tables import MASS_RATIOS, tables_in
 from stochlin.applications.sheets.sheets import check_alone, sheets_of
 from stochlin.files.inputs import input_path
 from stochlin.messages import DoubtfulInput, brief, listed, plain
@@ -22,8 +22,8 @@ from stochlin.models.buildings.modal import ModalBuilding, doubt_of_shape, effec
 from stochlin.solver.tables import labels
 
 Direction = Literal["UX", "UY"]
-DIRECTIONS: tuple[Direction, ...] = get_args(Direction)
-LOWEST = 0.01  # m: floors that are lower are at the ground or below it
+MODE_DIRECTIONS: tuple[Direction, ...] = get_args(Direction)
+LOWEST_FLOOR = 0.01  # m: floors that are lower are at the ground or below it
 
 
 @checked
@@ -117,9 +117,9 @@ def read_modes(
     of_plain = plain_form.sheets_in(sheets)
     readable = [*of_plain, *(table.sheet for table in [*tables.values()][:1])]
     if not readable:
-        begins = f"{plain_form.HEADER} or a line 'TABLE:  {RATIOS}' of ETABS"
+        begins = f"{plain_form.HEADER} or a line 'TABLE:  {MASS_RATIOS}' of ETABS"
         what = f"{name} is no file of modes that is known; allowed: a file with {begins}"
-        raise ValueError(f"{what}, or a folder with '{RATIOS}.csv' and others so named")
+        raise ValueError(f"{what}, or a folder with '{MASS_RATIOS}.csv' and others so named")
     check_alone(readable, "modes")
     modes = csi.read(tables, choice) if tables else plain_form.read(readable[0], choice)
     return _labelled(modes, name, choice.direction)
@@ -146,10 +146,10 @@ def _labelled(modes: ModesOfFile, name: str, direction: str | None) -> xr.Datase
     up = np.argsort(modes.levels)
     longest = np.argsort(-modes.periods, kind="stable")
     masses = modes.masses[up]
-    below = int((modes.levels < LOWEST).sum())
+    below = int((modes.levels < LOWEST_FLOOR).sum())
     if below == up.size:
         raise ValueError(
-            f"{name}: no floor is above the ground; allowed: levels above {LOWEST:g} m"
+            f"{name}: no floor is above the ground; allowed: levels above {LOWEST_FLOOR:g} m"
         )
     masses[below] += masses[:below].sum()
     up = up[below:]
@@ -189,7 +189,11 @@ def _labelled(modes: ModesOfFile, name: str, direction: str | None) -> xr.Datase
 def _warn_of_order(table: xr.Dataset, name: str) -> None:
     """Warn if the leading mode moves most below, as if the floors were upside down."""
     shapes = table["shape"].values
-    known = table.get("modal_mass")
-    own = effective_masses_of(shapes, table["mass"].values) if known is None else known.values
-    for text in doubt_of_shape(shapes[np.argmax(own)]):
+    modal_mass = table.get("modal_mass")
+    masses = (
+        effective_masses_of(shapes, table["mass"].values)
+        if modal_mass is None
+        else modal_mass.values
+    )
+    for text in doubt_of_shape(shapes[np.argmax(masses)]):
         warnings.warn(f"{name}: {text}", DoubtfulInput, stacklevel=4)

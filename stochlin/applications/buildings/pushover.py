@@ -29,16 +29,16 @@ from stochlin.models.structures import STATIONARY_HARDENING
 from stochlin.solver.tables import labels
 
 CURVE = "base_shear"
-DISPLACEMENT = "displacement"
+ROOF_DISPLACEMENT = "displacement"
 OF_ROOF = "displacement of the roof"
-FEWEST = 4  # points of a curve
+FEWEST_POINTS = 4  # points of a curve
 LEAST_HARDENING = 0.01
 FLAT = 1e-3  # relative difference of base shears that are alike
-SMALL = 1e-3  # share of the largest values up to which the first point is the origin
-EQUAL = 1e-9  # difference of areas, relative to the area
+AT_ORIGIN = 1e-3  # share of the largest values up to which the first point is the origin
+EQUAL_AREAS = 1e-9  # difference of areas, relative to the area
 BEND = 1e-3  # least energy beyond that of a straight line, relative to it
 BEGINNING = 0.1  # share of the largest base shear up to which the curve is taken to be elastic
-REFERENCE = "ASCE/SEI 41-17 (2017), 7.4.3.2.4."
+IDEALIZATION_REFERENCE = "ASCE/SEI 41-17 (2017), 7.4.3.2.4."
 
 
 @checked
@@ -111,8 +111,8 @@ def read_pushover(
     for column in (n for n, name in enumerate(table.names) if "case" in name):
         check_one_kind(table, column, "load case")
     needs = [
-        Need("displacement_column", displacement_column, (quantities.DISPLACEMENT,)),
-        Need("force_column", force_column, (quantities.FORCE,)),
+        Need("displacement_column", displacement_column, (quantities.DISPLACEMENT_COLUMN,)),
+        Need("force_column", force_column, (quantities.FORCE_COLUMN,)),
     ]
     choices = [choice for choice in chosen(table, needs) if choice]
     series = []
@@ -120,13 +120,13 @@ def read_pushover(
         values = choice.in_si(units)
         series.append(values * np.sign(values[np.argmax(np.abs(values))]))
     displacement, force = checked_curve(series[0], series[1], table.places())
-    for what, values, unit in ((DISPLACEMENT, displacement, "m"), ("force", force, "N")):
+    for what, values, unit in ((ROOF_DISPLACEMENT, displacement, "m"), ("force", force, "N")):
         if text := PLAUSIBLE[f"{what} of a pushover"].doubt(float(values.max())):
             largest = f"{name}: its largest {what} is {values.max():.3g} {unit}"
             warnings.warn(f"{largest}; {text}", DoubtfulInput, stacklevel=3)
     return xr.DataArray(
         force,
-        coords=[labels.axis(DISPLACEMENT, OF_ROOF, displacement, "m")],
+        coords=[labels.axis(ROOF_DISPLACEMENT, OF_ROOF, displacement, "m")],
         name=CURVE,
         attrs={"units": "N", "long_name": "base shear", "source": name} | noted(choices),
     )
@@ -240,8 +240,8 @@ def bilinear_of(
         },
     )
     title = "Bilinear idealization of a pushover curve"
-    table = labels.label(table, {DISPLACEMENT: ("m", OF_ROOF)})
-    return labels.with_run_information(table, title, "bilinear_of()", {}, REFERENCE)
+    table = labels.label(table, {ROOF_DISPLACEMENT: ("m", OF_ROOF)})
+    return labels.with_run_information(table, title, "bilinear_of()", {}, IDEALIZATION_REFERENCE)
 
 
 def checked_curve(displacement: Array, force: Array, places: Sequence[str]) -> tuple[Array, Array]:
@@ -251,7 +251,7 @@ def checked_curve(displacement: Array, force: Array, places: Sequence[str]) -> t
     left out from where the displacement goes back. Raises a ValueError for what is no pushover
     curve.
     """
-    small = SMALL * np.abs([displacement, force]).max(axis=1, initial=0.0)
+    small = AT_ORIGIN * np.abs([displacement, force]).max(axis=1, initial=0.0)
     at_zero = force.size and abs(displacement[0]) <= small[0] and abs(force[0]) <= small[1]
     if at_zero:
         displacement = np.append(0.0, displacement[1:])
@@ -277,8 +277,8 @@ def checked_curve(displacement: Array, force: Array, places: Sequence[str]) -> t
     end = int(np.argmax(back)) if back.any() else u.size
     u = u[:end]
     v = v[:end]
-    if u.size < FEWEST:
-        raise ValueError(f"pushover has {u.size} points; allowed: {FEWEST} or more")
+    if u.size < FEWEST_POINTS:
+        raise ValueError(f"pushover has {u.size} points; allowed: {FEWEST_POINTS} or more")
     if u[0] != 0 or v[0] != 0:
         what = f"the curve begins at {u[0]:g} m and {v[0]:g} N; allowed: 0 and 0"
         raise ValueError(f"{places[0]}: {what}, so take off what the permanent loads cause")
@@ -297,9 +297,9 @@ def _peak_of(force: Array) -> int:
 
 def _curve_of(pushover: object) -> tuple[Array, Array]:
     """Displacements [m] and base shears [N] of a curve, checked."""
-    if not isinstance(pushover, xr.DataArray) or pushover.dims != (DISPLACEMENT,):
+    if not isinstance(pushover, xr.DataArray) or pushover.dims != (ROOF_DISPLACEMENT,):
         raise TypeError(f"pushover = {brief(pushover)}; allowed: what read_pushover returns")
-    arrays = pushover[DISPLACEMENT], pushover
+    arrays = pushover[ROOF_DISPLACEMENT], pushover
     for array, units in zip(arrays, ("m", "N"), strict=True):
         stated = array.attrs.get("units")
         if stated != units or array.dtype.kind not in "iuf" or not np.isfinite(array).all():
@@ -307,7 +307,8 @@ def _curve_of(pushover: object) -> tuple[Array, Array]:
             raise ValueError(
                 f"{what}; allowed: finite numbers with the attribute units = {units!r}"
             )
-    displacement, force = (array.to_numpy().astype(float) for array in arrays)
+    displacement = arrays[0].to_numpy().astype(float)
+    force = arrays[1].to_numpy().astype(float)
     return checked_curve(
         displacement, force, [f"pushover, point {n}" for n in range(1, force.size + 1)]
     )
@@ -347,9 +348,9 @@ def _idealized(u: Array, v: Array, energy: float) -> tuple[float, float, float]:
         return (force * u[-1] + last * (u[-1] - at_yield(force))) / energy - 2
 
     force = most
-    if excess(most) > EQUAL:  # else it hardly hardens, or has no such idealization
+    if excess(most) > EQUAL_AREAS:  # else it hardly hardens, or has no such idealization
         force = float(scipy.optimize.brentq(excess, 1e-6 * most, most, xtol=1e-9 * most))
-    if abs(excess(force)) > 1e3 * EQUAL:
+    if abs(excess(force)) > 1e3 * EQUAL_AREAS:
         what = "pushover: no two lines have its area and cross it at 0.6 of the yield force"
         raise ValueError(f"{what}; allowed: a curve that flattens")
     return force, at_yield(force), last

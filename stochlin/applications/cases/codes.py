@@ -31,7 +31,7 @@ APPLY = (
     "A code as you apply it: displacements under design forces times its factors, combined as it "
     "asks."
 )
-GIVEN = "given"
+GIVEN_DISPLACEMENTS = "given"
 BY_SPECTRUM = "by the first mode under the design spectrum"
 EC8 = "eurocode_8"  # name of its rule and of its spectrum
 LIMITED = (
@@ -44,8 +44,8 @@ def with_applied_codes(case: Case, table: xr.Dataset) -> xr.Dataset:
 
     A code that takes no displacements has its row already.
     """
-    known = {code.name: code for code in rules_with(case.wanted.numbers.more)}
-    codes = [known[name] for name in case.codes if known[name].multiplies]
+    rules_by_name = {code.name: code for code in rules_with(case.wanted.numbers.more)}
+    codes = [rules_by_name[name] for name in case.codes if rules_by_name[name].multiplies]
     rules = [_applied(case, code, table) for code in codes]
     if not rules:
         return table
@@ -77,14 +77,14 @@ def _applied(case: Case, rule: CodeRule, table: xr.Dataset) -> Rule:
         site = of_storeys(site, structures)
         site = site.with_arrays({f"height_{n}": heights for n, _ in enumerate(buildings, start=1)})
     floors = np.concatenate([design_displacements(case, building, rule) for building in buildings])
-    known: dict[str, Any] = {}
+    arrays: dict[str, Any] = {}
     for n, building in enumerate(buildings, start=1):
         factors = factors_of(building)
-        known[f"peak_{n}"] = np.array([at_height(system, n - 1, z) @ floors for z in heights])
-        known[f"importance_{n}"] = factors.get(IMPORTANCE)
+        arrays[f"peak_{n}"] = np.array([at_height(system, n - 1, z) @ floors for z in heights])
+        arrays[f"importance_{n}"] = factors.get(IMPORTANCE)
         # The behaviour factor has no effect on displacements of the spectrum that it divides first.
-        known[f"{rule.multiplies}_{n}"] = factors.get(rule.multiplies, 1.0)
-    row = code_row(rule, site.with_arrays(known))
+        arrays[f"{rule.multiplies}_{n}"] = factors.get(rule.multiplies, 1.0)
+    row = code_row(rule, site.with_arrays(arrays))
     return replace(row, name=name, assumptions=f"{row.assumptions}; {stated(case, rule)}")
 
 
@@ -124,7 +124,10 @@ def _reduces(case: Case, building: Building, rule: CodeRule) -> bool:
 def stated(case: Case, rule: CodeRule) -> str:
     """The displacements of the buildings and the factors of the code, in words."""
     buildings = one_or_two(case)
-    where = (GIVEN if each.form.displacements else BY_SPECTRUM for each in buildings)
+    where = (
+        GIVEN_DISPLACEMENTS if building.form.displacements else BY_SPECTRUM
+        for building in buildings
+    )
     sentences = [f"displacements {' and '.join(dict.fromkeys(where))}"]
     if any(_reduces(case, building, rule) for building in buildings):
         sentences.append(LIMITED)
@@ -142,5 +145,5 @@ def _beyond(case: Case, building: Building) -> str:
     shortest, longest = period[period > 0][[0, -1]]
     if shortest <= building.period <= longest:
         return ""
-    known = f"the design spectrum, {shortest:.3g} to {longest:.3g} s"
-    return f"displacements: its period of {building.period:.3g} s is not in {known}"
+    within = f"the design spectrum, {shortest:.3g} to {longest:.3g} s"
+    return f"displacements: its period of {building.period:.3g} s is not in {within}"

@@ -54,8 +54,8 @@ def _of_buildings(case: Case, table: xr.Dataset) -> list[str]:
     """The names of the measures; those that are sought name the buildings as the file does."""
     first, second = (building.name for building in pair_of(case))
     names = zip(table.measure.values.tolist(), table.kind.values, strict=True)
-    own = {"structure 1": first, "structure 2": second}
+    named = {"structure 1": first, "structure 2": second}
     return [
-        re.sub("structure [12]", lambda part: own[part[0]], name) if kind == "least" else name
+        re.sub("structure [12]", lambda part: named[part[0]], name) if kind == "least" else name
         for name, kind in names
     ]

@@ -111,7 +111,9 @@ def pound_case(
     _check(case, simulated=motions is not None)
     records = case.site.records
     about = dict[str, Any]()
-    structures = [strength_in_metres(each.structure, case.site.ground) for each in case.buildings]
+    structures = [
+        strength_in_metres(building.structure, case.site.ground) for building in case.buildings
+    ]
     strengths = [xr.Dataset(recorded_shaking(record, case.periods)) for record in records.values()]
     shaken: Any
     if motions is not None:
@@ -149,10 +151,11 @@ def _simulated(case: Case, motions: int) -> xr.DataArray:
 
 def _row(case: Case, structures: Sequence[Any]) -> tuple[list[Any], list[float]]:
     """The buildings with the walls beside them, and the gaps between all of these."""
-    left, right = ([wall] if wall else [] for wall in case.walls)
+    left = [wall for wall in case.walls[:1] if wall]
+    right = [wall for wall in case.walls[1:] if wall]
     existing = [] if case.alone else case.wanted.existing
-    row = [*(each.wall() for each in left), *structures, *(each.wall() for each in right)]
-    return row, [*(each.gap for each in left), *existing, *(each.gap for each in right)]
+    row = [*(wall.wall() for wall in left), *structures, *(wall.wall() for wall in right)]
+    return row, [*(wall.gap for wall in left), *existing, *(wall.gap for wall in right)]
 
 
 def _check(case: Case, simulated: bool = False) -> None:
@@ -165,8 +168,8 @@ def _check(case: Case, simulated: bool = False) -> None:
         'the existing gap; write existing = "5 cm" in [separation]': alone or case.wanted.existing,
         "the contact between the buildings; write [contact] with its model": free or case.contact,
     }
-    for what, known in needed.items():
-        if not known:
+    for what, present in needed.items():
+        if not present:
             raise case.whole.table.error("", f"pounding needs {what}")
     if not free:
         check_masses(case, "a contact")

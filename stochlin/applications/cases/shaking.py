@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from stochlin.applications.cases.reading.case import Case
 
 MOST_RECORDS = 5  # records reported one by one; of more, statistics are reported
-LEVELS = (0.5, 0.84)  # quantiles over more records, besides the confidence of the case
+RECORD_QUANTILES = (0.5, 0.84)  # quantiles over more records, besides the confidence of the case
 
 
 def shaking_of(case: Case) -> xr.Dataset:
@@ -49,15 +49,17 @@ def over_records(case: Case, separations: xr.DataArray, gap: float) -> xr.Datase
 
     The intervals are those of `ends_of_events`.
     """
-    levels = np.unique([*LEVELS, case.wanted.confidence])
+    levels = np.unique([*RECORD_QUANTILES, case.wanted.confidence])
     events = events_of(case.site.records, [*case.site.records.values()])
     table = quantiles_of_records("record_gap", separations, events, levels)
     smallest, largest = ends_of_events(separations, events)
     # Most events are within the gap by the smallest values.
-    samples = (each.rename(record="path") for each in (separations, largest, smallest))
-    shares = [keeping_apart(each, gap) for each in samples]
-    kept = {f"record_{name}": each[name] for name, each in zip(shares[0], shares, strict=True)}
-    return labels.label(table.assign(kept).assign_attrs(independent=len({*events})))
+    samples = (sample.rename(record="path") for sample in (separations, largest, smallest))
+    shares = [keeping_apart(sample, gap) for sample in samples]
+    columns = {
+        f"record_{name}": sample[name] for name, sample in zip(shares[0], shares, strict=True)
+    }
+    return labels.label(table.assign(columns).assign_attrs(independent=len({*events})))
 
 
 def doubts(shaken: xr.Dataset) -> list[str]:

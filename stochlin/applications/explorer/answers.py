@@ -20,9 +20,9 @@ from stochlin.solver.correlation.correlation import Method, correlate
 from stochlin.solver.simulation.statistics import keeping_apart
 from stochlin.solver.tables import labels
 
-LINES = np.geomspace(0.25, 4.0, 81)
-POINTS = np.geomspace(0.25, 4.0, 9)
-PATHS = 256  # motions
+RATIOS_OF_LINES = np.geomspace(0.25, 4.0, 81)
+SIMULATED_RATIOS = np.geomspace(0.25, 4.0, 9)
+PATHS_OF_ANSWER = 256  # motions
 
 
 def gap_by_few_motions(case: Case, progress: Progress | None = None) -> CaseAnswer:
@@ -30,7 +30,8 @@ def gap_by_few_motions(case: Case, progress: Progress | None = None) -> CaseAnsw
 
     The search for that takes longer than all else.
     """
-    few = replace(case, simulated=replace(case.simulated, paths=min(case.simulated.motions, PATHS)))
+    paths = min(case.simulated.motions, PATHS_OF_ANSWER)
+    few = replace(case, simulated=replace(case.simulated, paths=paths))
     alone = replace(few, wanted=replace(case.wanted, existing=[]))
     answer = answer_case(alone, progress)
     if not (gap := gap_of(case)):
@@ -59,9 +60,11 @@ def correlations(case: Case, progress: Progress | None = None) -> Iterator[OnGro
     grounds = {"the ground of the case": case.site.ground, "white noise": white}
     for number, (name, ground) in enumerate(grounds.items()):
         share = part_of(progress, number / 2, (number + 1) / 2)
-        options: dict[str, Any] = {"paths": PATHS, "seed": case.simulated.seed, "progress": share}
-        simulated = _correlation(case, POINTS, ground, "simulation", **options)
-        linearized = _correlation(case, LINES, ground, "linearization", bias=False)
+        options: dict[str, Any] = {"seed": case.simulated.seed, "progress": share}
+        simulated = _correlation(
+            case, SIMULATED_RATIOS, ground, "simulation", paths=PATHS_OF_ANSWER, **options
+        )
+        linearized = _correlation(case, RATIOS_OF_LINES, ground, "linearization", bias=False)
         yield OnGround(name, linearized.rho, simulated[["rho", "rho_standard_error"]])
 
 
@@ -70,8 +73,10 @@ def _correlation(
     case: Case, ratios: Array, ground: Ground, method: Method, **options: Any
 ) -> xr.Dataset:
     """Dataset of `correlate` at these ratios of the periods, and at that of the case."""
-    first, second = (cast(Any, building.structure) for building in pair_of(case))
-    ratios = np.union1d(ratios, pair_of(case)[1].period / pair_of(case)[0].period)
+    left, right = pair_of(case)
+    first = cast(Any, left.structure)
+    second = cast(Any, right.structure)
+    ratios = np.union1d(ratios, right.period / left.period)
     ratio = labels.axis("period_ratio", "ratio of the periods, T2/T1", ratios)
-    other = replace(second, period=pair_of(case)[0].period * ratio)
+    other = replace(second, period=left.period * ratio)
     return correlate(first, other, ground, method, **options)

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 from stochlin.applications.cases.reading.case import NUMBERED, forms_of
 from stochlin.applications.cases.reading.kinds import (
     FROM_TO,
-    NUMBER,
+    NUMBER_AND_UNIT,
     TRUTH,
     Integer,
     Key,
@@ -26,12 +26,13 @@ from stochlin.applications.cases.reading.tables import NO_TABLE, Place, key_line
 from stochlin.files.toml import toml_tables
 from stochlin.messages import plain
 
-SHOWN = "site", "motion", "separation"  # besides the buildings, tables on which the gap depends
+# besides the buildings, tables on which the gap depends
+SHOWN_TABLES = "site", "motion", "separation"
 TIMES = 4.0  # a slider goes from the value over this to the value times this
 MOST_TABLES = 32  # with fields; the others are in the text of the file alone
-LONGEST_LINE = 1000  # characters of a line with an entry
-LONGEST_NAME = 60  # characters of a name in a title
-STEP = 0.025  # of a slider: a power of that number
+LONGEST_ENTRY = 1000  # characters of a line with an entry
+LONGEST_TITLE = 60  # characters of a name in a title
+SLIDER_STEP = 0.025  # of a slider: a power of that number
 WRITTEN = re.compile(r'[^=#]*=\s*("[^"]*"|\[[^\]]*\]|[^\s#]+)')  # a key and its value in a line
 
 
@@ -54,13 +55,13 @@ class FormEntry(NamedTuple):
         with suppress(ValueError, RecursionError):
             value = json.loads(text)
             values = value if isinstance(value, list) else [value]
-            if all(isinstance(each, (float, int, str)) for each in values):
+            if all(isinstance(item, (float, int, str)) for item in values):
                 return value
         return text.strip()
 
     def slid(self, at: float) -> Any:
         """The value times `TIMES` to a power from -1 to 1, in its unit."""
-        written = NUMBER.fullmatch(str(self.value))
+        written = NUMBER_AND_UNIT.fullmatch(str(self.value))
         if at == 0 or written is None or FROM_TO.fullmatch(str(self.value)):
             return self.value
         number = float(written[1]) * TIMES**at
@@ -74,7 +75,8 @@ class FormEntry(NamedTuple):
     def reach(self) -> tuple[float, float] | None:
         """Lowest and highest power whose value the key accepts; None if it has no slider."""
         reached = {}
-        for at in (number * STEP for number in range(-round(1 / STEP), round(1 / STEP) + 1)):
+        steps = round(1 / SLIDER_STEP)
+        for at in (number * SLIDER_STEP for number in range(-steps, steps + 1)):
             with suppress(ValueError):
                 self.key.kind.read(self.slid(at), lambda warning: None)
                 reached[at] = str(self.slid(at))
@@ -97,7 +99,7 @@ class Lines(NamedTuple):
         number = self.numbers.get((table, name), 0)
         written = self.texts[number - 1]
         with suppress(ValueError):
-            if number and len(written) <= LONGEST_LINE and toml_tables(written) == {name: value}:
+            if number and len(written) <= LONGEST_ENTRY and toml_tables(written) == {name: value}:
                 return number
         return 0
 
@@ -106,11 +108,11 @@ def form_of(text: str) -> Iterator[tuple[str, list[FormEntry]]]:
     """Titles of the tables on which the gap depends, with the values that they have."""
     tables = toml_tables(text)  # which refuses what takes too long to be read
     lines = Lines.of(text)
-    shown = (name for name in tables if name in SHOWN or NUMBERED.fullmatch(name))
+    shown = (name for name in tables if name in SHOWN_TABLES or NUMBERED.fullmatch(name))
     for name in islice(shown, MOST_TABLES):
         table = tables[name]
         if isinstance(table, dict):
-            called = f": {plain(table['name'], LONGEST_NAME)}" if "name" in table else ""
+            called = f": {plain(table['name'], LONGEST_TITLE)}" if "name" in table else ""
             yield (
                 f"{name.replace('_', ' ').capitalize()}{called}",
                 list(_entries(name, table, lines)),
@@ -120,14 +122,14 @@ def form_of(text: str) -> Iterator[tuple[str, list[FormEntry]]]:
 def _entries(name: str, table: Mapping[str, Any], lines: Lines) -> Iterator[FormEntry]:
     """Words, numbers, lists of numbers and truth values of a table."""
     keys = _keys(name, table)
-    for each, value in ((each, value) for each, value in table.items() if each in keys):
-        accepted = keys[each].kind
+    for key, value in ((key, value) for key, value in table.items() if key in keys):
+        accepted = keys[key].kind
         of_all = accepted.kind if isinstance(accepted, ListOf) else accepted
         number = isinstance(of_all, (Integer, WithUnit))
-        words = _words(name, table, each, accepted) if isinstance(accepted, Word) else []
+        words = _words(name, table, key, accepted) if isinstance(accepted, Word) else []
         chosen = isinstance(value, str) and value in words and len(words) > 1
-        if (number or of_all is TRUTH or chosen) and lines.line_of(name, each, value):
-            yield FormEntry(name, each, keys[each], value, words)
+        if (number or of_all is TRUTH or chosen) and lines.line_of(name, key, value):
+            yield FormEntry(name, key, keys[key], value, words)
 
 
 def _keys(name: str, values: Mapping[str, Any]) -> Mapping[str, Key]:
@@ -139,9 +141,9 @@ def _keys(name: str, values: Mapping[str, Any]) -> Mapping[str, Key]:
 def _words(table: str, values: Mapping[str, Any], name: str, accepted: Word) -> list[str]:
     """The words of a key with which the other keys of its table are all that it needs."""
     fitting = []
-    for word in (word for word in accepted.known if word != FITTED):  # which has other keys
+    for word in (word for word in accepted.allowed if word != FITTED):  # which has other keys
         keys = _keys(table, {**values, name: word})
-        needed = {each for each, key in keys.items() if key.default is MISSING}
+        needed = {n for n, key in keys.items() if key.default is MISSING}
         if needed <= values.keys() <= keys.keys():
             fitting.append(word)
     return fitting

@@ -42,7 +42,7 @@ def _same(content: Any, other: Any) -> bool:
     return type(content) is type(other) and bool(content == other)
 
 
-_LAST: list[Fitted] = []  # at most one
+_LAST_FITTED: list[Fitted] = []  # at most one
 
 
 class Upload(NamedTuple):
@@ -100,15 +100,15 @@ def read_upload(folder: str, name: str, text: str) -> tuple[Case, list[str]]:
         try:
             case = case_of(read_table(path, text))
             values = path, case.whole.site.values, case.whole.motion.values
-            if not (_LAST and _LAST[0].is_of(values, case.site)):
+            if not (_LAST_FITTED and _LAST_FITTED[0].is_of(values, case.site)):
                 before = len(caught)
                 _ = case.site.ground
-                _LAST[:] = [
-                    Fitted(values, case.site, [str(each.message) for each in caught[before:]])
+                _LAST_FITTED[:] = [
+                    Fitted(values, case.site, [str(warning.message) for warning in caught[before:]])
                 ]
         except (OSError, ValueError) as error:
             raise ValueError(_without(folder, error)) from error
-    fitted = _LAST[0]
+    fitted = _LAST_FITTED[0]
     doubts = dict.fromkeys([*(str(warning.message) for warning in caught), *fitted.doubts])
     return replace(case, site=fitted.site), [*doubts]
 

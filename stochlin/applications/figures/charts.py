@@ -32,24 +32,24 @@ from stochlin.solver.simulation.ground_motions import simulated_motions
 
 NARROW_BAND_DAMPING = 0.05  # that of the paper for Figs. 4 and 5
 BROAD_BAND_DAMPING = 0.6  # that of firm soil, Der Kiureghian & Neuenhofer 1992
-FACTOR = Number(Bilinear.allowed("reduction_factor"))
-GROUND_DAMPING = Number(KanaiTajimi.allowed("damping"))
+REDUCTION_FACTOR = Number(Bilinear.allowed("reduction_factor"))
+GROUND_DAMPING_RATIO = Number(KanaiTajimi.allowed("damping"))
 # Motions of Figs. 1, 2, 5b and 9, in periods of the ground, so that ratios do not depend on it: the
 # duration, the ends of the rise and of the strong part, and the decay. For 2 s it lasts 30 s.
-DURATION = 15.0
+MOTION_PERIODS = 15.0
 RISE_END = 2.0
 STRONG_END = 7.5
 DECAY = 0.7
 # Memory of a plastic drift above which a stationary response is hardly ever reached, in periods as
 # well.
-LONGEST_MEMORY = 2 * DURATION
+LONGEST_MEMORY = 2 * MOTION_PERIODS
 SIMULATED_INTENSITY = 0.004  # m^2/s^3
 SIMULATED_STEP = 0.02  # s
-MEMORY = "drift_memory"  # variable with the memory of plastic drifts [s]
+DRIFT_MEMORY = "drift_memory"  # variable with the memory of plastic drifts [s]
 BANDS = {NARROW_BAND_DAMPING: "narrow band, ", BROAD_BAND_DAMPING: "broad band, "}
 
 
-def each(check: Number) -> Callable[[str, Sequence[Any]], None]:
+def all_of(check: Number) -> Callable[[str, Sequence[Any]], None]:
     """A check of all values of a list, which must not be empty."""
 
     def check_all(name: str, values: Sequence[Any]) -> None:
@@ -105,11 +105,11 @@ class ChartSettings(metaclass=Named):
 
     damping: DampingRatio = 0.05
     hardening: Annotated[float, Number(STATIONARY_HARDENING)] = 0.05
-    reduction_factors: Annotated[tuple[float, ...], each(FACTOR)] = (1.0, 2.0, 4.0, 6.0)
-    plane_reduction_factor: Annotated[float, FACTOR] = 4.0
-    ductility: Annotated[float, FACTOR] = 4.0
+    reduction_factors: Annotated[tuple[float, ...], all_of(REDUCTION_FACTOR)] = (1.0, 2.0, 4.0, 6.0)
+    plane_reduction_factor: Annotated[float, REDUCTION_FACTOR] = 4.0
+    ductility: Annotated[float, REDUCTION_FACTOR] = 4.0
     ground_period: Seconds = 2.0
-    ground_dampings: Annotated[tuple[float, ...], each(GROUND_DAMPING)] = (
+    ground_dampings: Annotated[tuple[float, ...], all_of(GROUND_DAMPING_RATIO)] = (
         NARROW_BAND_DAMPING,
         BROAD_BAND_DAMPING,
     )
@@ -155,7 +155,7 @@ class ChartSettings(metaclass=Named):
         return 2 * self.points - 1
 
 
-USUAL = ChartSettings()
+USUAL_SETTINGS = ChartSettings()
 CHARTS: Registry[Callable[[ChartSettings], xr.Dataset]] = Registry(
     "chart", "stochlin.applications.figures"
 )
@@ -222,9 +222,9 @@ def rounded(values: np.ndarray) -> np.ndarray:
 
 def design_motion(period: float) -> tuple[float, AminAng]:
     """Duration [s] and envelope of the finite motions on a ground of this period."""
-    return DURATION * period, AminAng(RISE_END * period, STRONG_END * period, DECAY / period)
+    return MOTION_PERIODS * period, AminAng(RISE_END * period, STRONG_END * period, DECAY / period)
 
 
 def is_slow(chart: xr.Dataset) -> xr.DataArray:
     """Where the plastic drift has a longer memory than any real motion: these points are open."""
-    return chart[MEMORY] > chart.attrs["longest_memory_s"]
+    return chart[DRIFT_MEMORY] > chart.attrs["longest_memory_s"]

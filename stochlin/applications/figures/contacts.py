@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 from scipy.integrate import solve_ivp
 
-from stochlin.applications.figures.charts import USUAL, ChartSettings, register_chart
+from stochlin.applications.figures.charts import USUAL_SETTINGS, ChartSettings, register_chart
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.simulation import contacts as kernel
 from stochlin.models.arguments import checked
@@ -27,8 +27,9 @@ DIFFERENCES = (
     "The available text of the paper has the dashpot's sign reversed in eqs. (14) and (16), and no "
     "stiffness under the root of eq. (15): here c opposes the motion, c = 2 ξ √(k m)."
 )
-LONGEST = 1e3  # longest contact time, times e and over tau; contacts with a small e last about 1/e
-VARIABLES = {
+# longest contact time, times e and over tau; contacts with a small e last about 1/e
+LONGEST_CONTACT = 1e3
+CONTACT_VARIABLES = {
     "restitution": ("1", "coefficient of restitution"),
     "contact_damping": ("1", "damping parameter of the contact element"),
     "scaled_contact_time": ("1", "contact time over τ"),
@@ -37,12 +38,12 @@ VARIABLES = {
     "scaled_velocity": ("1", "rate of deformation over the approach velocity v0"),
     "scaled_force": ("1", "contact force f/(k (v0 τ)^n)"),
 }
-ELEMENT = "element", "contact element"
+CONTACT_ELEMENT = "element", "contact element"
 
 
 @register_chart("fig6", place=60)
 @checked
-def contact_loop_chart(settings: ChartSettings = USUAL) -> xr.Dataset:
+def contact_loop_chart(settings: ChartSettings = USUAL_SETTINGS) -> xr.Dataset:
     """Fig. 6: force over deformation of all contact elements, damped ones with ``e = 0.65``.
 
     Parameters
@@ -74,7 +75,7 @@ def contact_loop_chart(settings: ChartSettings = USUAL) -> xr.Dataset:
 
 @register_chart("fig7", place=60)
 @checked
-def contact_history_chart(settings: ChartSettings = USUAL) -> xr.Dataset:
+def contact_history_chart(settings: ChartSettings = USUAL_SETTINGS) -> xr.Dataset:
     """Fig. 7: histories of deformation and force of the elements with a damping ratio, 0.5.
 
     Parameters
@@ -102,7 +103,7 @@ def contact_history_chart(settings: ChartSettings = USUAL) -> xr.Dataset:
 
 @register_chart("fig8", place=60)
 @checked
-def restitution_chart(settings: ChartSettings = USUAL) -> xr.Dataset:
+def restitution_chart(settings: ChartSettings = USUAL_SETTINGS) -> xr.Dataset:
     """Fig. 8: coefficient of restitution over the damping ratio, 0 to 1, of the elements with one.
 
     Parameters
@@ -126,7 +127,7 @@ def restitution_chart(settings: ChartSettings = USUAL) -> xr.Dataset:
     along = np.linspace(0, 1, settings.fine_points)
     ratio = labels.axis("damping_ratio", "damping ratio ξ of the contact", along)
     kinds = _with_ratio()
-    axis = labels.axis(*ELEMENT, [kind.__name__ for kind in kinds], units=None)
+    axis = labels.axis(*CONTACT_ELEMENT, [kind.__name__ for kind in kinds], units=None)
     chart = xr.Dataset(
         {"restitution": xr.concat([kind.restitution(ratio) for kind in kinds], axis)}
     )
@@ -137,7 +138,7 @@ def restitution_chart(settings: ChartSettings = USUAL) -> xr.Dataset:
     }
     title = "Coefficient of restitution of contact elements"
     return labels.with_run_information(
-        labels.label(chart, VARIABLES), title, "restitution_chart()", {}
+        labels.label(chart, CONTACT_VARIABLES), title, "restitution_chart()", {}
     )
 
 
@@ -152,10 +153,12 @@ def _histories(
     """Contacts of these elements from their beginning to their end."""
     names = [type(model).__name__ for model in models]
     motions = [_motion(model, settings.fine_points) for model in models]
-    chart = xr.concat(motions, labels.axis(*ELEMENT, names, units=None))
+    chart = xr.concat(motions, labels.axis(*CONTACT_ELEMENT, names, units=None))
     chart.attrs |= {"chart": picture, "caption": SCALES, "comment": DIFFERENCES}
     described = dict(zip(names, models, strict=True))
-    return labels.with_run_information(labels.label(chart, VARIABLES), title, call, described)
+    return labels.with_run_information(
+        labels.label(chart, CONTACT_VARIABLES), title, call, described
+    )
 
 
 def _motion(model: Element, points: int) -> xr.Dataset:
@@ -170,7 +173,7 @@ def _motion(model: Element, points: int) -> xr.Dataset:
 
     margin.terminal = True  # type: ignore[attr-defined]
     margin.direction = -1  # type: ignore[attr-defined]
-    span = (0.0, LONGEST / float(model.e))
+    span = (0.0, LONGEST_CONTACT / float(model.e))
     solved = solve_ivp(rates, span, (0.0, 1.0), events=margin, dense_output=True, **METHOD)
     end = solved.t_events[0][0]
     time = np.linspace(0, end, points)

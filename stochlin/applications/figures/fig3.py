@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin._version import __version__
-from stochlin.applications.figures.charts import USUAL, ChartSettings, register_chart
+from stochlin.applications.figures.charts import USUAL_SETTINGS, ChartSettings, register_chart
 from stochlin.models.arguments import Points, checked
 from stochlin.models.rules.effective_properties import (
     EffectiveRule,
@@ -19,20 +19,20 @@ from stochlin.models.rules.effective_properties import (
 from stochlin.solver.correlation.equation_4 import rho_effective, rho_white_noise
 from stochlin.solver.tables import labels
 
-OF_PAPER = "jeng_kasai_maison_1992_unverified"
-DAMPING = (0.01, 0.02, 0.05, 0.1, 0.2)  # of the curves of Fig. 3a
-RATIOS = (0.25, 4.0)  # first and last period ratio of an axis
+PAPER_RULE = "jeng_kasai_maison_1992_unverified"
+CURVE_DAMPINGS = (0.01, 0.02, 0.05, 0.1, 0.2)  # of the curves of Fig. 3a
+RATIO_ENDS = (0.25, 4.0)  # first and last period ratio of an axis
 ESTIMATES = (
     "Estimates, which do not depend on the ground. Compared with nonlinear simulation, separations "
     "by them are off by tens of per cent in both directions."
 )
-ALIKE = 0.01  # of rho, below which two curves cannot be told apart
-VARIABLES = {"rho": ("1", "correlation coefficient ρ")}
+ALIKE_CURVES = 0.01  # of rho, below which two curves cannot be told apart
+RHO_VARIABLES = {"rho": ("1", "correlation coefficient ρ")}
 
 
 @register_chart("fig3a", place=30)
 @checked
-def white_noise_chart(settings: ChartSettings = USUAL) -> xr.Dataset:
+def white_noise_chart(settings: ChartSettings = USUAL_SETTINGS) -> xr.Dataset:
     """Fig. 3a: eq. (4) over the period ratio, for several damping ratios.
 
     Parameters
@@ -52,10 +52,10 @@ def white_noise_chart(settings: ChartSettings = USUAL) -> xr.Dataset:
     >>> bool((chart.rho.sel(period_ratio=1, method="nearest") > 0.999).all())
     True
     """
-    damping = labels.axis("damping", "damping ratio", list(DAMPING))
+    damping = labels.axis("damping", "damping ratio", list(CURVE_DAMPINGS))
     table = rho_white_noise(ratio_axis(settings.fine_points), 1.0, damping, damping)
     table = table.transpose("damping", "period_ratio")
-    return labels.label(table, VARIABLES).assign_attrs(
+    return labels.label(table, RHO_VARIABLES).assign_attrs(
         chart="curves",
         title="Stationary correlation of linear structures under white noise, eq. (4)",
         caption="Linear structures of equal damping ratio on white noise ground.",
@@ -120,7 +120,7 @@ def effective_rules_chart(
     >>> chart.rule.values.tolist()
     ['iwan_1980', 'secant']
     """
-    chosen = [effective_rule(rule) for rule in rules or (*effective_rule_names(), OF_PAPER)]
+    chosen = [effective_rule(rule) for rule in rules or (*effective_rule_names(), PAPER_RULE)]
     ratio = ratio_axis(points, "elastic period ratio T1/T2")
     both = {"damping": damping, "hardening": hardening, "ductility": ductility}
     pair = {f"{name}_{n}": value for name, value in both.items() for n in (1, 2)}
@@ -131,13 +131,13 @@ def effective_rules_chart(
         rule.title or rule.name: table.rho for rule, table in zip(chosen, tables, strict=True)
     }
     remarks = [
-        f"{' and '.join(names)} differ by less than {ALIKE:g}."
+        f"{' and '.join(names)} differ by less than {ALIKE_CURVES:g}."
         for names in combinations(curves, 2)
-        if float(abs(curves[names[0]] - curves[names[1]]).max()) < ALIKE
+        if float(abs(curves[names[0]] - curves[names[1]]).max()) < ALIKE_CURVES
     ]
     remarks += [f"{rule.title or rule.name}: {rule.reason}." for rule in chosen if rule.reason]
     chart = along_rules(tables, chosen).transpose(..., "rule", "period_ratio")
-    return labels.label(chart, VARIABLES).assign_attrs(
+    return labels.label(chart, RHO_VARIABLES).assign_attrs(
         chart="curves",
         title="Stationary correlation of bilinear structures by eq. (4) with effective properties",
         caption=f"White noise. Bilinear structures: ξ = {damping:g}, α = {hardening:g}, peak "
@@ -150,7 +150,7 @@ def effective_rules_chart(
 
 def ratio_axis(points: int, long_name: str = "period ratio T1/T2") -> xr.DataArray:
     """Period ratios of an axis."""
-    return labels.axis("period_ratio", long_name, np.geomspace(*RATIOS, points))
+    return labels.axis("period_ratio", long_name, np.geomspace(*RATIO_ENDS, points))
 
 
 def along_rules(tables: Sequence[xr.Dataset], rules: Sequence[EffectiveRule]) -> xr.Dataset:

@@ -16,10 +16,10 @@ import numpy as np
 import xarray as xr
 
 from stochlin.applications.figures.charts import (
+    DRIFT_MEMORY,
     LONGEST_MEMORY,
-    MEMORY,
     SIMULATED_INTENSITY,
-    USUAL,
+    USUAL_SETTINGS,
     ChartSettings,
     design_motion,
     is_slow,
@@ -36,20 +36,20 @@ from stochlin.solver.linearization.strength import strength_in_metres
 from stochlin.solver.simulation.ground_motions import simulated_motions
 from stochlin.solver.tables import labels
 
-SIMULATED_POINTS = 21  # along a curve
-STEPS = 100  # in a period of the ground, of the finite motions
-SIMULATED = "rho_simulated"
+SIMULATED_ON_CURVE = 21  # along a curve
+STEPS_PER_GROUND_PERIOD = 100  # in a period of the ground, of the finite motions
+RHO_SIMULATED = "rho_simulated"
 IN_MOTIONS = "rho_in_motions"
 ERROR = "rho_standard_error"
-VARIABLES = {
+YIELDING_RHO_VARIABLES = {
     "rho": ("1", "correlation coefficient ρ"),
     "rho_drift": ("1", "ρ by the drift closure"),
     "rho_elastic": ("1", "ρ of elastic structures, this ground"),
     "rho_white_noise": ("1", "ρ of elastic structures, eq. (4)"),
-    SIMULATED: ("1", "ρ, simulated"),
+    RHO_SIMULATED: ("1", "ρ, simulated"),
     IN_MOTIONS: ("1", "ρ in motions"),
     f"{IN_MOTIONS}_standard_error": ("1", "standard error of the mean ρ in motions"),
-    MEMORY: ("s", "relaxation time of the slower plastic drift of the pair"),
+    DRIFT_MEMORY: ("s", "relaxation time of the slower plastic drift of the pair"),
 }
 Pair = tuple[Bilinear, Bilinear]
 Place = dict[str, slice]  # cells of a chart
@@ -57,7 +57,9 @@ Place = dict[str, slice]  # cells of a chart
 
 @checked
 def period_ratio_chart(
-    settings: ChartSettings = USUAL, ground: Ground | None = None, frequency_ratio: float = 1.0
+    settings: ChartSettings = USUAL_SETTINGS,
+    ground: Ground | None = None,
+    frequency_ratio: float = 1.0,
 ) -> xr.Dataset:
     """Fig. 4: rho over ``T1/T2`` for a fixed frequency ``w2 = frequency_ratio wg`` of structure 2.
 
@@ -100,15 +102,17 @@ def period_ratio_chart(
     second_period = ground_period(ground) / frequency_ratio
     ratio = ratio_axis(settings.fine_points)
     factors = reduction_factors(settings)
-    periods = (ratio * second_period, second_period)
-    elastic: Pair = Bilinear(periods[0], settings.damping), Bilinear(periods[1], settings.damping)
-    first, second = (bilinear(settings, period, factors) for period in periods)
+    first_period = ratio * second_period
+    damping = settings.damping
+    elastic: Pair = Bilinear(first_period, damping), Bilinear(second_period, damping)
+    first = bilinear(settings, first_period, factors)
+    second = bilinear(settings, second_period, factors)
     chart = correlate(first, second, ground, bias=False)[["rho", "status"]]
     chart = chart.transpose(..., "reduction_factor", "period_ratio")
     chart["rho_elastic"] = correlate(*elastic, ground, bias=False).rho
     chart["rho_white_noise"] = correlate(*elastic, ground, "white_noise").rho
     chart = with_truth(chart, (first, second), ground, settings, _groups(settings, ratio.size))
-    if SIMULATED in chart:
+    if RHO_SIMULATED in chart:
         chart = _with_motions(chart, (first, second), ground, settings)
     chart = chart.transpose("ground", "reduction_factor", "period_ratio", missing_dims="ignore")
     times = "" if frequency_ratio == 1 else f"{frequency_ratio:g} "
@@ -116,7 +120,7 @@ def period_ratio_chart(
     where = f"; T2 = {second_period:.3g} s"
     pictures = {"chart": "curves", "comparison": "compared_curves", "beside": "rho_drift"}
     chart.attrs |= words(settings, ground, title, where, **pictures)
-    return with_errors(chart, "rho", [SIMULATED, IN_MOTIONS], settings)
+    return with_errors(chart, "rho", [RHO_SIMULATED, IN_MOTIONS], settings)
 
 
 for _letter, _ratio in (("a", 0.5), ("b", 1.0), ("c", 2.0)):
@@ -129,7 +133,7 @@ def _groups(settings: ChartSettings, size: int) -> list[Place]:
     The longest memory of a group determines the duration of its simulation, and the shortest period
     its time step: each reduction factor and each half of a curve is a group.
     """
-    step = simulated_step(settings, size, SIMULATED_POINTS)
+    step = simulated_step(settings, size, SIMULATED_ON_CURVE)
     if not step:
         return []
     middle = step * -(-size // (2 * step))
@@ -147,13 +151,13 @@ def with_truth(
     options: Any = {"paths": settings.paths, "seed": settings.seed}
     tables = []
     for place in places:
-        first, second = (structure.isel(place) for structure in pair)
-        table = correlate(first, second, ground, "simulation", **options)
-        table[MEMORY] = np.maximum(table[f"{MEMORY}_1"], table[f"{MEMORY}_2"])
-        tables.append(table[["rho", ERROR, MEMORY]].rename(rho=SIMULATED))
-    chart = labels.label(with_points(chart, tables), VARIABLES)
+        first, second = pair
+        table = correlate(first.isel(place), second.isel(place), ground, "simulation", **options)
+        table[DRIFT_MEMORY] = np.maximum(table[f"{DRIFT_MEMORY}_1"], table[f"{DRIFT_MEMORY}_2"])
+        tables.append(table[["rho", ERROR, DRIFT_MEMORY]].rename(rho=RHO_SIMULATED))
+    chart = labels.label(with_points(chart, tables), YIELDING_RHO_VARIABLES)
     if tables:
-        chart[SIMULATED].attrs["ancillary_variables"] = f"{ERROR} {MEMORY}"
+        chart[RHO_SIMULATED].attrs["ancillary_variables"] = f"{ERROR} {DRIFT_MEMORY}"
     chart.rho.attrs["curve_label"] = "ρ, linearized"
     return chart.assign_attrs(longest_memory_s=LONGEST_MEMORY * ground_period(ground))
 
@@ -162,8 +166,8 @@ def with_points(chart: xr.Dataset, tables: Sequence[xr.Dataset]) -> xr.Dataset:
     """A chart with the variables of these tables of some of its cells, NaN in all others."""
     if not tables:
         return chart
-    known = reduce(xr.Dataset.combine_first, tables).reindex_like(chart)
-    return chart.merge(known.transpose(*chart.status.dims))
+    points = reduce(xr.Dataset.combine_first, tables).reindex_like(chart)
+    return chart.merge(points.transpose(*chart.status.dims))
 
 
 def _with_motions(
@@ -173,21 +177,26 @@ def _with_motions(
     period = ground_period(ground)
     error = f"{IN_MOTIONS}_standard_error"
     duration, envelope = design_motion(period)
-    motion: Any = {"paths": max(2, settings.paths), "seed": settings.seed, "step": period / STEPS}
+    motion: Any = {
+        "paths": max(2, settings.paths),
+        "seed": settings.seed,
+        "step": period / STEPS_PER_GROUND_PERIOD,
+    }
     strong: dict[str, Any] = {"intensity": SIMULATED_INTENSITY}
-    step = simulated_step(settings, chart.sizes["period_ratio"], SIMULATED_POINTS)
+    step = simulated_step(settings, chart.sizes["period_ratio"], SIMULATED_ON_CURVE)
     columns = {"period_ratio": slice(None, None, step)}
     tables = []
     for number in range(chart.sizes.get("ground", 1)):
         soil = replace(ground, **strong).isel({"ground": number})
-        first, second = (strength_in_metres(each.isel(columns), soil) for each in pair)
+        first = strength_in_metres(pair[0].isel(columns), soil)
+        second = strength_in_metres(pair[1].isel(columns), soil)
         rho = recorded_gap(
             first, second, list(simulated_motions(soil, duration, envelope, **motion))
         ).rho
         spread = rho.std("record", ddof=1) / np.sqrt(rho.sizes["record"])
         tables.append(xr.Dataset({IN_MOTIONS: rho.mean("record"), error: spread}))
     table = xr.concat(tables, chart.ground) if "ground" in chart.dims else tables[0]
-    chart = labels.label(with_points(chart, [table.where(is_slow(chart))]), VARIABLES)
+    chart = labels.label(with_points(chart, [table.where(is_slow(chart))]), YIELDING_RHO_VARIABLES)
     name = f"ρ in motions of {duration:.3g} s"
     chart[IN_MOTIONS].attrs |= {"ancillary_variables": error, "long_name": name}
     return chart
@@ -209,8 +218,8 @@ def with_errors(
     texts = []
     for method, values in (("linearized", chart[name]), ("drift closure", chart[f"{name}_drift"])):
         off = abs(values - simulated) / (1.0 if of_rho else simulated)
-        each = (np.atleast_1d(of(simulated.dims[-2:])) for of in (off.mean, off.max))
-        of_grounds = zip(bands(chart), *each, strict=True)
+        means_and_largest = (np.atleast_1d(of(simulated.dims[-2:])) for of in (off.mean, off.max))
+        of_grounds = zip(bands(chart), *means_and_largest, strict=True)
         shown = (f"{band}{mean:.2g} ({most:.2g})" for band, mean, most in of_grounds)
         texts.append(f"{method} {', '.join(shown)}")
     comment = (

@@ -8,15 +8,15 @@ import numpy as np
 import xarray as xr
 
 from stochlin.applications.figures.charts import (
+    DRIFT_MEMORY,
     LONGEST_MEMORY,
-    MEMORY,
-    USUAL,
+    USUAL_SETTINGS,
     ChartSettings,
     design_motion,
     register_chart,
 )
 from stochlin.applications.figures.fig4 import (
-    SIMULATED,
+    RHO_SIMULATED,
     bilinear,
     ground_period,
     reduction_factors,
@@ -33,29 +33,31 @@ from stochlin.solver.correlation.amplification import amplification
 from stochlin.solver.correlation.correlation import correlate
 from stochlin.solver.tables import labels
 
-RATIOS = (0.1, 4.0)  # first and last period of an axis, over that of the ground
-SIMULATED_POINTS = 41  # along an axis of Fig. 5a
+GROUND_RATIOS = (0.1, 4.0)  # first and last period of an axis, over that of the ground
+SIMULATED_ON_AXIS = 41  # along an axis of Fig. 5a
 # intervals between simulated periods of Fig. 5b
 STD_INTERVALS = 8
 PEAK_INTERVALS = 32
 # smallest reduction factor whose standard deviation is simulated within minutes
 SLOWEST_DRIFT = 2.0
-OF_PEAKS = "amplification_of_peaks"
+OF_MAXIMA = "amplification_of_peaks"
 OF_STD = "amplification_simulated"
-ENDS = "", "_standard_error"
-VARIABLES = {
+VALUE_AND_ERROR = "", "_standard_error"
+AMPLIFICATION_VARIABLES = {
     "amplification": ("1", "amplification D, inelastic / elastic"),
     "amplification_drift": ("1", "D of standard deviations, drift closure"),
     OF_STD: ("1", "D of standard deviations, simulated"),
-    OF_PEAKS: ("1", "D of mean maxima, simulated"),
-    f"{OF_PEAKS}_standard_error": ("1", "standard error of the amplification of the mean peak"),
-    MEMORY: ("s", "relaxation time of the plastic drift"),
+    OF_MAXIMA: ("1", "D of mean maxima, simulated"),
+    f"{OF_MAXIMA}_standard_error": ("1", "standard error of the amplification of the mean peak"),
+    DRIFT_MEMORY: ("s", "relaxation time of the plastic drift"),
 }
 
 
 @register_chart("fig5a", place=50)
 @checked
-def period_plane_chart(settings: ChartSettings = USUAL, ground: Ground | None = None) -> xr.Dataset:
+def period_plane_chart(
+    settings: ChartSettings = USUAL_SETTINGS, ground: Ground | None = None
+) -> xr.Dataset:
     """Fig. 5a: rho over ``T1/Tg`` and ``T2/Tg``.
 
     Parameters
@@ -84,27 +86,28 @@ def period_plane_chart(settings: ChartSettings = USUAL, ground: Ground | None = 
     """
     ground = settings.ground if ground is None else ground
     axes = [
-        labels.axis(f"period_ratio_{n}", f"T{n}/Tg", np.geomspace(*RATIOS, settings.points))
+        labels.axis(f"period_ratio_{n}", f"T{n}/Tg", np.geomspace(*GROUND_RATIOS, settings.points))
         for n in (1, 2)
     ]
     period = ground_period(ground)
     factor = settings.plane_reduction_factor
-    first, second = (bilinear(settings, ratio * period, factor) for ratio in axes)
+    first = bilinear(settings, axes[0] * period, factor)
+    second = bilinear(settings, axes[1] * period, factor)
     chart = correlate(first, second, ground, bias=False)[["rho", "status"]]
     chart = chart.transpose(..., "period_ratio_1", "period_ratio_2")
-    step = simulated_step(settings, settings.points, SIMULATED_POINTS)
+    step = simulated_step(settings, settings.points, SIMULATED_ON_AXIS)
     places = [{f"period_ratio_{n}": slice(None, None, step) for n in (1, 2)}] if step else []
     chart = with_truth(chart, (first, second), ground, settings, places)
     title = f"Stationary correlation of bilinear structures, R = {factor:g}"
-    picture = "plane_and_simulation" if SIMULATED in chart else "plane"
+    picture = "plane_and_simulation" if RHO_SIMULATED in chart else "plane"
     chart.attrs |= words(settings, ground, title, chart=picture, comparison="compared_planes")
-    return with_errors(chart, "rho", [SIMULATED], settings)
+    return with_errors(chart, "rho", [RHO_SIMULATED], settings)
 
 
 @register_chart("fig5b", place=50)
 @checked
 def amplification_chart(
-    settings: ChartSettings = USUAL, ground: Ground | None = None
+    settings: ChartSettings = USUAL_SETTINGS, ground: Ground | None = None
 ) -> xr.Dataset:
     """Fig. 5b: amplification ``D`` over ``T/Tg``, for several reduction factors.
 
@@ -137,7 +140,7 @@ def amplification_chart(
     """
     ground = settings.ground if ground is None else ground
     period = ground_period(ground)
-    ratio = labels.axis("period_ratio", "T/Tg", np.geomspace(*RATIOS, settings.points))
+    ratio = labels.axis("period_ratio", "T/Tg", np.geomspace(*GROUND_RATIOS, settings.points))
     structure = bilinear(settings, ratio * period, reduction_factors(settings))
     table = amplification(structure, ground, closure="gaussian")
     chart = table[["amplification", "status"]].transpose(..., "reduction_factor", "period_ratio")
@@ -151,9 +154,9 @@ def amplification_chart(
     seldom = slice(None, None, max(1, last // STD_INTERVALS))
     often = slice(None, None, max(1, last // PEAK_INTERVALS))
     peaks = amplification(structure.isel({"period_ratio": often}), ground, **motion)
-    names = {f"amplification{end}": f"{OF_PEAKS}{end}" for end in ENDS}
+    names = {f"amplification{end}": f"{OF_MAXIMA}{end}" for end in VALUE_AND_ERROR}
     tables = [peaks[[*names]].rename(names)]
-    names = {f"displacement_std{end}_1": f"{OF_STD}{end}" for end in ENDS}
+    names = {f"displacement_std{end}_1": f"{OF_STD}{end}" for end in VALUE_AND_ERROR}
     for n, factor in enumerate(settings.reduction_factors):
         if factor >= SLOWEST_DRIFT:
             place = {"reduction_factor": slice(n, n + 1), "period_ratio": seldom}
@@ -161,9 +164,9 @@ def amplification_chart(
             single = here.isel(dict.fromkeys(place, 0))
             simulated = correlate(here, single, ground, "simulation", **paths)
             stds = simulated[[*names]].rename(names) / elastic
-            tables.append(stds.assign({MEMORY: simulated[f"{MEMORY}_1"]}))
-    chart = labels.label(with_points(chart, tables), VARIABLES)
-    for name, beside in ((OF_PEAKS, ""), (OF_STD, f" {MEMORY}")):
+            tables.append(stds.assign({DRIFT_MEMORY: simulated[f"{DRIFT_MEMORY}_1"]}))
+    chart = labels.label(with_points(chart, tables), AMPLIFICATION_VARIABLES)
+    for name, beside in ((OF_MAXIMA, ""), (OF_STD, f" {DRIFT_MEMORY}")):
         if name in chart:
             chart[name].attrs["ancillary_variables"] = f"{name}_standard_error{beside}"
     chart.amplification.attrs["curve_label"] = "D of standard deviations, linearized"
@@ -174,4 +177,4 @@ def amplification_chart(
     chart.attrs |= words(settings, ground, title, **pictures)
     chart.attrs["caption"] += f"\nMaxima: {duration:.3g} s of motion, {envelope.describe()}"
     chart.attrs["longest_memory_s"] = LONGEST_MEMORY * period
-    return with_errors(chart, "amplification", [OF_PEAKS], settings)
+    return with_errors(chart, "amplification", [OF_MAXIMA], settings)

@@ -10,7 +10,7 @@ import xarray as xr
 
 from stochlin.applications.figures.charts import (
     SIMULATED_INTENSITY,
-    USUAL,
+    USUAL_SETTINGS,
     ChartSettings,
     design_motion,
     register_chart,
@@ -35,8 +35,9 @@ from stochlin.solver.tables import labels
 if TYPE_CHECKING:
     pass
 
-RATIOS = (0.1, 0.95)  # first and last period of the stiffer structure, over that of the other
-SIMULATED_POINTS = 11  # along a curve
+# first and last period of the stiffer structure, over that of the other
+STIFFER_RATIOS = (0.1, 0.95)
+SIMULATED_GAPS = 11  # along a curve
 REPEATED = 32  # times the motions of other charts, since a quantile needs more of them than a mean
 CONFIDENCE = 0.9
 GAP = "required_gap"
@@ -44,25 +45,30 @@ SOURCES = (
     "The drift closure simulates nothing; eq. (3) and SRSS combine simulated peaks of both "
     "structures"
 )
-RULES = {  # of `separation`, which combine simulated peaks, each with its name in the picture
+PEAK_RULES = {  # of `separation`, which combine simulated peaks, each with its name in the picture
     "eq_3_drift": "eq. (3), ρ with drift",
     "eq_3_linearized": "eq. (3), ρ linearized",
     "srss": "SRSS",
 }
-VARIABLES = {
+GAP_VARIABLES = {
     GAP: ("1", "required gap over σel of structure 2"),
     f"{GAP}_simulated": ("1", "simulated gap over σel"),
     f"{GAP}_simulated_lower": ("1", "lower end of the 95 % interval of the simulated gap over σel"),
     f"{GAP}_simulated_upper": ("1", "upper end of the 95 % interval of the simulated gap over σel"),
-    **{f"{GAP}_{rule}": ("1", f"gap over σel by {name}") for rule, name in RULES.items()},
+    **{f"{GAP}_{rule}": ("1", f"gap over σel by {name}") for rule, name in PEAK_RULES.items()},
 }
-METHODS = {GAP: "drift closure in time", **{f"{GAP}_{rule}": name for rule, name in RULES.items()}}
+GAP_METHODS = {
+    GAP: "drift closure in time",
+    **{f"{GAP}_{rule}": name for rule, name in PEAK_RULES.items()},
+}
 
 
 @register_chart("fig9", place=70)
 @checked
 def required_gap_chart(
-    settings: ChartSettings = USUAL, ground: Ground | None = None, frequency_ratio: float = 2.0
+    settings: ChartSettings = USUAL_SETTINGS,
+    ground: Ground | None = None,
+    frequency_ratio: float = 2.0,
 ) -> xr.Dataset:
     """Fig. 9: gap for 90 % over ``T1/T2`` for a fixed frequency ``w2 = frequency_ratio wg``.
 
@@ -101,7 +107,9 @@ def required_gap_chart(
     ground = settings.ground if ground is None else ground
     period = ground_period(ground)
     second_period = period / frequency_ratio
-    ratio = labels.axis("period_ratio", "period ratio T1/T2", np.linspace(*RATIOS, settings.points))
+    ratio = labels.axis(
+        "period_ratio", "period ratio T1/T2", np.linspace(*STIFFER_RATIOS, settings.points)
+    )
     factors = reduction_factors(settings)
     strong: dict[str, Any] = {"intensity": SIMULATED_INTENSITY}
     first = bilinear(settings, ratio * second_period, factors)
@@ -113,11 +121,11 @@ def required_gap_chart(
     chart = passage_gap(first, second, soil, **motion)[[GAP, "caution", "status"]]
     chart = chart.assign({GAP: chart[GAP] / unit})
     chart = chart.transpose("ground", "reduction_factor", "period_ratio", missing_dims="ignore")
-    step = simulated_step(settings, settings.points, SIMULATED_POINTS)
+    step = simulated_step(settings, settings.points, SIMULATED_GAPS)
     if step:
         motion |= {"paths": REPEATED * settings.paths, "seed": settings.seed}
-        known = first.isel({"period_ratio": slice(None, None, step)})
-        rules = separation(known, second, soil, **motion)
+        some = first.isel({"period_ratio": slice(None, None, step)})
+        rules = separation(some, second, soil, **motion)
         chart = with_points(chart, [_by_rule(rules) / unit])
         chart.attrs["comment"] = _errors(chart, motion["paths"])
     times = "" if frequency_ratio == 1 else f"{frequency_ratio:g} "
@@ -129,12 +137,12 @@ def required_gap_chart(
     chart.attrs["caption"] += (
         f"\n{of_motions}, for a confidence of {100 * CONFIDENCE:g} %\n{SOURCES}"
     )
-    return labels.label(chart, VARIABLES)
+    return labels.label(chart, GAP_VARIABLES)
 
 
 def _by_rule(table: xr.Dataset) -> xr.Dataset:
     """The simulated gap with its interval, and the gaps by the rules [m]."""
-    gaps = {f"{GAP}_{rule}": table.gap.sel(rule=rule) for rule in RULES}
+    gaps = {f"{GAP}_{rule}": table.gap.sel(rule=rule) for rule in PEAK_RULES}
     for end in ("", "_lower", "_upper"):
         gaps[f"{GAP}_simulated{end}"] = table[f"gap{end}"].sel(rule="simulation")
     return xr.Dataset({name: gap.reset_coords(drop=True) for name, gap in gaps.items()})
@@ -144,16 +152,16 @@ def _errors(chart: xr.Dataset, paths: int) -> str:
     """The range of the errors of each method on each ground, and how often one has a caution."""
     simulated = chart[f"{GAP}_simulated"]
     texts = []
-    for name, text in METHODS.items():
+    for name, text in GAP_METHODS.items():
         off = 100 * (chart[name] / simulated - 1)
         ends = (np.atleast_1d(of(simulated.dims[-2:])) for of in (off.min, off.max))
         shown = (f"{low:+.0f} to {high:+.0f}" for low, high in zip(*ends, strict=True))
         texts.append(f"{text} {' and '.join(shown)}")
     of_grounds = " and ".join(map(str.strip, bands(chart)))
     on = of_grounds and f" on {of_grounds}"
-    known = simulated.notnull()
-    flagged = int((known & (chart.caution > 0)).sum())
+    compared = simulated.notnull()
+    flagged = int((compared & (chart.caution > 0)).sum())
     return (
         f"Errors in % against {paths} simulated motions{on}: {'; '.join(texts)}. The drift closure "
-        f"has its caution at {flagged} of {int(known.sum())} points. Bars: 95 % intervals."
+        f"has its caution at {flagged} of {int(compared.sum())} points. Bars: 95 % intervals."
     )

@@ -19,13 +19,16 @@ from stochlin.solver.tables import labels
 if TYPE_CHECKING:
     pass
 
-POINTS_PER_PERIOD = 32  # for a smooth phase portrait
+PORTRAIT_POINTS = 32  # for a smooth phase portrait
 MOST_POINTS = 61  # along an axis of Fig. 2, which needs the response to the record for each
-PERIODS = (0.1, 5.0)  # first and last period of an axis [s]
-ENERGIES = ("input", "viscous", "hysteretic")
-VARIABLES = {
+PERIOD_ENDS = (0.1, 5.0)  # first and last period of an axis [s]
+SHOWN_ENERGIES = ("input", "viscous", "hysteretic")
+PORTRAIT_VARIABLES = {
     "velocity_over_frequency": ("m", "velocity over circular frequency"),
-    **{f"{kind}_energy_radius": ("m", f"radius of the {kind} energy so far") for kind in ENERGIES},
+    **{
+        f"{kind}_energy_radius": ("m", f"radius of the {kind} energy so far")
+        for kind in SHOWN_ENERGIES
+    },
     "significant_begin": ("s", "time of 5 % of the energy of the record"),
     "significant_end": ("s", "time of 95 % of the energy of the record"),
 }
@@ -82,13 +85,13 @@ def portrait_chart(record: xr.DataArray, period: float, damping: float) -> xr.Da
     True
     """
     peak = pseudo_energy_radius(record, period, damping).pseudo_energy_radius
-    refine = _refine(record, period, POINTS_PER_PERIOD)
+    refine = _refine(record, period, PORTRAIT_POINTS)
     motion = respond(Bilinear(period, damping), record, refine=refine)
     chart = motion[["displacement", "radius"]].assign(
         velocity_over_frequency=motion.velocity * period / (2 * np.pi),
         pseudo_energy_radius=peak,
     )
-    return labels.label(chart, VARIABLES).assign_attrs(
+    return labels.label(chart, PORTRAIT_VARIABLES).assign_attrs(
         chart="portrait",
         title=f"Pseudo energy radius of {source_of(record)}",
         caption=f"Elastic structure: T = {period:.3g} s, ξ = {damping:.3g}; "
@@ -143,12 +146,12 @@ def energy_chart(
     """
     peak = float(response_spectrum(record, period, damping).displacement_max)
     yielding = Bilinear(period, damping, hardening, yield_displacement=peak / reduction_factor)
-    refine = _refine(record, period, POINTS_PER_PERIOD / 2)
+    refine = _refine(record, period, PORTRAIT_POINTS / 2)
     tables = []
     for structure in (Bilinear(period, damping), yielding):
         motion = respond(structure, record, refine=refine)
         table = motion[["radius"]]
-        for kind in ENERGIES:
+        for kind in SHOWN_ENERGIES:
             squares = 2 * motion[f"{kind}_energy_per_mass"].clip(min=0.0)
             table[f"{kind}_energy_radius"] = np.sqrt(squares) * period / (2 * np.pi)
         tables.append(table)
@@ -160,7 +163,7 @@ def energy_chart(
     chart = chart.assign(
         significant_begin=strong.time[0].item(), significant_end=strong.time[-1].item()
     )
-    return labels.label(chart, VARIABLES).assign_attrs(
+    return labels.label(chart, PORTRAIT_VARIABLES).assign_attrs(
         chart="energies",
         title=f"Pseudo energy radius and energies of structures in {source_of(record)}",
         caption=f"T = {period:.3g} s, ξ = {damping:.3g}; yielding: R = {reduction_factor:g} and "
@@ -218,11 +221,9 @@ def recorded_gap_chart(record: xr.DataArray, damping: float, points: Points = 61
     >>> float(abs(chart.separation.values.diagonal()).max())
     0.0
     """
-    periods = (
-        labels.axis(f"period_{n}", f"period, structure {n}", np.geomspace(*PERIODS, points), "s")
-        for n in (1, 2)
-    )
-    first, second = (Bilinear(period, damping) for period in periods)
+    periods = np.geomspace(*PERIOD_ENDS, points)
+    first = Bilinear(labels.axis("period_1", "period, structure 1", periods, "s"), damping)
+    second = Bilinear(labels.axis("period_2", "period, structure 2", periods, "s"), damping)
     chart = energy_gap(first, second, record).rename(rho_estimate="rho_white_noise")
     chart = chart[["separation", "srss", "rho", "status", "critical_gap", "rho_white_noise"]]
     chart.rho.attrs["long_name"] = "correlation over the recorded motion"

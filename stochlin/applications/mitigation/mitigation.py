@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from stochlin.applications.separation.energy_gap import SIDES
+from stochlin.applications.separation.energy_gap import DAMPED_STRUCTURES
 from stochlin.applications.separation.existing_gap import DAMPINGS, Required
 from stochlin.applications.separation.separation import NOT_AVAILABLE, VERDICT_ATTRS, verdict_of
 from stochlin.applications.separation.storeys import linearized_at_roof
@@ -52,17 +52,17 @@ from stochlin.solver.tables.labels import LINK
 
 # kinds of measures
 AS_BUILT = "as built"
-GIVEN = "given"
-LEAST = "least"
+GIVEN_MEASURE = "given"
+LEAST_MEASURE = "least"
 QUANTILE = 0.95  # of the forces, strokes and energies of devices over motions
 CONSTANTS = np.append(
     0.0, np.geomspace(1e-3, 10, 13)
 )  # damping constants that are tried, over 2 m w
 # numbered as those of rules
-VERDICTS = "answer enough not_enough within_error not_available no_verdict"
-SIMULATIONS = 60  # usual number of simulations of all searches together
-OF_SEARCH = 4  # work of a search, in simulations of all motions
-TEXTS: dict[str, str] = {
+MEASURE_VERDICTS = "answer enough not_enough within_error not_available no_verdict"
+USUAL_SIMULATIONS = 60  # usual number of simulations of all searches together
+SEARCH_WORK = 4  # work of a search, in simulations of all motions
+MEASURE_TEXTS: dict[str, str] = {
     "kind": "as built, given, or the least that is sufficient",
     "description": "the measure with its parameters",
     "missing": "missing results of a row, and the reason",
@@ -158,7 +158,7 @@ def mitigate(
     if not isinstance(measures, Mapping):
         raise TypeError(f"measures = {brief(measures)}; allowed: a mapping of them by name")
     motion = FiniteMotion(duration, envelope, scatter_of(ground, scatter), seed)
-    simulations = len(measures) + SIMULATIONS
+    simulations = len(measures) + USUAL_SIMULATIONS
     as_built = {"first": first, "second": second}
     prepared = PreparedStructures.of(as_built, ground, motion, paths, simulations)
     pair = MitigatedPair(prepared, float(gap), confidence)
@@ -174,9 +174,9 @@ def mitigate(
             warnings.warn(
                 f"mitigate: measures[{brief(name)}]: {text}", ImplausibleInput, stacklevel=3
             )
-        rows.append(partial(pair.row, name, GIVEN, measure))
+        rows.append(partial(pair.row, name, GIVEN_MEASURE, measure))
     searches = [partial(pair.least, *search) for search in pair.searches()]
-    ends = np.cumsum([1] * len(rows) + [OF_SEARCH] * len(searches))
+    ends = np.cumsum([1] * len(rows) + [SEARCH_WORK] * len(searches))
     tables = []
     for row, end in zip([*rows, *searches], ends, strict=True):
         tables.append(row())
@@ -202,16 +202,16 @@ def _table(rows: list[xr.Dataset], confidence: float) -> xr.Dataset:
     table = xr.concat(
         rows, "measure", data_vars="all", coords="minimal", compat="override", join="outer"
     )
-    known = table.required_gap.notnull()
-    verdict = verdict_of(table.data_vars, confidence).where(known, NOT_AVAILABLE)
+    solved = table.required_gap.notnull()
+    verdict = verdict_of(table.data_vars, confidence).where(solved, NOT_AVAILABLE)
     table["verdict"] = verdict.astype(np.int8)
-    table["status"] = labels.status_where(known, labels.NOT_CONVERGED)
+    table["status"] = labels.status_where(solved, labels.NOT_CONVERGED)
     table = labels.label(table)
-    table.verdict.attrs = {**VERDICT_ATTRS, "flag_meanings": VERDICTS}
-    for name, text in TEXTS.items():
+    table.verdict.attrs = {**VERDICT_ATTRS, "flag_meanings": MEASURE_VERDICTS}
+    for name, text in MEASURE_TEXTS.items():
         if name in table:
             table[name] = table[name].fillna("").astype(str).assign_attrs(long_name=text)
-    return table.set_coords([name for name in TEXTS if name in table])
+    return table.set_coords([name for name in MEASURE_TEXTS if name in table])
 
 
 @dataclass(frozen=True)
@@ -229,14 +229,14 @@ class MitigatedPair:
         damped_2 = partial(_damped, added=float(measure.added_damping_2), number=2)
         return [applied(damped_1, first), applied(damped_2, second)]
 
-    def known(self, measure: Measure) -> tuple[Any, Any]:
+    def medians(self, measure: Measure) -> tuple[Any, Any]:
         """The changed structures with uncertain parameters at their medians."""
         first, second = map(median_of, self.changed(measure))
         return first, second
 
     def system(self, measure: Measure) -> Assembly:
         """The structures with the links of the measure, which have to fit."""
-        return assembly_of(self.known(measure), measure.links)
+        return assembly_of(self.medians(measure), measure.links)
 
     @cached_property
     def built(self) -> xr.Dataset:
@@ -277,7 +277,9 @@ class MitigatedPair:
         rho = apart = np.nan
         # There is no solution, or no stationary response: storeys without stiffness.
         with suppress(ArithmeticError, ValueError):
-            rho, apart = linearized_at_roof(self.known(measure), self.prepared.usual, measure.links)
+            rho, apart = linearized_at_roof(
+                self.medians(measure), self.prepared.usual, measure.links
+            )
         return {"rho": rho, "relative_displacement_std": apart}
 
     def searches(self) -> list[tuple[str, Callable[[float], Measure], Array, str]]:
@@ -289,8 +291,8 @@ class MitigatedPair:
         if required_gaps(self.built)[0] <= self.gap:
             return []
         listed: list[tuple[str, Callable[[float], Measure], Array, str]] = []
-        pair = self.known(Measure())
-        for side, shares in SIDES.items():
+        pair = self.medians(Measure())
+        for side, shares in DAMPED_STRUCTURES.items():
             present = max(float(s.damping) for s, share in zip(pair, shares, strict=True) if share)
             tried = DAMPINGS[present + DAMPINGS < 1]
             searched = f"added damping up to {100 * tried[-1]:.3g} % of critical"
@@ -313,8 +315,8 @@ class MitigatedPair:
         as_built = required_gaps(self.built)
         value = Required(gaps, self.gap, paths, {(0.0, paths): as_built}).least(values).value
         if np.isfinite(value):
-            return self.row(name, LEAST, build(value))
-        return self.row(name, LEAST, None, f"{searched} was searched, and none is enough")
+            return self.row(name, LEAST_MEASURE, build(value))
+        return self.row(name, LEAST_MEASURE, None, f"{searched} was searched, and none is enough")
 
     def doubts(self, measure: Measure) -> Iterator[str]:
         """Texts on links that are too weak beside the buildings to change anything."""
@@ -336,7 +338,7 @@ class MitigatedPair:
             self.system(_dashpot(0.0))
         except ValueError:
             return None
-        modes = [structure.first_mode().arrays() for structure in self.known(Measure())]
+        modes = [structure.first_mode().arrays() for structure in self.medians(Measure())]
         mass = float(reduced_mass(*(float(mode["mass"]) for mode in modes)))
         frequency = float(np.mean([2 * np.pi / float(mode["period"]) for mode in modes]))
         return 2 * mass * frequency, mass * frequency**2
@@ -385,4 +387,4 @@ def _devices(motions: xr.Dataset, system: Assembly) -> xr.Dataset:
         for name in LINK_PEAKS
     }
     means = motions[[f"{name}_mean" for name in LINK_PEAKS]]
-    return means.assign({name: (LINK, each) for name, each in columns.items()})
+    return means.assign({name: (LINK, row) for name, row in columns.items()})

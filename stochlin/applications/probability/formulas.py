@@ -26,19 +26,19 @@ from stochlin.solver.linearization.levels import INSTANTS, EnvelopesInTime, stre
 from stochlin.solver.linearization.strength import strength_in_metres
 from stochlin.solver.linearization.systems.state_space import models_of, problem_of
 from stochlin.solver.linearization.transient_systems import TIME, TimeGrid, solve_course
-from stochlin.solver.simulation.structures_in_motion import PATH, at_height, meeting_heights
+from stochlin.solver.simulation.structures_in_motion import HEIGHT, PATH, at_height, meeting_heights
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.lazy import check_names
 
-HEIGHT = "height"
-EQUAL = 1e-6  # relative variance of the difference below which it is an error of the integration
+# relative variance of the difference below which it is an error of the integration
+EQUAL_DISPLACEMENTS = 1e-6
 # bounds of a gap in a search, over the largest standard deviation
-WIDEST = 14.0
-NARROWEST = 1e-3
-CLOSE = 1e-5  # relative tolerance of the search
+WIDEST_GAP = 14.0
+NARROWEST_GAP = 1e-3
+FORMULA_TOLERANCE = 1e-5  # relative tolerance of the search
 STDS = "displacement_std_1", "displacement_std_2", "difference_std"
 BANDWIDTHS = 13  # instants at which the bandwidth of yielding structures is computed
-MOTION = "motion"  # dimension of the motions, which the results do not have
+MOTION_DIMENSION = "motion"  # dimension of the motions, which the results do not have
 
 
 class Chances(NamedTuple):
@@ -85,7 +85,7 @@ def moments_of_pair(
     u_1, u_2, d_d = np.split(moments.displacement, 3, axis=-1)
     d_v = moments.mixed[..., -heights.size :]
     v_v = moments.velocity[..., -heights.size :]
-    d_d = np.where(d_d > EQUAL * (u_1 + u_2), d_d, 0.0)
+    d_d = np.where(d_d > EQUAL_DISPLACEMENTS * (u_1 + u_2), d_d, 0.0)
     return PairMoments(u_1, u_2, d_d, d_v, v_v, bandwidth)
 
 
@@ -135,7 +135,7 @@ class RelativeMotion(NamedTuple):
         shown = self.course.shown
         result = Chances(*np.zeros((3, shown.size, gap.size)))
         for strength, weight in enumerate(self.weights):
-            at = PairMoments(*(each[:, strength, height] for each in self.moments))
+            at = PairMoments(*(moment[:, strength, height] for moment in self.moments))
             result.now[:] += weight * exceeding(gap, at.d_d[shown])
             rates = hazards(gap, at.d_d, at.d_v, at.v_v, at.bandwidth)
             with np.errstate(under="ignore"):
@@ -151,7 +151,7 @@ class RelativeMotion(NamedTuple):
         largest = np.sqrt(self.moments.d_d.max(axis=0))
         widest = largest.max(axis=0)
         moving = np.flatnonzero(widest > 0)
-        narrowest = NARROWEST * largest.min(axis=0)[moving] / widest[moving]
+        narrowest = NARROWEST_GAP * largest.min(axis=0)[moving] / widest[moving]
         at_end = self._replace(course=self.course._replace(shown=self.course.shown[-1:]))
 
         def off(level: Array, height: Array) -> Array:
@@ -162,9 +162,9 @@ class RelativeMotion(NamedTuple):
 
         root = elementwise.find_root(
             off,
-            (narrowest, np.full(moving.size, WIDEST)),
+            (narrowest, np.full(moving.size, WIDEST_GAP)),
             args=(moving.astype(float),),
-            tolerances={"xrtol": CLOSE},
+            tolerances={"xrtol": FORMULA_TOLERANCE},
         )
         required = np.zeros(widest.size)
         required[moving] = np.where(root.success, root.x * widest[moving], np.nan)
@@ -184,8 +184,8 @@ class DriftingMotion(NamedTuple):
         apart = self.motions.difference
         assert second is not None
         of_strengths = (
-            self.motions.means(each)[self.shown]
-            for each in (first.variance, second.variance, apart)
+            self.motions.means(values)[self.shown]
+            for values in (first.variance, second.variance, apart)
         )
         return Variances(*of_strengths)
 
@@ -197,7 +197,7 @@ class DriftingMotion(NamedTuple):
         assert second is not None
         slow = first.offset, second.offset, moves.offset**2
         names = "drift_std_1", "drift_std_2", "difference_drift_std"
-        rows = (np.sqrt(self.motions.means(each))[self.shown] for each in slow)
+        rows = (np.sqrt(self.motions.means(values))[self.shown] for values in slow)
         return dict(zip(names, rows, strict=True))
 
     def chances(self, gap: Array, height: Array) -> Chances:
@@ -219,12 +219,12 @@ def drifting_motions(
     pair: Sequence[Any], ground: Any, course: TimeGrid, sizes: Array, weights: Array
 ) -> list[DriftingMotion]:
     """Two oscillators by the drift closure, in i motions of k sizes (i, k) with weights (k,)."""
-    each = -(-(INSTANTS - 1) // (course.shown.size - 1))
-    instants = (course.shown.size - 1) * each + 1
+    per_shown = -(-(INSTANTS - 1) // (course.shown.size - 1))
+    instants = (course.shown.size - 1) * per_shown + 1
     tiled = np.tile(weights, len(sizes))
     envelopes = EnvelopesInTime.of(course.envelope, course.duration, sizes.ravel(), tiled, instants)
     motions = lone_pair_in_time(pair, ground, envelopes)
-    shown = np.arange(0, instants, each)
+    shown = np.arange(0, instants, per_shown)
     ranges = (slice(begin, begin + weights.size) for begin in range(0, sizes.size, weights.size))
     return [DriftingMotion(motions.part(part), shown) for part in ranges]
 
@@ -255,7 +255,7 @@ def by_formula(
         sizes = np.outer(np.sqrt(intensities / intensity), factors)
         motions = drifting_motions(pair, ground, course, sizes, weights)
         return [_table(motion, np.array([np.nan]), distance, confidence) for motion in motions]
-    scaled = xr.DataArray(np.outer(intensities, factors**2).ravel(), dims=MOTION)
+    scaled = xr.DataArray(np.outer(intensities, factors**2).ravel(), dims=MOTION_DIMENSION)
     ground = replace(ground, intensity=scaled)
     system, problem = problem_of(models_of(pair, ground), in_time=True)
     heights = meeting_heights(*system.sticks)
@@ -264,7 +264,7 @@ def by_formula(
     return [
         _table(RelativeMotion(PairMoments(*parts), course, weights), heights, distance, confidence)
         for parts in zip(
-            *(np.split(each, intensities.size, axis=1) for each in moments), strict=True
+            *(np.split(moment, intensities.size, axis=1) for moment in moments), strict=True
         )
     ]
 
@@ -278,7 +278,9 @@ def _table(
     variances = motion.variances()
     chances = motion.chances(np.tile(gaps, count), np.repeat(np.arange(count), gaps.size))
     table = xr.Dataset()
-    columns = dict(zip(STDS, (np.sqrt(np.maximum(each, 0)) for each in variances), strict=True))
+    columns = dict(
+        zip(STDS, (np.sqrt(np.maximum(variance, 0)) for variance in variances), strict=True)
+    )
     if isinstance(motion, DriftingMotion):
         columns |= motion.drifts()
     for name, values in columns.items():

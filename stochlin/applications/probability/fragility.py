@@ -11,7 +11,7 @@ import xarray as xr
 
 from stochlin.applications.probability.formulas import by_formula, checked_gaps
 from stochlin.applications.probability.probability import (
-    REFERENCES,
+    PASSAGE_REFERENCES,
     PathsIfAny,
     closure_in_time,
     simulated_columns,
@@ -40,9 +40,9 @@ from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_duration
 from stochlin.solver.tables.lazy import arrays_of
 
-POINTS = 11  # instants of a calculation, of which only the last one is reported
+FRAGILITY_INSTANTS = 11  # instants of a calculation, of which only the last one is reported
 INTENSITY = "intensity"
-OF_FORMULA = 0.2  # share of the progress that the formulas have beside the simulation
+PROGRESS_OF_CURVES = 0.2  # share of the progress that the formulas have beside the simulation
 STATUS = {
     "long_name": "status of the lognormal fragility",
     "flag_values": np.arange(5, dtype=np.int8),
@@ -54,7 +54,7 @@ STATUS = {
 def _by_factor(arguments: Mapping[str, Any]) -> bool:
     """Whether a structure's strength is a reduction factor, so that it has that of the ground."""
     pair = [median_of(arguments.get(role)) for role in ("first", "second")]
-    return any(getattr(each, "reduction_factor", None) is not None for each in pair)
+    return any(getattr(structure, "reduction_factor", None) is not None for structure in pair)
 
 
 @checked(in_metres=_by_factor)
@@ -156,13 +156,14 @@ def pounding_fragility(
     if paths:
         motion = FiniteMotion(seconds, envelope, scatter, seed)
         prepared = PreparedStructures.of(by_role, ground, motion, paths, levels.size)
-    course = course_of(envelope, seconds, min(float(each.first_period()) for each in pair), POINTS)
+    shortest = min(float(structure.first_period()) for structure in pair)
+    course = course_of(envelope, seconds, shortest, FRAGILITY_INSTANTS)
     taken = closure_in_time(closure, pair)
     along = labels.axis(INTENSITY, "intensity S0", levels, "m^2/s^3")
     table = xr.Dataset(coords={INTENSITY: along})
     comment = IN_TIME[taken]
     try:
-        part = part_of(progress, 0.0, OF_FORMULA if paths else 1.0)
+        part = part_of(progress, 0.0, PROGRESS_OF_CURVES if paths else 1.0)
         formulas = by_formula(
             pair, ground, distance, course, confidence, scatter, part, taken, levels
         )
@@ -176,7 +177,7 @@ def pounding_fragility(
             raise
         comment = f"There are no formulas: {error}."
     if paths:
-        rest = part_of(progress, OF_FORMULA, 1.0)
+        rest = part_of(progress, PROGRESS_OF_CURVES, 1.0)
         unit = times_intensity(ground, 1 / float(ground.arrays()[INTENSITY]))
         of_unit = replace(prepared, ground=unit)
         motions = simulated_separations(of_unit, levels, levels, 0.5, paths, rest)
@@ -195,7 +196,7 @@ def pounding_fragility(
         f"pounding_fragility(duration={duration:g}, confidence={confidence:g}, paths={paths}, "
         f"seed={seed})",
         {**models, "gap": distance},
-        REFERENCES,
+        PASSAGE_REFERENCES,
     )
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.applications.probability.formulas import gaps_in_a_row, over_gaps
-from stochlin.applications.records.cells import SCALARS, check_structure
+from stochlin.applications.records.cells import ONE_STRUCTURE, check_structure
 from stochlin.applications.records.gaps import recorded_gap
 from stochlin.applications.records.ground_fit import ground_of_record
 from stochlin.applications.records.response import respond
@@ -22,8 +22,8 @@ from stochlin.solver.linearization.transient_systems import TIME
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_scalars
 
-POINTS_PER_PERIOD = 16
-CLOSE = 1e-6  # relative tolerance of the search for a gap
+RECORD_POINTS_PER_PERIOD = 16
+HYBRID_TOLERANCE = 1e-6  # relative tolerance of the search for a gap
 
 
 def hybrid_pounding(
@@ -44,7 +44,7 @@ def hybrid_pounding(
     """
     for role, structure in (("first", first), ("second", second)):
         expect(structure, Structure, role)
-        check_scalars(structure, role, SCALARS)
+        check_scalars(structure, role, ONE_STRUCTURE)
     if record is None:
         raise ValueError("record is missing; method='hybrid' needs one, such as from read_record")
     if ground is None:
@@ -54,9 +54,10 @@ def hybrid_pounding(
     right = _in_metres(second, ground, "second")
     period = min(float(left.arrays()["period"]), float(right.arrays()["period"]))
     step = float(record["time"][1] - record["time"][0])
-    refine = max(1, int(np.ceil(POINTS_PER_PERIOD * step / period)))
+    refine = max(1, int(np.ceil(RECORD_POINTS_PER_PERIOD * step / period)))
     motions = [respond(structure, record, refine=refine) for structure in (left, right)]
-    radius_1, radius_2 = (motion.radius.to_numpy() for motion in motions)
+    radius_1 = motions[0].radius.to_numpy()
+    radius_2 = motions[1].radius.to_numpy()
     recorded = recorded_gap(left, right, record)
     try:
         rho = float(correlate(left, right, ground, bias=False).rho)
@@ -99,7 +100,7 @@ def _in_metres(structure: AnyStructure, ground: Ground, role: str) -> Structure:
 def _required(radius_1: Array, radius_2: Array, k: float, confidence: float) -> float:
     """Gap [m] for a confidence over the record with one phase, by bisection."""
     low, high = 0.0, float((radius_1 + radius_2).max())
-    while high - low > CLOSE * high:
+    while high - low > HYBRID_TOLERANCE * high:
         middle = 0.5 * (low + high)
         phase = least_phase(radius_1, radius_2, np.full_like(radius_1, middle)).min(keepdims=True)
         enough = 1 - float(beyond_phase(phase, k)[0]) >= confidence

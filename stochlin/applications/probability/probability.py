@@ -46,8 +46,8 @@ from stochlin.solver.tables.lazy import arrays_of
 Method = Literal["evolutionary", "hybrid"]
 PathsIfAny = Annotated[int, Whole(0)]  # 0 for no simulation
 STEM = "confidence_of_no_pounding"
-OF_FORMULA = 0.5  # share of the progress that the formula has beside a simulation
-REFERENCES = (
+PROGRESS_OF_FORMULA = 0.5  # share of the progress that the formula has beside a simulation
+PASSAGE_REFERENCES = (
     f"{labels.PAPER} Vanmarcke, E. H. (1975), J. Appl. Mech. 42; Rice, S. O. (1945), Bell Syst. "
     "Tech. J. 24; Roberts, J. B. and Spanos, P. D. (1990). Random vibration and statistical "
     "linearization."
@@ -231,7 +231,7 @@ def pounding_probability(
         table = xr.Dataset()
         comment = IN_TIME[taken]
         try:
-            part = part_of(progress, 0.0, 1.0 if paths == 0 else OF_FORMULA)
+            part = part_of(progress, 0.0, 1.0 if paths == 0 else PROGRESS_OF_FORMULA)
             (table,) = by_formula(pair, ground, distance, course, confidence, scatter, part, taken)
         except ArithmeticError as error:
             if paths == 0:
@@ -239,7 +239,7 @@ def pounding_probability(
             comment = f"There are no formulas: {error}."
         table["status"] = labels.status_where(distance.valid())
         if paths != 0:
-            motions = prepared.enough(confidence, part_of(progress, OF_FORMULA, 1.0))
+            motions = prepared.enough(confidence, part_of(progress, PROGRESS_OF_FORMULA, 1.0))
             table = _with_simulation(table, motions, distance, confidence)
             table = table.assign_attrs(paths=motions.sizes["path"], seed=seed)
         yields = any(median_of(structure).yields for structure in pair)
@@ -257,7 +257,7 @@ def pounding_probability(
         f"pounding_probability(duration={duration:g}, confidence={confidence:g}, "
         f"paths={table.attrs.get('paths', 0)}, seed={seed})",
         {**models, "gap": distance},
-        REFERENCES,
+        PASSAGE_REFERENCES,
     )
 
 

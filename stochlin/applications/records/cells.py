@@ -61,13 +61,14 @@ Records = Annotated[
 """One record, as from `read_record`, or several as a list, or as a mapping with their names."""
 
 RECORD = "record"
-SCALARS = "scalars, since histories are of one structure; response_spectrum takes arrays"
+ONE_STRUCTURE = "scalars, since histories are of one structure; response_spectrum takes arrays"
 # Numbers in memory at once for a structure of a cell, and for a cell on a record.
 NUMBERS_OF_STRUCTURE = 10
 NUMBERS_ON_RECORD = 28
-SECONDS = 6e-8  # of a sub-step [s]
+SUBSTEP_SECONDS = 6e-8  # of a sub-step [s]
 OUT_OF_RANGE = "its squares are beyond the range of numbers; take a record in m/s^2 of usual size"
-SHORTEST = 0.1  # shortest period over time step; below it the response is to the interpolation
+# shortest period over time step; below it the response is to the interpolation
+SHORTEST_IN_STEPS = 0.1
 
 
 class RecordedMotions(NamedTuple):
@@ -107,7 +108,7 @@ def checked_motions(record: Records, may_be_still: bool = False) -> RecordedMoti
         records = list(record.values())
     elif isinstance(record, (list, tuple)):
         records = list(record)
-        sources = [str(getattr(each, "attrs", {}).get("source", "")) for each in records]
+        sources = [str(getattr(motion, "attrs", {}).get("source", "")) for motion in records]
         distinct = all(map(is_label, sources)) and len(set(sources)) == len(sources)
         names = sources if distinct else [str(n + 1) for n in range(len(records))]
     else:
@@ -117,10 +118,10 @@ def checked_motions(record: Records, may_be_still: bool = False) -> RecordedMoti
     if not records:
         raise ValueError("record is empty; allowed: at least one record")
     grounds = []
-    for name, each in zip(names, records, strict=True):
+    for name, motion in zip(names, records, strict=True):
         check_label("the name of a record", name)
         try:
-            grounds.append(SampledMotion(*checked_record(each, may_be_still)))
+            grounds.append(SampledMotion(*checked_record(motion, may_be_still)))
         except (TypeError, ValueError) as error:
             raise type(error)(f"record {name}: {error}") from error
     return RecordedMotions(records, grounds, names)
@@ -133,11 +134,12 @@ def ends_of_events(values: xr.DataArray, events: Sequence[object]) -> list[xr.Da
     smallest values, its upper end that of the largest.
     """
     numbers = [
-        [n for n, each in enumerate(events) if each == event] for event in dict.fromkeys(events)
+        [n for n, of_record in enumerate(events) if of_record == event]
+        for event in dict.fromkeys(events)
     ]
     parts = [values.isel({RECORD: of_event}) for of_event in numbers]
     ends = ([getattr(part, end)(RECORD, skipna=False) for part in parts] for end in ("min", "max"))
-    return [xr.concat(each, RECORD) for each in ends]
+    return [xr.concat(extremes, RECORD) for extremes in ends]
 
 
 def check_structure(role: str, structure: AnyStructure) -> None:
@@ -165,7 +167,7 @@ class RecordCells(NamedTuple):
 
         A cell with a period below a tenth of the longest time step of the records is not valid.
         """
-        least = SHORTEST * max(ground.dt for ground in motions.grounds)
+        least = SHORTEST_IN_STEPS * max(ground.dt for ground in motions.grounds)
         for structure in structures:
             if (period := structure.arrays()["period"]).ndim == 0 and period < least:
                 what = f"{least:g} s or more, a tenth of the time step of a record"
@@ -179,7 +181,7 @@ class RecordCells(NamedTuple):
         usable = np.all([side[:, 0] <= 2 * np.pi / least for side in sides], axis=0)
         cells = cells._replace(where=cells.where[usable])
         sides = [side[usable] for side in sides]
-        seconds = SECONDS * sum(work_of(ground, *sides).sum() for ground in motions.grounds)
+        seconds = SUBSTEP_SECONDS * sum(work_of(ground, *sides).sum() for ground in motions.grounds)
         check_work("structures on records would take", cure, seconds=seconds, cores=cores())
         return cls(motions, cells, sides)
 

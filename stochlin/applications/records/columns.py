@@ -12,7 +12,7 @@ import pandas as pd
 
 from stochlin.applications.records.formats import RecordFile, Series
 from stochlin.applications.sheets.columns import ColumnName, Need, chosen, columns_of, noted
-from stochlin.applications.sheets.quantities import ACCELERATION, TIME
+from stochlin.applications.sheets.quantities import ACCELERATION_COLUMN, TIME_COLUMN
 from stochlin.applications.sheets.sheets import Table, number_in, table_of, text_sheet, with_unit
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief
@@ -71,8 +71,10 @@ class TextFile(NamedTuple):
             return Series(values, None, dt if in_rows else None, unit)
         table = self.table()
         needs = [
-            Need("time_column", self._time(table, column, time_column), (TIME,), optional=True),
-            Need("column", column, (ACCELERATION,), left=True),
+            Need(
+                "time_column", self._time(table, column, time_column), (TIME_COLUMN,), optional=True
+            ),
+            Need("column", column, (ACCELERATION_COLUMN,), left=True),
         ]
         time, of_values = chosen(table, needs, self._ways_out)
         assert of_values is not None  # which is not optional
@@ -143,8 +145,8 @@ class TextFile(NamedTuple):
         ]
         step = min(numbers)
         count = max(numbers)
-        known = len(numbers) == 2 and 0 < step < 1 < count == round(count)
-        return (int(count), step) if known else (0, None)
+        stated = len(numbers) == 2 and 0 < step < 1 < count == round(count)
+        return (int(count), step) if stated else (0, None)
 
     def _rows_below(self) -> int:
         """Number of lines below the first row, if they have columns."""
@@ -167,17 +169,17 @@ class TextFile(NamedTuple):
         """What else may be given for a table in which no column is known."""
         if not self.head.titles:
             return self._or_wrapped()
-        known = not any(
+        named = not any(
             column.is_unknown() for column in columns_of(self.head)
         )  # titles, not remarks
-        return "" if known else f", or skip={self.head.titles} without titles"
+        return "" if named else f", or skip={self.head.titles} without titles"
 
     def _time(
         self, table: Table, column: object, by_caller: ColumnName | None
     ) -> ColumnName | None:
         """The column of times that is asked for, or of unknown ones that at equal steps."""
         columns = columns_of(table)
-        named = any(of.unit for each in columns for of in each.said.quantities)
+        named = any(of.unit for other in columns for of in other.said.quantities)
         if (
             by_caller is not None
             or named
@@ -185,7 +187,7 @@ class TextFile(NamedTuple):
             or not table.rows.dtypes.eq(float).all()
         ):
             return by_caller
-        free = [each.number for each in columns if not each.counts and each.number != column]
+        free = [other.number for other in columns if not other.counts and other.number != column]
         steps = [_even_step(table.numbers(number - 1, "number")) for number in free]
         even = [n for n, step in zip(free, steps, strict=True) if 0 < step <= LONGEST_STEP]
         return even[0] if len(even) == 1 else None

@@ -12,10 +12,10 @@ import xarray as xr
 
 from stochlin.messages import LONGEST
 
-PLACE = ("event", "station")  # attributes that both components of a station share
-SURE = 3
-USUAL = 2
-WEAK = 1
+PLACE_KEYS = ("event", "station")  # attributes that both components of a station share
+DISTINCT = 3
+COMMON = 2
+VAGUE = 1
 AMONG_OTHERS = 0  # for files that differ in it
 
 
@@ -24,7 +24,7 @@ class ComponentWord(NamedTuple):
 
     vertical: bool
     angle: float | None = None  # of a horizontal one [deg], if it is known
-    weight: int = SURE
+    weight: int = DISTINCT
     after: str = ""  # what follows it and is no part of it, such as the number of a sensor
 
 
@@ -35,13 +35,13 @@ _TABLE = {
         True
     ): "UP DN DWN DOWN UD DU UPD UPDN UPDOWN UPWARD UPWARDS DOWNWARD DOWNWARDS ZUP "
     "ZDN ZDOWN UPZ VT VTC VRT VER VERT VERTIC VERTICAL VERTICALE DUSEY",
-    ComponentWord(True, weight=USUAL): "U V Z AZ ACCZ",
+    ComponentWord(True, weight=COMMON): "U V Z AZ ACCZ",
     ComponentWord(False, 0.0): "NS SN LN LONG LONGITUDINAL RADIAL H1 HOR1 COMP1 FN",
     ComponentWord(False, 90.0): "EW WE TR TRAN TRANS TRANSVERSE TRANSVERSAL H2 HOR2 COMP2 FP",
     ComponentWord(
-        False, 0.0, USUAL
+        False, 0.0, COMMON
     ): "N S L R X AX ACCX NORTH SOUTH NORTE SUR NORD SUD KUZEY GUNEY",
-    ComponentWord(False, 90.0, USUAL): "E W T Y AY ACCY EAST WEST ESTE OESTE EST OVEST DOGU BATI",
+    ComponentWord(False, 90.0, COMMON): "E W T Y AY ACCY EAST WEST ESTE OESTE EST OVEST DOGU BATI",
 }
 _WORDS = {text: word for word, texts in _TABLE.items() for text in texts.split()}
 _BELOW = {"BOREHOLE", "DOWNHOLE", "UNDERGROUND"}
@@ -49,7 +49,8 @@ _SEED = re.compile(
     r"[BCDEFGHLMS][HLNG]([ZNERT123])(\d{0,2})"
 )  # band, instrument, orientation, location
 _SEED_ANGLES = {"N": 0.0, "R": 0.0, "1": 0.0, "E": 90.0, "T": 90.0, "2": 90.0}
-_CHANNEL = re.compile(r"[A-Z]{1,2}Z\d{0,2}")  # vertical where it is stated, of any instrument
+# vertical where it is stated, of any instrument
+_VERTICAL_CHANNEL = re.compile(r"[A-Z]{1,2}Z\d{0,2}")
 _QUADRANT = re.compile(r"([NS])(\d{1,2})([EW])")  # N45W
 _AZIMUTH = re.compile(r"([0-2]\d\d|3[0-5]\d|360)")
 _RIGHT_ANGLE = 5.0  # deg, allowed deviation from 90 degrees between two components
@@ -82,7 +83,7 @@ def word_of(text: str) -> ComponentWord | None:
         return _WORDS[plain]
     stem = re.sub(r"\d{1,2}$", "", plain)
     if word := _WORDS.get(stem):
-        weight = WEAK if word.vertical and len(stem) == 1 else word.weight
+        weight = VAGUE if word.vertical and len(stem) == 1 else word.weight
         return word._replace(after=plain[len(stem) :], weight=weight)
     return _by_pattern(plain)
 
@@ -96,7 +97,7 @@ def _by_pattern(plain: str) -> ComponentWord | None:
         )
     if match := _SEED.fullmatch(plain):
         return ComponentWord(match[1] == "Z", _SEED_ANGLES.get(match[1]), after=match[2])
-    return ComponentWord(False, float(plain), USUAL) if _AZIMUTH.fullmatch(plain) else None
+    return ComponentWord(False, float(plain), COMMON) if _AZIMUTH.fullmatch(plain) else None
 
 
 def _in_capitals(text: str) -> str:
@@ -109,7 +110,9 @@ def stated_as_vertical(text: str) -> bool | None:
     """Whether a component that a file states is vertical; None if its words do not say it."""
     runs = _RUN.findall(text)
     words = [word for run in runs if (word := word_of(run))]
-    if any(word.vertical for word in words) or any(_CHANNEL.fullmatch(run.upper()) for run in runs):
+    if any(word.vertical for word in words) or any(
+        _VERTICAL_CHANNEL.fullmatch(run.upper()) for run in runs
+    ):
         return True
     return False if words or re.search(r"\d\s*deg", text, re.IGNORECASE) else None
 
@@ -131,8 +134,8 @@ def titled_as_vertical(title: str) -> bool | None:
         return None
     first = word_of(runs[0])
     last = word_of(runs[-1])
-    begins = first is not None and first.vertical and first.weight == SURE
-    ends = last is not None and last.vertical and (last.weight >= USUAL or len(runs) == 1)
+    begins = first is not None and first.vertical and first.weight == DISTINCT
+    ends = last is not None and last.vertical and (last.weight >= COMMON or len(runs) == 1)
     return begins or ends or any(_in_capitals(run).startswith("VERTI") for run in runs) or None
 
 
@@ -167,9 +170,11 @@ def _word_in(run: re.Match[str]) -> tuple[int, int, ComponentWord | None]:
         kind = match.lastgroup or ""
         word = word_of(match[kind])
         if word and kind == "word":
-            weight = SURE if word.weight == SURE else AMONG_OTHERS
+            weight = DISTINCT if word.weight == DISTINCT else AMONG_OTHERS
         else:
-            weight = WEAK if kind == "azimuth" or (word and word.weight == SURE) else AMONG_OTHERS
+            weight = (
+                VAGUE if kind == "azimuth" or (word and word.weight == DISTINCT) else AMONG_OTHERS
+            )
         return run.start() + match.start(kind), run.end(), word and word._replace(weight=weight)
     if match := _AHEAD.fullmatch(run[0]):
         word = word_of(match[1])
@@ -237,7 +242,8 @@ def events_of(labels: Iterable[str], records: Sequence[xr.DataArray]) -> list[ob
     counted = Counter(parts)
     events: list[object] = []
     for n, (record, part) in enumerate(zip(records, parts, strict=True)):
-        event, station = (record.attrs.get(key) for key in PLACE)
+        event = record.attrs.get("event")
+        station = record.attrs.get("station")
         if event and station:
             events.append((event, station))
         elif counted[part] > 1:  # files of the same name in different folders

@@ -16,9 +16,10 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.models.arguments import checked
 from stochlin.models.envelopes import AminAng, Envelope, GammaEnvelope, ShinozukaSato
 
-POINTS = 400  # number of times at which cumulative energies are compared
-FEWEST = 1e-3  # smallest value of an unknown; for a time, relative to the length of the record
-LONGEST = 20.0  # largest value of an unknown, likewise
+COMPARED_TIMES = 400  # number of times at which cumulative energies are compared
+# smallest value of an unknown; for a time, relative to the length of the record
+LEAST_UNKNOWN = 1e-3
+LARGEST_UNKNOWN = 20.0  # largest value of an unknown, likewise
 
 
 class _Unknown(NamedTuple):
@@ -90,10 +91,10 @@ def fit_envelope(record: xr.DataArray, model: FittedEnvelope = "amin_ang") -> En
     values, dt = checked_record(record)
     make, unknowns = FITTED_ENVELOPES[model]
     time = dt * np.arange(values.size)
-    chosen = np.unique(np.linspace(0, values.size - 1, POINTS).astype(int))
+    chosen = np.unique(np.linspace(0, values.size - 1, COMPARED_TIMES).astype(int))
     target = _build_up(values, dt)[chosen]
     unit = np.array([time[-1] if unknown.is_time else 1.0 for unknown in unknowns])
-    bounds = np.log(FEWEST), np.log(LONGEST)
+    bounds = np.log(LEAST_UNKNOWN), np.log(LARGEST_UNKNOWN)
 
     def residual(logs: Array) -> Array:
         envelope = make(*np.exp(logs) * unit)

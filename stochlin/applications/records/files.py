@@ -23,8 +23,10 @@ class UnknownFormatError(ValueError):
 
     def __init__(self, name: str) -> None:
         titles = ", ".join(of.title for of in FORMATS.values())
-        known = f"{titles}, columns of numbers; docs/from_records.md has what obspy reads"
-        super().__init__(f"{name} has no accelerations in a format that is known; allowed: {known}")
+        allowed = f"{titles}, columns of numbers; docs/from_records.md has what obspy reads"
+        super().__init__(
+            f"{name} has no accelerations in a format that is known; allowed: {allowed}"
+        )
 
 
 def read_channels(
@@ -63,11 +65,13 @@ def chosen(channels: Sequence[Series], component: ColumnName | None, name: str) 
     if component is not None and not (is_whole(component) or is_label(component)):
         raise ValueError(f"component = {brief(component)}; allowed: the name or the number of one")
     names = [channel.about.get("component", "") for channel in channels]
-    known = ", ".join(f"{n} ({plain(text)})" if text else f"{n}" for n, text in enumerate(names, 1))
+    components = ", ".join(
+        f"{n} ({plain(text)})" if text else f"{n}" for n, text in enumerate(names, 1)
+    )
     if component is None:
         if len(channels) == 1:
             return channels[0]
-        raise ValueError(f"component is missing: {name} has {known}; give component=")
+        raise ValueError(f"component is missing: {name} has {components}; give component=")
     if names == [""]:
         return channels[0]._replace(about={**channels[0].about, "component": str(component)})
     wanted = letters(component)
@@ -76,7 +80,7 @@ def chosen(channels: Sequence[Series], component: ColumnName | None, name: str) 
         fitting = [int(wanted) - 1]
     if len(fitting) != 1:
         count = "is more than one" if fitting else "is not"
-        raise ValueError(f"component = {brief(component)} {count} in {name}; allowed: {known}")
+        raise ValueError(f"component = {brief(component)} {count} in {name}; allowed: {components}")
     return channels[fitting[0]]
 
 

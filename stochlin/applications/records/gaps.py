@@ -29,8 +29,8 @@ from stochlin.solver.tables import labels
 from stochlin.solver.tables.cells import over_cells
 from stochlin.solver.tables.checks import standing
 
-SET_BACK = "Set-back of one structure from its property line in recorded motions"
-QUANTILES = np.array([0.5, 0.84, 0.9, 0.95])
+RECORDED_SET_BACK = "Set-back of one structure from its property line in recorded motions"
+GAP_QUANTILES = np.array([0.5, 0.84, 0.9, 0.95])
 
 
 @checked
@@ -120,8 +120,10 @@ def recorded_gap(
         )
     if motions.names is not None:
         events = events_of(motions.names, motions.records)
-        table = table.merge(quantiles_of_records("separation", table.separation, events, QUANTILES))
-    title = "Gap of two structures in recorded motions" if second is not None else SET_BACK
+        table = table.merge(
+            quantiles_of_records("separation", table.separation, events, GAP_QUANTILES)
+        )
+    title = "Gap of two structures in recorded motions" if second is not None else RECORDED_SET_BACK
     table = labels.label(table.assign_attrs(records=motions.describe()))
     return labels.with_run_information(table, title, "recorded_gap()", roles)
 
@@ -134,8 +136,8 @@ def quantiles_of_records(
     table = xr.Dataset(
         coords={**like.coords, "quantile": labels.axis("quantile", "quantile", levels)}
     )
-    for n, each in enumerate([values, *ends_of_events(values, events)]):
-        quantiles = quantile_intervals(each.transpose(RECORD, ...).to_numpy(), levels)[n]
+    for n, samples in enumerate([values, *ends_of_events(values, events)]):
+        quantiles = quantile_intervals(samples.transpose(RECORD, ...).to_numpy(), levels)[n]
         table[f"{name}_quantile{labels.VALUE_AND_ENDS[n]}"] = ("quantile", *like.dims), quantiles
     return table
 

@@ -30,7 +30,7 @@ _MINIMUM_ORDINATES = 8
 _LINE_WIDTH = 2.78
 _START_PERIODS = 16
 # in the logarithm of a parameter
-_STEP = 1e-4
+_PARAMETER_STEP = 1e-4
 _ON_BOUND = 1e-3
 
 
@@ -205,7 +205,7 @@ def _starts(
     periods = np.append(periods, np.clip(peak, periods[0], periods[-1]))
     starts = []
     for others in problem.starts:
-        logs = np.log([[each, *others, 1.0] for each in periods])
+        logs = np.log([[period, *others, 1.0] for period in periods])
         logs[:, -1] = np.log(density.sum() / problem.psd(logs, frequency).sum(axis=1))
         starts.append(logs[np.argmin(np.sum(residual(logs) ** 2, axis=1))])
     return starts
@@ -215,10 +215,10 @@ def _standard_errors(
     frequency: Array, logs: Array, problem: _Problem, estimator: Estimator
 ) -> Array:
     """Relative standard errors of parameters [-], by the sandwich estimator of their covariance."""
-    shifts = _STEP * np.eye(logs.size)
+    shifts = _PARAMETER_STEP * np.eye(logs.size)
     up = problem.psd(logs + shifts, frequency)
     down = problem.psd(logs - shifts, frequency)
-    slopes = np.log(up / down) / (2 * _STEP)
+    slopes = np.log(up / down) / (2 * _PARAMETER_STEP)
     weight = estimator.weight(problem.psd(logs[None], frequency)[0])
     bread = np.linalg.pinv((weight * slopes) @ slopes.T)
     filling = _PADDING * estimator.variance * (weight**2 * slopes) @ slopes.T

@@ -14,7 +14,7 @@ import xarray as xr
 from scipy import constants
 
 from stochlin.applications.records.columns import TIME_TOLERANCE
-from stochlin.applications.records.components import WEAK, FileNames, identifies, is_vertical
+from stochlin.applications.records.components import VAGUE, FileNames, identifies, is_vertical
 from stochlin.applications.records.files import chosen, read_channels
 from stochlin.applications.records.formats import Series
 from stochlin.applications.sheets.columns import ColumnName
@@ -34,15 +34,15 @@ _CURE = "correct it, or leave it out"
 _IN_BUILDING = re.compile(
     r"\b(?:roof|floor|stor(?:e?y|ies)|azotea|techo|piso|dach|toit|tetto)\b", re.IGNORECASE
 )
-ENDING = 1.0  # s, the last part of a record
-FEWEST = 4.5  # times as long is a record that is judged by it
+ENDING_OF_RECORD = 1.0  # s, the last part of a record
+LENGTH_IN_ENDINGS = 4.5  # times as long is a record that is judged by it
 SAME_SHAPE = 1e-3  # difference over the peak, of digits that are left out in files
 SHORTEST_STEP = 1e-6  # s, of a file
 # Of any record, with room for all numbers of a response: of structures with periods from 1e-9 to
 # 1e9 s displacements are below 1e60 m, and the squares of their squares below the largest number,
 # 1e308.
 LARGEST_ACCELERATION = 1e9  # m/s^2
-STEPS = Range(1e-9, 1e9, include_lower=True, include_upper=True)  # s
+TIME_STEPS = Range(1e-9, 1e9, include_lower=True, include_upper=True)  # s
 
 
 @checked
@@ -212,8 +212,12 @@ def _doubts(record: xr.DataArray, series: Series) -> Iterator[str]:
     """Texts of warnings on an implausible record, each as a question."""
     yield from doubts_of_motion(record.to_numpy(), record.attrs["dt"])
     samples = np.abs(record.to_numpy())
-    last = max(1, round(ENDING / record.attrs["dt"]))
-    ratio = float(samples[-last:].max() / samples.max()) if samples.size >= FEWEST * last else 0.0
+    last = max(1, round(ENDING_OF_RECORD / record.attrs["dt"]))
+    ratio = (
+        float(samples[-last:].max() / samples.max())
+        if samples.size >= LENGTH_IN_ENDINGS * last
+        else 0.0
+    )
     if text := PLAUSIBLE["last second over the peak"].doubt(ratio):
         yield f"its last second reaches {ratio:.2g} of its peak; {text}"
     if series.rows:
@@ -224,7 +228,9 @@ def _doubt_of_direction(series: Series, name: str) -> Iterator[str]:
     """Texts on a record that is vertical, or not of the ground."""
     component = series.about.get("component", "")
     in_name = FileNames([name]).component(name)
-    if is_vertical(component, series.title, in_name if in_name and in_name.weight > WEAK else None):
+    if is_vertical(
+        component, series.title, in_name if in_name and in_name.weight > VAGUE else None
+    ):
         which = brief(component or series.title or name)
         yield (
             f"{which} is vertical, and gaps follow from horizontal components; is it the right one?"
@@ -306,8 +312,8 @@ def checked_record(
         what = f"record is {values[i]:.3g} m/s^2 at {time[i]:g} s"
         raise ValueError(f"{what}; allowed: at most {LARGEST_ACCELERATION:.0e} m/s^2 in magnitude")
     step = _time_step(time)
-    if not STEPS.contains(step):
-        raise ValueError(f"the time step of record is {step:g} s; allowed: {STEPS}")
+    if not TIME_STEPS.contains(step):
+        raise ValueError(f"the time step of record is {step:g} s; allowed: {TIME_STEPS}")
     return values, step
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.applications.records.cells import (
-    SCALARS,
+    ONE_STRUCTURE,
     OnRecord,
     RecordCells,
     RecordedMotions,
@@ -39,8 +39,8 @@ from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_scalars
 
 _KINDS = ("input", "viscous", "hysteretic", "kinetic", "elastic")
-ENERGIES = tuple(f"{kind}_energy_per_mass" for kind in _KINDS)
-REFERENCES = (
+ENERGIES_PER_MASS = tuple(f"{kind}_energy_per_mass" for kind in _KINDS)
+RESPONSE_REFERENCES = (
     f"{labels.PAPER} Nigam, N. C. and Jennings, P. C. (1969). Calculation of response spectra from "
     "strong-motion earthquake records. Bull. Seismol. Soc. Am. 59."
 )
@@ -96,7 +96,9 @@ def pseudo_energy_radius(
     spectrum = response_spectrum(record, period, damping, **strength)
     table = spectrum[["pseudo_energy_radius", "displacement_max", "status"]]
     title = "Pseudo energy radius"
-    return labels.with_run_information(table, title, "pseudo_energy_radius()", {}, REFERENCES)
+    return labels.with_run_information(
+        table, title, "pseudo_energy_radius()", {}, RESPONSE_REFERENCES
+    )
 
 
 @checked
@@ -190,7 +192,7 @@ def response_spectrum(
         "pseudo_velocity": w * displacement,
         "pseudo_acceleration": w**2 * displacement,
         "pseudo_energy_radius": peaks[..., recorded.RADIUS],
-        **dict(zip(ENERGIES[:3], _energies(parameters, states), strict=False)),
+        **dict(zip(ENERGIES_PER_MASS[:3], _energies(parameters, states), strict=False)),
     }
     if structure.yields:
         # At rest alpha u + (1 - alpha) y = 0, while u - y stays as it is.
@@ -278,7 +280,7 @@ def respond(
     >>> motion.sizes["time"], float(abs(motion.z).max())
     (1997, 1.0)
     """
-    check_scalars(structure, "structure", SCALARS)
+    check_scalars(structure, "structure", ONE_STRUCTURE)
     if not isinstance(record, xr.DataArray):
         raise TypeError(f"record is a {type(record).__name__}; allowed: one xarray.DataArray")
     motions = checked_motions(record, may_be_still=start is not None)
@@ -312,7 +314,10 @@ def _until_fall(table: xr.Dataset, structure: AnyStructure) -> xr.Dataset:
 
 @np.errstate(all="ignore")  # of structures that fall beyond all numbers
 def _energies(parameters: Array, states: Array) -> tuple[Array, ...]:
-    """The `ENERGIES` of structures with parameters (..., 4) in states (..., STATE), in balance."""
+    """The `ENERGIES_PER_MASS` of structures with parameters (..., 4) in states (..., STATE).
+
+    They are in balance.
+    """
     w, _, hardening, _ = parameters.T
     u, v, y, put_in, hysteretic = np.moveaxis(states, -1, 0)
     kinetic = 0.5 * v**2
@@ -338,7 +343,7 @@ def _exact_history(
         "displacement": displacement,
         "velocity": velocity,
         "radius": np.hypot(displacement, velocity / parameters[0]),
-        **dict(zip(ENERGIES, _energies(parameters, states), strict=True)),
+        **dict(zip(ENERGIES_PER_MASS, _energies(parameters, states), strict=True)),
     }
     if structure.yields:
         columns["z"] = strain / parameters[3]
@@ -350,4 +355,6 @@ def _with_information(
     table: xr.Dataset, title: str, call: str, structure: AnyStructure, motions: RecordedMotions
 ) -> xr.Dataset:
     table = labels.label(table).assign_attrs(records=motions.describe())
-    return labels.with_run_information(table, title, call, {"structure": structure}, REFERENCES)
+    return labels.with_run_information(
+        table, title, call, {"structure": structure}, RESPONSE_REFERENCES
+    )

@@ -34,14 +34,15 @@ from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_work
 from stochlin.solver.tables.labels import ELEMENT, FLOOR, element_coordinates, floor_coordinates
 
-STEPS_PER_PERIOD = 32  # steps in the shortest period before the first halving
-FALLEN = 1e3  # displacement over the largest at which a structure falls, where it is not followed
-CLOSE = 1e-4  # allowed change of peaks, relatively, and of z when the step is halved
+FIRST_STEPS_PER_PERIOD = 32  # steps in the shortest period before the first halving
+# displacement over the largest at which a structure falls, where it is not followed
+FALLEN_STRUCTURE = 1e3
+HALVING_ERROR = 1e-4  # allowed change of peaks, relatively, and of z when the step is halved
 # Most halvings. States of laws, where yield displacements are small, need more than displacements
 # do.
 HALVINGS = 6
 HALVINGS_OF_HISTORY = 10
-SECONDS = 4e-7  # of a step of an element [s]
+ELEMENT_SECONDS = 4e-7  # of a step of an element [s]
 NO_Z = np.zeros(0)
 TOO_LARGE = "take softer structures, or a shorter record"
 
@@ -95,7 +96,7 @@ def halved(
     for _ in range(most):
         response = followed(2 * coarse.cuts)
         response = response._replace(error=response.change(coarse))
-        if response.error <= CLOSE:
+        if response.error <= HALVING_ERROR:
             return response
         coarse = response
     if not np.isfinite(coarse.error):
@@ -103,14 +104,16 @@ def halved(
     what = (
         f"the response changes by {coarse.error:.2g} when the time step is halved for the last time"
     )
-    warnings.warn(f"{what}, more than {CLOSE:g}: see step_error", DoubtfulInput, stacklevel=4)
+    warnings.warn(
+        f"{what}, more than {HALVING_ERROR:g}: see step_error", DoubtfulInput, stacklevel=4
+    )
     return coarse
 
 
 def _first_cuts(connected: Sequence[SteppedGroup], ground: SampledMotion) -> int:
     """Number of steps in an interval of the record before the first halving."""
     shortest = min(group.shortest for group in connected)
-    return max(1, int(np.ceil(ground.dt * STEPS_PER_PERIOD / shortest)))
+    return max(1, int(np.ceil(ground.dt * FIRST_STEPS_PER_PERIOD / shortest)))
 
 
 def _size(connected: Sequence[SteppedGroup], ground: SampledMotion) -> str:
@@ -124,7 +127,7 @@ def _size(connected: Sequence[SteppedGroup], ground: SampledMotion) -> str:
 
 def _within(limits: Array, values: Array) -> Array:
     """Displacements of which those of a structure that falls end far beyond its limit."""
-    most = FALLEN * limits[np.isfinite(limits)].max(initial=0.0) or np.inf
+    most = FALLEN_STRUCTURE * limits[np.isfinite(limits)].max(initial=0.0) or np.inf
     return values if most == np.inf else np.clip(np.nan_to_num(values, nan=most), -most, most)
 
 
@@ -144,7 +147,8 @@ def stepped_history(
     cuts = cuts or _first_cuts(connected, finer)
     steps = float(cuts) * size
     numbers = 2 * len(first) * size
-    seconds = SECONDS * 2.0**3 * steps * system.storeys.mass.size  # where they are halved twice
+    # where they are halved twice
+    seconds = ELEMENT_SECONDS * 2.0**3 * steps * system.storeys.mass.size
     check_work(_size(connected, finer), TOO_LARGE, numbers=numbers, seconds=seconds)
     falls = np.isfinite(system.limits).any()
 

@@ -22,8 +22,8 @@ from stochlin.models.uncertain import applied
 from stochlin.solver.simulation.prepared import PreparedStructures
 from stochlin.solver.simulation.statistics import pair_separation
 
-TINY = 1e-12  # smallest separation [m], in place of zero in logarithms
-FITTED, TOO_FEW_POUND, ALL_POUND, TOO_FEW_INTENSITIES, NOT_SIMULATED = range(5)
+SMALLEST_SEPARATION = 1e-12  # smallest separation [m], in place of zero in logarithms
+FRAGILITY_FITTED, TOO_FEW_POUND, ALL_POUND, TOO_FEW_INTENSITIES, NOT_SIMULATED = range(5)
 
 
 class Fragility(NamedTuple):
@@ -33,7 +33,7 @@ class Fragility(NamedTuple):
     dispersion: float = np.nan  # standard deviation of the logarithm
     median_standard_error: float = np.nan
     dispersion_standard_error: float = np.nan
-    status: int = FITTED
+    status: int = FRAGILITY_FITTED
 
 
 class SeparationsByIntensity(NamedTuple):
@@ -62,7 +62,7 @@ class SeparationsByIntensity(NamedTuple):
         Without pounding in an interval, both intensities are equal.
         """
         x = np.broadcast_to(np.log(self.intensity), self.separation.shape)
-        beyond = np.log(np.maximum(self.separation, TINY)) - np.log(gap)
+        beyond = np.log(np.maximum(self.separation, SMALLEST_SEPARATION)) - np.log(gap)
         first = beyond[:, :1]  # from where the gap is reached, below the lowest intensity
         x = np.hstack(
             [x[:, :1] - np.maximum(first, 0) / self.power, x, np.full_like(first, np.inf)]
@@ -121,20 +121,20 @@ def lognormal_fragility(motions: SeparationsByIntensity, gap: float) -> Fragilit
     begin, end = motions.crossings(gap)
     first = np.where(end > begin, begin, np.inf).min(axis=1)
     seen = np.isfinite(first)
-    known = np.log(first[seen])
-    if known.size < 2 or np.ptp(known) == 0:
+    logs = np.log(first[seen])
+    if logs.size < 2 or np.ptp(logs) == 0:
         return Fragility(status=TOO_FEW_POUND)
     top = np.log(motions.intensity[-1])
     never = int((~seen).sum())
 
     def surprise(parameters: Array) -> float:
         mean, log_b = parameters
-        z = (known - mean) / np.exp(log_b)
+        z = (logs - mean) / np.exp(log_b)
         most = (mean - top) / np.exp(log_b)
-        return float(0.5 * z @ z + known.size * log_b - never * log_ndtr(most))
+        return float(0.5 * z @ z + logs.size * log_b - never * log_ndtr(most))
 
-    mean = known.mean()
-    log_b = np.log(known.std())
+    mean = logs.mean()
+    log_b = np.log(logs.std())
     if never:  # else these are the maximum
         options = {"gtol": 1e-6}
         mean, log_b = scipy.optimize.minimize(
@@ -142,14 +142,14 @@ def lognormal_fragility(motions: SeparationsByIntensity, gap: float) -> Fragilit
         ).x
     median = float(np.exp(mean))
     b = float(np.exp(log_b))
-    z = (known - mean) / b
+    z = (logs - mean) / b
     most = (mean - top) / b
     hazard = np.exp(-0.5 * most**2 - log_ndtr(most)) / np.sqrt(2 * np.pi)
     tail = never * hazard
     bend = never * hazard * (most + hazard)
     mixed = (2 * z.sum() + tail - most * bend) / b
     curvature = [
-        [(known.size + bend) / b**2, mixed],
+        [(logs.size + bend) / b**2, mixed],
         [mixed, 2 * z @ z + most * (most * bend - tail)],
     ]
     of_mean, of_log_b = np.sqrt(np.diag(np.linalg.inv(curvature)))

@@ -44,17 +44,18 @@ from stochlin.solver.tables import labels
 from stochlin.solver.tables.cells import over_cells
 from stochlin.solver.tables.checks import check_duration, standing
 
-POINTS = 25  # least number of simulated intensities, odd, so that every other one has both ends
+# least number of simulated intensities, odd, so that every other one has both ends
+SIMULATED_INTENSITIES = 25
 # quantiles of all separations, gaps for which intensities are close enough
-TYPICAL = (0.25, 0.5, 0.75)
+TYPICAL_QUANTILES = (0.25, 0.5, 0.75)
 RETURN_PERIODS = (5.0, 2e5)  # [yr] of the lowest and highest intensity of a hazard without a table
 NORMAL = 1.96  # standard errors from a mean to the ends of its 95 % interval
-CLOSE = 1e-6  # relative tolerance of a required gap
-HIGHEST = 1e100  # intensity from which on nothing is added
-ROUNDING = 1e-12  # relative rounding error allowed at the end of a hazard curve
-UNITS = {"pga": "m/s^2", "sa": "m/s^2", "intensity": "m^2/s^3"}
+RISK_GAP_TOLERANCE = 1e-6  # relative tolerance of a required gap
+HIGHEST_INTENSITY = 1e100  # intensity from which on nothing is added
+ROUNDING_OF_HAZARD = 1e-12  # relative rounding error allowed at the end of a hazard curve
+INTENSITY_UNITS = {"pga": "m/s^2", "sa": "m/s^2", "intensity": "m^2/s^3"}
 _RISK = re.compile(r"\s*(\d++\.?\d*+|\.\d++)\s*%\s*in\s*(\d++\.?\d*+)\s*(?:yr|years|a)\s*")
-REFERENCES = (
+RISK_REFERENCES = (
     "Cornell, C. A. (1968), Bull. Seismol. Soc. Am. 58; McGuire, R. K. (2004), Seismic Hazard and "
     "Risk Analysis."
 )
@@ -271,7 +272,7 @@ def _over_cells(
         f"Risk of {what[len(structures) == 1]}, {median_of(ground).name} ground",
         f"{call}(duration={duration:g}, paths={paths}, seed={motion.seed})",
         {**models, "hazard": hazard},
-        REFERENCES,
+        RISK_REFERENCES,
     )
 
 
@@ -306,7 +307,9 @@ def doubt_of_text(risk: str | float) -> str:
 def check_target(hazard: Hazard, risk: str | float) -> float:
     """The annual frequency of a risk [1/yr]; a ValueError if it is outside those of the hazard."""
     target, _ = allowed_rate(risk)
-    rarest, commonest = (float(hazard.frequency(im)) for im in simulated_at(hazard)[[-1, 0]])
+    intensities = simulated_at(hazard)
+    rarest = float(hazard.frequency(intensities[-1]))
+    commonest = float(hazard.frequency(intensities[0]))
     if not rarest < target < commonest:
         allowed = f"between {rarest:.3g} and {commonest:.3g} a year, as far as the hazard reaches"
         raise ValueError(f"risk = {brief(risk)} is {target:.3g} a year; allowed: {allowed}")
@@ -319,7 +322,7 @@ def simulated_at(hazard: Hazard) -> Array:
         ends = hazard.intensities
     else:
         ends = tuple(float(hazard.intensity(years)) for years in RETURN_PERIODS)
-    return np.geomspace(ends[0], ends[-1], POINTS)
+    return np.geomspace(ends[0], ends[-1], SIMULATED_INTENSITIES)
 
 
 def _with_both_errors(rates: Array, interpolation: float) -> tuple[float, float]:
@@ -337,20 +340,20 @@ class SimulatedRisk(NamedTuple):
     def _frequency(self, intensity: Array) -> Array:
         """Annual frequency of exceedance [1/yr]; constant below a hazard table, zero beyond."""
         least = 0.0
-        top = HIGHEST
+        top = HIGHEST_INTENSITY
         if isinstance(self.hazard, HazardCurve):
             least = self.hazard.intensities[0]
             top = self.hazard.intensities[-1]
         frequencies = self.hazard.frequency(xr.DataArray(np.clip(intensity, least, top)))
-        return np.where(intensity > top * (1 + ROUNDING), 0.0, np.asarray(frequencies))
+        return np.where(intensity > top * (1 + ROUNDING_OF_HAZARD), 0.0, np.asarray(frequencies))
 
     def rates(self, gap: float) -> Array:
         """Annual frequency of pounding [1/yr] of each motion in each interval (paths, n + 1).
 
         Its mean over the motions is the mean annual frequency of the interval of intensities.
         """
-        begin, end = (self._frequency(each) for each in self.motions.crossings(gap))
-        return np.maximum(begin - end, 0.0)
+        begin, end = self.motions.crossings(gap)
+        return np.maximum(self._frequency(begin) - self._frequency(end), 0.0)
 
     def rate(self, gap: float) -> tuple[float, float]:
         """Mean annual frequency of pounding [1/yr], and its standard error.
@@ -371,8 +374,8 @@ class SimulatedRisk(NamedTuple):
 
     def is_coarse(self) -> bool:
         """Whether the error by the interpolation exceeds that of the motions for a typical gap."""
-        known = self.motions.separation[np.isfinite(self.motions.separation)]
-        for gap in np.quantile(known, TYPICAL) if known.size else ():
+        gaps = self.motions.separation[np.isfinite(self.motions.separation)]
+        for gap in np.quantile(gaps, TYPICAL_QUANTILES) if gaps.size else ():
             _, error = mean_with_error(self.rates(gap).sum(axis=1))
             if self.quadrature_error(gap) > error:
                 return True
@@ -415,13 +418,16 @@ class SimulatedRisk(NamedTuple):
         rates = self.rate_with_ends(gap)
         stronger, weaker = self.unseen_rates(gap)
         # A table has the same intensities in all cells, also where others were added between them.
-        step = (motions.intensity.size - 1) // (POINTS - 1)
+        step = (motions.intensity.size - 1) // (SIMULATED_INTENSITIES - 1)
         shown = motions.intensity[::step]
         intervals = np.arange(1, motions.intensity.size, step)
         by_interval = np.add.reduceat(
             self.rates(gap).mean(axis=0), [0, *intervals, motions.intensity.size]
         )
-        attrs = {"units": UNITS[hazard.measure], "long_name": f"intensity, {hazard.measure}"}
+        attrs = {
+            "units": INTENSITY_UNITS[hazard.measure],
+            "long_name": f"intensity, {hazard.measure}",
+        }
         axis = {"intensity": ("intensity", shown, attrs)}
         samples = xr.DataArray(
             motions.separation[:, ::step], dims=("path", "intensity"), coords=axis
@@ -439,7 +445,8 @@ class SimulatedRisk(NamedTuple):
                     for end, rate in rates.items()
                 },
                 **{
-                    f"pounding_{name}": each for name, each in pounding_shares(samples, gap).items()
+                    f"pounding_{name}": share
+                    for name, share in pounding_shares(samples, gap).items()
                 },
             },
             begin,
@@ -463,7 +470,7 @@ class SimulatedRisk(NamedTuple):
                 return np.inf
             if excess(low) <= 0:
                 return 0.0
-            return float(np.exp(scipy.optimize.brentq(excess, low, high, xtol=CLOSE)))
+            return float(np.exp(scipy.optimize.brentq(excess, low, high, xtol=RISK_GAP_TOLERANCE)))
 
         gaps = {f"required_gap{end}": gap_at(end) for end in labels.VALUE_AND_ENDS}
         mean, error = self.rate(gap) if (gap := gaps["required_gap"]) else (np.nan, np.nan)
@@ -485,7 +492,7 @@ def simulated_risk(
     for a duration shorter than a period, or too much work.
     """
     levels = simulated_at(hazard)
-    prepared = PreparedStructures.of(structures, ground, motion, paths, POINTS)
+    prepared = PreparedStructures.of(structures, ground, motion, paths, SIMULATED_INTENSITIES)
     usual = prepared.usual
     power = 0.5
     of_one = 1.0  # S0 of motions with the intensity 1 in the measure of the hazard

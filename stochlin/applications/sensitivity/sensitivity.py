@@ -33,19 +33,20 @@ from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import standing
 
 WITHOUT = ("peak_factor", "mass")  # of an oscillator: part of a definition, and without influence
-STEP = 0.1  # relative change of a known input, to either side
+CHANGE_OF_INPUT = 0.1  # relative change of a known input, to either side
 RANGE = 0.16, 0.84  # probabilities at the ends of the range of an uncertain input
 END = "end"
-ENDS = ("low", "high")
+LOW_AND_HIGH = ("low", "high")
 OF_INPUTS = {
     INPUT: "number of a model",
     "input_median": "the input, or its median, in its unit",
     "input_unit": "unit of the input",
     "uncertain": "1 where the input is not known exactly",
 }
-GROUPS = 32  # groups of motions for the jackknife, each of which is left out once
-NEAR = 0.25  # share of the motions, with responses nearest to the quantile, in the local regression
-REFERENCES = "Cleveland, W. S. (1979), J. Am. Stat. Assoc. 74."
+JACKKNIFE_GROUPS = 32  # groups of motions for the jackknife, each of which is left out once
+# share of the motions, with responses nearest to the quantile, in the local regression
+NEAREST_SHARE = 0.25
+REGRESSION_REFERENCE = "Cleveland, W. S. (1979), J. Am. Stat. Assoc. 74."
 
 
 @checked(uncertain=True, in_metres=True)
@@ -123,7 +124,9 @@ def sensitivity(
     motion = FiniteMotion(duration, envelope, scatter_of(ground, scatter), seed)
     structures = standing(first, second)
     checked_structures([*structures.values()], usual)
-    roles = {f"structure_{n}": each for n, each in enumerate(structures.values(), start=1)}
+    roles = {
+        f"structure_{n}": structure for n, structure in enumerate(structures.values(), start=1)
+    }
     models = {role: described(model) for role, model in {**roles, GROUND: ground}.items()}
     inputs = [entry for role, model in models.items() for entry in inputs_of(role, model)]
     for role in roles:  # reduction factors refer to the ground at its medians
@@ -145,7 +148,7 @@ def sensitivity(
         f"sensitivity(duration={duration:g}, confidence={confidence:g}, paths={paths}, "
         f"seed={seed})",
         {**structures, "ground": ground},
-        REFERENCES,
+        REGRESSION_REFERENCE,
     )
 
 
@@ -195,11 +198,11 @@ def _responses(
     factors = np.ones((len(inputs), 2))
     for n, entry in enumerate(inputs):
         for side, factor in enumerate(entry.ends()):
-            known = changed(models[entry.role], entry.key, 1.0)
+            model = changed(models[entry.role], entry.key, 1.0)
             with suppress(ValueError):  # not allowed
-                known = changed(models[entry.role], entry.key, factor)
+                model = changed(models[entry.role], entry.key, factor)
                 factors[n, side] = factor
-            responses.append(run({entry.role: known}))
+            responses.append(run({entry.role: model}))
     return factors, np.array(responses)
 
 
@@ -221,7 +224,7 @@ def _table(
         name: (INPUT, [*column], {"long_name": text})
         for (name, text), column in zip(OF_INPUTS.items(), columns, strict=True)
     }
-    coords[END] = END, [*ENDS], {"long_name": "end of the range of the input"}
+    coords[END] = END, [*LOW_AND_HIGH], {"long_name": "end of the range of the input"}
     gaps = zip(("gap", "gap_lower", "gap_upper"), quantile_interval(base, confidence), strict=True)
     table = xr.Dataset(dict(gaps), coords)
     table["gap_of_medians"] = table.gap + changes[0]
@@ -241,21 +244,21 @@ def changed_quantiles(response: Array, changed: Array, level: float) -> tuple[Ar
     jackknife.
     """
     number = np.arange(response.size)
-    groups = min(GROUPS, response.size)
+    groups = min(JACKKNIFE_GROUPS, response.size)
 
     def estimate(left: int) -> Array:
         """The changes without a group of the motions; -1 leaves out none."""
-        kept = number % groups != left
-        y = np.sort(response[kept])
+        rest = number % groups != left
+        y = np.sort(response[rest])
         beyond = y - np.quantile(y, level)
         far = np.abs(beyond)
-        width = np.sort(far)[int(np.ceil(NEAR * y.size)) - 1] or 1.0
+        width = np.sort(far)[int(np.ceil(NEAREST_SHARE * y.size)) - 1] or 1.0
         weight = np.clip(1 - (far / width) ** 3, 0, None) ** 3
         weight /= weight.sum()
         mean = (weight * beyond).sum()
         spread = (weight * (beyond - mean) ** 2).sum() or 1.0
         weight *= 1 - (beyond - mean) * mean / spread
-        estimates: Array = ((np.sort(changed[:, kept], axis=1) - y) * weight).sum(axis=1)
+        estimates: Array = ((np.sort(changed[:, rest], axis=1) - y) * weight).sum(axis=1)
         return estimates
 
     parts = np.array([estimate(left) for left in range(groups)])
@@ -274,7 +277,7 @@ class Input(NamedTuple):
     def ends(self) -> tuple[float, float]:
         """Ends of the range over the median: quantiles of 16 and 84 %, or 10 % to either side."""
         if not self.quantity.spread:
-            return 1 - STEP, 1 + STEP
+            return 1 - CHANGE_OF_INPUT, 1 + CHANGE_OF_INPUT
         return float(self.quantity.factor(RANGE[0])), float(self.quantity.factor(RANGE[1]))
 
 
@@ -284,10 +287,10 @@ def changed(model: UncertainModel, key: str, factor: float) -> UncertainModel:
     Raises a ValueError if that is no value of the input.
     """
     value = model.arguments[key]
-    known: Any = factor * np.asarray(median_of(value))
+    number: Any = factor * np.asarray(median_of(value))
     if isinstance(value, Uncertain):
-        known = Uncertain(known, 0.0)
-    new = dataclasses.replace(model, arguments={**model.arguments, key: known})
+        number = Uncertain(number, 0.0)
+    new = dataclasses.replace(model, arguments={**model.arguments, key: number})
     new.median()
     return new
 

@@ -35,15 +35,15 @@ from stochlin.models.rules.codes import (
 from stochlin.models.structures import AnyStructure
 from stochlin.solver.tables import labels
 
-PEAKS = "peak_1", "peak_2"
+PEAK_NAMES = "peak_1", "peak_2"
 # What the displacements are, with or without the factors of a code.
 DEFINED = "displacements as each code defines them, its factors included"
-DESIGN = "displacements under design forces, which each code multiplies by its factors"
-SPECTRAL = (
+DESIGN_FORCES = "displacements under design forces, which each code multiplies by its factors"
+ELASTIC_PEAKS = (
     ", of the elastic spectrum by the CQC over the modes of each building, cqc over those of both"
 )
 NEEDS = "needs "  # begins what is missing
-TEXTS: Mapping[str, str] = {
+CODE_TEXTS: Mapping[str, str] = {
     "family": "what governs a building code: SRSS or sum of the peaks, the height, or a fixed "
     "distance",
     "reference": "source of the rule",
@@ -78,8 +78,8 @@ class Rule:
     @property
     def rho(self) -> float:
         """Correlation at the height where the gap is largest [-]; NaN if the rule has none."""
-        known = self.rhos is not None and not np.isnan(self.gap)
-        return float(self.rhos[int(np.argmax(self.gaps))]) if known else np.nan
+        defined = self.rhos is not None and not np.isnan(self.gap)
+        return float(self.rhos[int(np.argmax(self.gaps))]) if defined else np.nan
 
 
 def _check_source(
@@ -306,7 +306,7 @@ def code_gaps(
     usable = valid & xr.DataArray([not rule.missing for rule in rules], dims="rule")
     gap = _along_rules([rule.gaps for rule in rules], rules, valid)
     table = xr.Dataset({"gap": gap, "status": labels.status_where(usable).transpose(*gap.dims)})
-    for name, text in TEXTS.items():
+    for name, text in CODE_TEXTS.items():
         entries = [getattr(rule, name).removeprefix(NEEDS) for rule in rules]
         table = table.assign_coords({name: ("rule", entries, {"long_name": text})})
     if correlation is not None and spectrum is not None:
@@ -319,7 +319,7 @@ def code_gaps(
         source = str(spectrum.attrs.get("source", "a spectrum"))
         table.attrs["spectrum"] = f"{source} ({taken_in_words(spectrum)})"
     table = labels.label(table)
-    peaks = f"{DESIGN if site.of_design else DEFINED}{SPECTRAL * site.elastic}"
+    peaks = f"{DESIGN_FORCES if site.of_design else DEFINED}{ELASTIC_PEAKS * site.elastic}"
     checked_not = "Rules whose mark has an M were not compared with their source."
     table.attrs["comment"] = f"The peaks are {peaks}. {checked_not}"
     return labels.with_run_information(
@@ -347,8 +347,8 @@ def _apart(peaks: tuple[Any, Any] | None, rho: xr.DataArray) -> Any:
 def _along_rules(arrays: Sequence[Any], rules: Sequence[Rule], cells: xr.DataArray) -> xr.DataArray:
     """Arrays of all rules in one, over the rules and the dimensions of ``cells``."""
     name = xr.DataArray([rule.name for rule in rules], dims="rule", name="rule")
-    each = [xr.DataArray(array).broadcast_like(cells) for array in arrays]
-    return xr.concat(each, name.assign_attrs(long_name="rule"), coords="minimal", compat="override")
+    rows = [xr.DataArray(array).broadcast_like(cells) for array in arrays]
+    return xr.concat(rows, name.assign_attrs(long_name="rule"), coords="minimal", compat="override")
 
 
 def code_row(rule: CodeRule, site: Site) -> Rule:

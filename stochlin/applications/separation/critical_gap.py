@@ -14,7 +14,8 @@ from stochlin.models.parameters import NOT_NEGATIVE, Model, Parameter, Range, pa
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.lazy import cellwise, in_blocks, valid_cells
 
-ALIKE = 1e-5  # gap over peak below which the gap is a rounding error of two equal structures
+# gap over peak below which the gap is a rounding error of two equal structures
+ROUNDING_OF_GAP = 1e-5
 
 
 @dataclass(frozen=True)
@@ -85,7 +86,7 @@ def _by_equation_3(pair: CorrelatedPeaks) -> xr.Dataset:
 def equation_3(peak_1: Array, peak_2: Array, rho: Array) -> Array:
     """Eq. (3) [m] with a correlation of rounding errors; 0 where it is one of equal structures."""
     gaps = double_difference(peak_1, peak_2, np.clip(rho, -1, 1))
-    return np.where(gaps < ALIKE * np.maximum(peak_1, peak_2), 0.0, gaps)
+    return np.where(gaps < ROUNDING_OF_GAP * np.maximum(peak_1, peak_2), 0.0, gaps)
 
 
 def _valid_gap(valid: Array, *pair: Array) -> Array:

@@ -19,17 +19,17 @@ from stochlin.solver.correlation.correlation import correlate
 from stochlin.solver.correlation.equation_4 import rho_white_noise
 from stochlin.solver.tables import labels
 
-TRIED = np.linspace(0, 0.4, 41)  # added damping ratios
-STEPS = np.linspace(0, 1, 11)  # between two of these
-SIDES: Mapping[str, tuple[float, float]] = {
+TRIED_DAMPINGS = np.linspace(0, 0.4, 41)  # added damping ratios
+STEPS_BETWEEN_DAMPINGS = np.linspace(0, 1, 11)  # between two of these
+DAMPED_STRUCTURES: Mapping[str, tuple[float, float]] = {
     "both": (1.0, 1.0),
     "structure 1": (1.0, 0.0),
     "structure 2": (0.0, 1.0),
 }
 DAMPED = "damped"
 BY_DAMPING = "added_damping"
-LEAST = "least_added_damping"
-CURVES = (
+LEAST_DAMPING = "least_added_damping"
+GAP_CURVES = (
     "critical_gap",
     "separation",
     "rho_estimate",
@@ -193,10 +193,10 @@ def damping_for_gap(
     True
     """
     motions = checked_motions(record)
-    each = [_least_damping(first, second, record, gap, ground) for record in motions.records]
-    table = motions.together(each).assign_attrs(
+    tables = [_least_damping(first, second, record, gap, ground) for record in motions.records]
+    table = motions.together(tables).assign_attrs(
         gap_m=float(gap),
-        searched=f"added damping to {TRIED[-1]:g}, the first that is enough",
+        searched=f"added damping to {TRIED_DAMPINGS[-1]:g}, the first that is enough",
         records=motions.describe(),
     )
     models: dict[str, Model] = {"first": first, "second": second}
@@ -212,26 +212,28 @@ def _least_damping(
     first: Structure, second: Structure, record: xr.DataArray, gap: float, ground: Ground | None
 ) -> xr.Dataset:
     """The curves over the added damping in one record, and the least that is sufficient."""
-    where = xr.DataArray(list(SIDES), dims=DAMPED, attrs={"long_name": "where damping is added"})
-    share_1, share_2 = (
-        xr.DataArray(np.array(each), {DAMPED: where}) for each in zip(*SIDES.values(), strict=True)
+    where = xr.DataArray(
+        list(DAMPED_STRUCTURES), dims=DAMPED, attrs={"long_name": "where damping is added"}
     )
+    shares = np.array([*DAMPED_STRUCTURES.values()])
+    share_1 = xr.DataArray(shares[:, 0], {DAMPED: where})
+    share_2 = xr.DataArray(shares[:, 1], {DAMPED: where})
 
     def gaps(added: xr.DataArray) -> xr.Dataset:
         both = damped(first, share_1 * added), damped(second, share_2 * added)
         return estimated_gap(*both, record, ground)
 
-    added = labels.axis(BY_DAMPING, "added damping ratio", TRIED)
-    table = gaps(added)[[*CURVES, "status"]]
+    added = labels.axis(BY_DAMPING, "added damping ratio", TRIED_DAMPINGS)
+    table = gaps(added)[[*GAP_CURVES, "status"]]
     for end, name in (("", "critical_gap"), ("_recorded", "separation")):
         enough = table[name] <= gap
         high = enough.argmax(BY_DAMPING)
         low = added[np.maximum(high - 1, 0)].drop_vars(BY_DAMPING)
         between = low + (added[high].drop_vars(BY_DAMPING) - low) * xr.DataArray(
-            STEPS, dims=BY_DAMPING
+            STEPS_BETWEEN_DAMPINGS, dims=BY_DAMPING
         )
         least = _crossing(gaps(between)[name], between, gap)
-        table[f"{LEAST}{end}"] = least.where(enough.any(BY_DAMPING))
+        table[f"{LEAST_DAMPING}{end}"] = least.where(enough.any(BY_DAMPING))
     return table
 
 

@@ -45,18 +45,20 @@ from stochlin.solver.simulation.statistics import (
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import standing
 
-STRENGTHS = np.geomspace(1 / 8, 8, 13)  # factors of both reduction factors
-AS_BUILT = 6  # index of the factor 1 among these
+STRENGTH_FACTORS = np.geomspace(1 / 8, 8, 13)  # factors of both reduction factors
+AT_FACTOR_1 = 6  # index of the factor 1 among these
 AMPLITUDES = np.geomspace(1 / 16, 16, 17)  # factors of the ground acceleration
 DAMPINGS = np.linspace(0, 0.4, 9)  # damping ratios added to both structures
 MOST_DAMPING = 0.999  # largest total damping ratio of a structure
-SIMULATIONS = 12  # largest number of simulations of the three searches together that is usual
+MOST_SIMULATIONS = 12  # largest number of simulations of the three searches together that is usual
 OF_SEARCH = 8.0  # their number in the mean, in simulations of all motions
 
-TINY = np.finfo(float).tiny  # in place of a rate of 0: the interval is then the range of the search
-FAR = 1e6  # [m], in place of a required gap that is infinite, since a structure falls
-CLOSE = 1e-2  # relative difference of a simulated gap, or of two values, from which limits follow
-FEW = 8  # a few motions are one in so many
+# in place of a rate of 0: the interval is then the range of the search
+SMALLEST_RATE = np.finfo(float).tiny
+GAP_OF_FALLEN = 1e6  # [m], in place of a required gap that is infinite, since a structure falls
+# relative difference of a simulated gap, or of two values, from which limits follow
+CLOSE_GAPS = 1e-2
+FEW_DIVISOR = 8  # a few motions are one in so many
 LEAST_FEW = 64  # and at least this many
 # half 95 % intervals between a gap from a few motions and the limit, so that these decide
 CLEAR = 1.5
@@ -73,7 +75,7 @@ class Edge(NamedTuple):
     upper: float = np.nan
 
 
-NONE = Edge(np.nan)
+NO_EDGE = Edge(np.nan)
 NO_LIMIT = Edge(np.inf)
 
 
@@ -87,7 +89,7 @@ class Required:
     gaps: Callable[[float, int], Ends]  # for a value and a number of motions
     most: float  # the existing gap [m]
     paths: int  # the number of all motions
-    known: dict[tuple[float, int], Ends]  # simulated so far
+    simulated: dict[tuple[float, int], Ends]  # simulated so far
 
     def __call__(self, value: float) -> float:
         """Required gap at a value [m]."""
@@ -95,14 +97,14 @@ class Required:
 
     def _at(self, value: float, paths: int) -> Array:
         key = float(value), paths
-        if key not in self.known:
-            self.known[key] = self.gaps(*key)
-        return np.minimum(self.known[key], FAR)
+        if key not in self.simulated:
+            self.simulated[key] = self.gaps(*key)
+        return np.minimum(self.simulated[key], GAP_OF_FALLEN)
 
     def enough(self, value: float) -> bool:
         """Whether the existing gap is sufficient at a value."""
-        few = max(self.paths // FEW, LEAST_FEW)
-        if few < self.paths and (float(value), self.paths) not in self.known:
+        few = max(self.paths // FEW_DIVISOR, LEAST_FEW)
+        if few < self.paths and (float(value), self.paths) not in self.simulated:
             gap, least, most = self._at(value, few)
             if gap + CLEAR * (most - gap) < self.most or gap - CLEAR * (gap - least) > self.most:
                 return bool(gap < self.most)
@@ -113,11 +115,12 @@ class Required:
     ) -> Edge:
         """End, on one side, of the sufficient values around the first in this order of a grid.
 
-        It is `NONE` if there is no such value, and ``open_end`` if all on that side are sufficient.
+        It is `NO_EDGE` if there is no such value, and ``open_end`` if all on that side are
+        sufficient.
         """
         n = next((n for n in order if self.enough(grid[n])), None)
         if n is None:
-            return NONE
+            return NO_EDGE
         while 0 <= n < len(grid) and self.enough(grid[n]):
             n += way
         if not 0 <= n < len(grid):
@@ -126,7 +129,7 @@ class Required:
         return Edge(*np.clip(edge, grid[0], grid[-1]).tolist())
 
     def least(self, grid: Sequence[float] | Array) -> Edge:
-        """First sufficient value; `NONE` if there is none."""
+        """First sufficient value; `NO_EDGE` if there is none."""
         return self.end(grid, range(len(grid)), -1, Edge(*[float(grid[0])] * 3))
 
     def _edge(self, low: float, high: float) -> Edge:
@@ -135,16 +138,16 @@ class Required:
         if (
             self._excess(low) * self._excess(high) < 0
         ):  # else it is close, or all contradict the few
-            root = scipy.optimize.brentq(self._excess, low, high, rtol=CLOSE, xtol=1e-6)
-        rate = (self(high) - self(low)) / (high - low) or TINY
+            root = scipy.optimize.brentq(self._excess, low, high, rtol=CLOSE_GAPS, xtol=1e-6)
+        rate = (self(high) - self(low)) / (high - low) or SMALLEST_RATE
         gap, *ends = self._at(root, self.paths)
         between = sorted(
-            (self(x), x) for x, n in self.known if n == self.paths and low <= x <= high
+            (self(x), x) for x, n in self.simulated if n == self.paths and low <= x <= high
         )
         value = float(np.interp(self.most, *np.transpose(between)))
         ends = [value + (gap - end) / rate for end in ends]
         if (
-            max(self(low), self(high)) >= FAR
+            max(self(low), self(high)) >= GAP_OF_FALLEN
         ):  # a structure falls there, so that the rate has no use
             ends += [low, high]
         return Edge(value, min(ends), max(ends))
@@ -152,7 +155,7 @@ class Required:
     def _excess(self, value: float) -> float:
         """Required gap less the existing one [m]; 0 if it is close."""
         excess = self(value) - self.most
-        return 0.0 if abs(excess) <= CLOSE * self.most else excess
+        return 0.0 if abs(excess) <= CLOSE_GAPS * self.most else excess
 
 
 @checked(uncertain=True, in_metres=True)
@@ -263,7 +266,7 @@ class GapSearch:
         paths: int | None,
     ) -> GapSearch:
         """The search for structures by role; raises as `existing_gap`."""
-        prepared = PreparedStructures.of(structures, ground, motion, paths, SIMULATIONS)
+        prepared = PreparedStructures.of(structures, ground, motion, paths, MOST_SIMULATIONS)
         return cls(structures, prepared, gap, confidence)
 
     def limits(self, samples: xr.DataArray, progress: Progress | None) -> xr.Dataset:
@@ -286,7 +289,8 @@ class GapSearch:
 
         def changed(change: Callable[[Any, float], Any], value: float) -> dict[str, Any]:
             several = prepared.structures
-            return {"structures": [applied(lambda s: change(s, value), each) for each in several]}
+            structures = [applied(lambda s: change(s, value), structure) for structure in several]
+            return {"structures": structures}
 
         def amplified(amplitude: float) -> dict[str, Any]:
             factor = amplitude**2
@@ -296,9 +300,9 @@ class GapSearch:
         by_strength = required(partial(changed, weaker), 1.0)
         # The present strength, or the next that is sufficient, sought among stronger structures
         # first.
-        order = (*range(AS_BUILT, -1, -1), *range(AS_BUILT + 1, STRENGTHS.size))
-        least_factor = by_strength.end(STRENGTHS, order, -1, Edge(0.0))
-        largest_factor = by_strength.end(STRENGTHS, order, 1, NO_LIMIT)
+        order = (*range(AT_FACTOR_1, -1, -1), *range(AT_FACTOR_1 + 1, STRENGTH_FACTORS.size))
+        least_factor = by_strength.end(STRENGTH_FACTORS, order, -1, Edge(0.0))
+        largest_factor = by_strength.end(STRENGTH_FACTORS, order, 1, NO_LIMIT)
         by_shaking = required(amplified, 1.0)
         amplitude = by_shaking.end(AMPLITUDES, [0], 1, NO_LIMIT)
         added = required(partial(changed, damped), 0.0).least(DAMPINGS)
@@ -323,13 +327,14 @@ class GapSearch:
         motion = self.prepared.motion
         confidence = self.confidence
         searched = (
-            f"reduction factors times {STRENGTHS[0]:g} to {STRENGTHS[-1]:g}, motion times "
-            f"{AMPLITUDES[0]:g} to {AMPLITUDES[-1]:g}, added damping to {DAMPINGS[-1]:g}"
+            f"reduction factors times {STRENGTH_FACTORS[0]:g} to {STRENGTH_FACTORS[-1]:g}, "
+            f"motion times {AMPLITUDES[0]:g} to {AMPLITUDES[-1]:g}, "
+            f"added damping to {DAMPINGS[-1]:g}"
         )
         what = "gap" if len(self.structures) > 1 else "set-back"
-        known = {"searched": searched, **labels.of_scatter(motion.scatter)}
+        about = {"searched": searched, **labels.of_scatter(motion.scatter)}
         return labels.with_run_information(
-            labels.label(table).assign_attrs(gap_m=gap, confidence=confidence, **known),
+            labels.label(table).assign_attrs(gap_m=gap, confidence=confidence, **about),
             f"What an existing {what} allows, {self.prepared.usual.name} ground",
             f"existing_gap(gap={gap:g}, duration={motion.duration:g}, confidence={confidence:g}, "
             f"seed={motion.seed})",

@@ -25,7 +25,7 @@ from stochlin.solver.tables.cells import flat
 from stochlin.solver.tables.checks import check_duration, standing
 from stochlin.solver.tables.lazy import in_blocks
 
-TOGETHER = 256  # pairs that are computed together
+PAIRS_TOGETHER = 256  # pairs that are computed together
 OF_PAIRS = ("displacement_std_2", "drift_std_2", "difference_std", "difference_drift_std", "rho")
 OF_ALL = (
     "required_gap",
@@ -35,8 +35,8 @@ OF_ALL = (
     "drift_std_1",
     "status",
 )
-BLANK = {"caution": 2, "status": labels.INVALID_INPUT}  # of invalid cells; others are NaN
-CAUTION: Mapping[str, Any] = {
+INVALID_CELLS = {"caution": 2, "status": labels.INVALID_INPUT}  # of invalid cells; others are NaN
+CAUTION_ATTRS: Mapping[str, Any] = {
     "long_name": "caution flag of the required gap",
     "flag_values": np.arange(3, dtype=np.int8),
     "flag_meanings": "usual_error larger_error ground_of_unknown_error",
@@ -127,12 +127,12 @@ def passage_gap(
         models["distance"] = Gap(gap)
     of_cells = partial(_of_cells, course=course, confidence=confidence)
     table = labels.label(in_blocks(of_cells, models))
-    table.caution.attrs = dict(CAUTION)
+    table.caution.attrs = dict(CAUTION_ATTRS)
     labels.raise_if_lone_failure(table, "passage_gap", *structures.values(), ground)
-    known = {"confidence": confidence, "duration_s": seconds, **labels.of_scatter(scatter)}
+    about = {"confidence": confidence, "duration_s": seconds, **labels.of_scatter(scatter)}
     shape = "none" if envelope is None else envelope.describe()
     return labels.with_run_information(
-        table.assign_attrs(known, envelope_model=shape, comment=labels.CAUTION_FINITE_DRIFT),
+        table.assign_attrs(about, envelope_model=shape, comment=labels.CAUTION_FINITE_DRIFT),
         f"Required {'gap' if second else 'set-back'} by the drift closure in time, {ground.name} "
         "ground",
         f"passage_gap(duration={duration:g}, confidence={confidence:g})",
@@ -160,18 +160,18 @@ def _of_cells(
     of_role = [Oscillators.of(cells.of_structure(role)) for role in structures]
 
     def part(at: slice) -> dict[str, Array]:
-        pairs = pairs_in_time([each.at(at) for each in of_role], ground, course)
+        pairs = pairs_in_time([oscillators.at(at) for oscillators in of_role], ground, course)
         return _columns(pairs, confidence, None if gaps is None else gaps[at])
 
     if count:
-        parts = in_ranges(part, count, TOGETHER)
-        columns = {name: np.concatenate([each[name] for each in parts]) for name in parts[0]}
+        parts = in_ranges(part, count, PAIRS_TOGETHER)
+        columns = {name: np.concatenate([values[name] for values in parts]) for name in parts[0]}
     else:
         names = [*OF_ALL, *(OF_PAIRS if len(structures) > 1 else ())]
         names += ["no_pounding_probability"] if beside else []
-        columns = {name: np.empty(0, np.int8 if name in BLANK else float) for name in names}
+        columns = {name: np.empty(0, np.int8 if name in INVALID_CELLS else float) for name in names}
     return xr.Dataset(
-        {name: cells.array(row, BLANK.get(name, np.nan)) for name, row in columns.items()}
+        {name: cells.array(row, INVALID_CELLS.get(name, np.nan)) for name, row in columns.items()}
     )
 
 
@@ -197,7 +197,7 @@ def _columns(pairs: PairsInTime, confidence: float, gaps: Array | None) -> dict[
         stays = pairs.survival(gaps[:, None])
         columns["no_pounding_probability"] = stays[:, 0, -1]
     for name, row in columns.items():
-        columns[name] = np.where(pairs.failed, BLANK.get(name, np.nan), row)
+        columns[name] = np.where(pairs.failed, INVALID_CELLS.get(name, np.nan), row)
     columns["caution"] = columns["caution"].astype(np.int8)
     columns["status"] = labels.status_where(~pairs.failed, labels.NOT_CONVERGED)
     return columns

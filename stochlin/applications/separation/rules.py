@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.applications.separation.code_gaps import Rule, code_row
-from stochlin.applications.separation.critical_gap import ALIKE, equation_3
+from stochlin.applications.separation.critical_gap import ROUNDING_OF_GAP, equation_3
 from stochlin.applications.separation.storeys import (
     combine_modes,
     correlation_of,
@@ -51,7 +51,7 @@ ELASTIC_MODES = (
     "moves as far as if it were elastic"
 )
 OF_DUCTILITY = "rho by eq. (4) at the simulated mean peak ductility"
-PAPER = "Valles-Mattox and Reinhorn (1996), eq. (3) and Fig. 5"
+EQUATION_3_SOURCE = "Valles-Mattox and Reinhorn (1996), eq. (3) and Fig. 5"
 OF_CQC = "Der Kiureghian (1981), Earthquake Eng. Struct. Dyn. 9, here for a difference"
 GUMBEL = np.sqrt(6) / np.pi
 
@@ -227,11 +227,11 @@ class PairInMotion:
         """Quantile of the peak of linearized ``u_1 - u_2``, or ``u_1`` if alone [m], (heights,)."""
         weights_1, *weights_2 = self.of_coordinates
         apart = weights_1 - sum(weights_2)
-        moments = (xr.DataArray(each[0]) for each in self.linearized.spectral_moments(apart))
+        moments = (xr.DataArray(moment[0]) for moment in self.linearized.spectral_moments(apart))
         gaps = peak_quantile(
             tuple(moments), self.strong_seconds, self.confidence, sides=1
         ).to_numpy()
-        alike = self.linearized.std(apart) < ALIKE * self.linearized.std(weights_1)
+        alike = self.linearized.std(apart) < ROUNDING_OF_GAP * self.linearized.std(weights_1)
         return _finite(np.where(alike[0], 0.0, gaps))
 
     def quantities(self) -> dict[str, Any]:
@@ -242,7 +242,7 @@ class PairInMotion:
             ductility = self.ductilities[n]
             if self.has_storeys:
                 ductility = self.motions.ductility[self.motions.element_structure == n + 1].max()
-            own = {
+            columns = {
                 "peak_mean": means[n],
                 "peak_mean_standard_error": errors[n],
                 "peak": self.peaks[n, -1],
@@ -250,7 +250,7 @@ class PairInMotion:
                 "yield_displacement": self.yield_displacements[n],
                 "reduction_factor": solved_reduction_factor(self.modes[n], self.elastic[n]),
             }
-            table |= {f"{name}_{n + 1}": float(value) for name, value in own.items()}
+            table |= {f"{name}_{n + 1}": float(value) for name, value in columns.items()}
         if "collapse_probability" in self.motions:
             shares = self.motions.collapse_probability.values
             table |= {f"collapse_probability_{n}": share for n, share in enumerate(shares, start=1)}
@@ -282,13 +282,13 @@ def all_rules(pair: PairInMotion, codes: Sequence[CodeRule]) -> list[Rule]:
 
     Rules of codes for the roof are applied at every level below it.
     """
-    rules = [_solved(pair, *each) for each in _formulas(pair)]
+    rules = [_solved(pair, *formula) for formula in _formulas(pair)]
     # Of a building that falls codes say nothing.
     peaks = np.where(np.isfinite(pair.peaks), pair.peaks, np.nan)
-    known = {f"peak_{n}": peak for n, peak in enumerate(peaks, start=1)}
+    arrays = {f"peak_{n}": peak for n, peak in enumerate(peaks, start=1)}
     if pair.has_storeys:
-        known |= {f"height_{n}": pair.heights for n in range(1, len(peaks) + 1)}
-    site = pair.site.with_arrays(known)
+        arrays |= {f"height_{n}": pair.heights for n in range(1, len(peaks) + 1)}
+    site = pair.site.with_arrays(arrays)
     return [*rules, *(code_row(code, site) for code in codes)]
 
 
@@ -322,7 +322,7 @@ def _formulas(pair: PairInMotion) -> Iterator[tuple[Rule, Callable[[], Gaps]]]:
         f"stationary for {pair.strong_seconds:.3g} s, Gaussian; nothing simulated{without}"
     )
     about = f"eq. (3) with elastic peaks times D; rho and D of linearization; {unsimulated}"
-    paper = Rule("eq_3_paper", EQUATION_3, reference=PAPER, mark="P", assumptions=about)
+    paper = Rule("eq_3_paper", EQUATION_3, reference=EQUATION_3_SOURCE, mark="P", assumptions=about)
     yield paper, lambda: _equation_3(pair.amplified_peaks(), pair.linearized_rho())
     for rule in map(effective_rule, effective_rule_names()):
         yield eq_3(

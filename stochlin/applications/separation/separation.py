@@ -12,8 +12,7 @@ import xarray as xr
 
 from stochlin.applications.records.cells import checked_motions
 from stochlin.applications.records.gaps import recorded_gap
-from stochlin.applications.separation.code_gaps import TEXTS as CODE_TEXTS
-from stochlin.applications.separation.code_gaps import Rule, inputs_in_words, rules_with
+from stochlin.applications.separation.code_gaps import CODE_TEXTS, Rule, inputs_in_words, rules_with
 from stochlin.applications.separation.rules import PairInMotion, all_rules
 from stochlin.applications.separation.storeys import of_storeys
 from stochlin.kernels.basics.arrays import Array
@@ -50,12 +49,14 @@ from stochlin.solver.tables.checks import (
 )
 from stochlin.solver.tables.lazy import arrays_of
 
-VERDICTS = "answer at_least_the_answer less_than_the_answer within_error not_available no_verdict"
-ANSWER, AT_LEAST, LESS, WITHIN_ERROR, NOT_AVAILABLE, NO_VERDICT = range(6)
+RULE_VERDICTS = (
+    "answer at_least_the_answer less_than_the_answer within_error not_available no_verdict"
+)
+ANSWER, AT_LEAST_ANSWER, LESS_THAN_ANSWER, WITHIN_ERROR, NOT_AVAILABLE, NO_VERDICT = range(6)
 VERDICT_ATTRS: Mapping[str, Any] = {
     "long_name": "whether the gap has the confidence",
     "flag_values": np.arange(6, dtype=np.int8),
-    "flag_meanings": VERDICTS,
+    "flag_meanings": RULE_VERDICTS,
 }
 SET_BACK = "Set-back of one building from its property line"
 COMBINED = (
@@ -66,8 +67,8 @@ COMBINED = (
 EXACT = "nonlinear simulation of the given models"
 ASKED = (*BOTH, "height_1", "height_2", "storeys_1", "storeys_2", "zone", "design_pga")  # by codes
 BEFORE_RECORDS = 0.8  # share of the work before the records, if there are any
-MOTION = ("paths", "seed", "step_s", "duration_s", "envelope")
-TEXTS: Mapping[str, str] = {
+MOTION_ATTRS = ("paths", "seed", "step_s", "duration_s", "envelope")
+RULE_TEXTS: Mapping[str, str] = {
     "kind": "simulation, first passage, eq. (3) with a correlation, response spectrum analysis, "
     "linearization, or building code",
     **CODE_TEXTS,
@@ -238,7 +239,7 @@ def separation(
             table = _judged(all_rules(pair, rules), pair)
             if "input_factor" in motions:
                 table["input_factor"] = motions.input_factor
-            table.attrs = {name: motions.attrs[name] for name in MOTION}
+            table.attrs = {name: motions.attrs[name] for name in MOTION_ATTRS}
             table.attrs |= labels.of_scatter(motion.scatter)
             if records is None:
                 return table
@@ -257,7 +258,7 @@ def separation(
     table["verdict"] = table.verdict.where(table.gap.notnull(), NOT_AVAILABLE).astype(np.int8)
     table = labels.label(table)
     table.verdict.attrs = VERDICT_ATTRS
-    for name, text in TEXTS.items():
+    for name, text in RULE_TEXTS.items():
         table[name].attrs["long_name"] = text
     return labels.with_run_information(
         table.assign_attrs(confidence=confidence, comment=COMBINED),
@@ -286,8 +287,11 @@ def verdict_of(apart: Mapping[Any, xr.DataArray], confidence: float) -> xr.DataA
     """Verdict by a 95 % interval of the probability of no pounding: enough, too low, undecided."""
     lower = apart["no_pounding_probability_lower"]
     upper = apart["no_pounding_probability_upper"]
-    undecided = xr.where(upper < confidence, LESS, WITHIN_ERROR)  # type: ignore[no-untyped-call]
-    verdict: xr.DataArray = xr.where(lower >= confidence, AT_LEAST, undecided)  # type: ignore[no-untyped-call]
+    below = upper < confidence
+    above = lower >= confidence
+    undecided = xr.where(below, LESS_THAN_ANSWER, WITHIN_ERROR)  # type: ignore[no-untyped-call]
+    verdict: xr.DataArray
+    verdict = xr.where(above, AT_LEAST_ANSWER, undecided)  # type: ignore[no-untyped-call]
     return verdict
 
 
@@ -300,19 +304,19 @@ def judged_rules(
     """
     gap = xr.DataArray([rule.gap for rule in rules], dims="rule")
     apart = keeping_apart(samples, gap)
-    known = gap.notnull()
+    answered = gap.notnull()
     judged = xr.DataArray([rule.judged for rule in rules], dims="rule")
-    verdict = verdict_of(apart, confidence).where(judged, NO_VERDICT).where(known, NOT_AVAILABLE)
-    columns = {name: ("rule", [getattr(rule, name) for rule in rules]) for name in TEXTS}
+    verdict = verdict_of(apart, confidence).where(judged, NO_VERDICT).where(answered, NOT_AVAILABLE)
+    columns = {name: ("rule", [getattr(rule, name) for rule in rules]) for name in RULE_TEXTS}
     return xr.Dataset(
         {
             "gap": gap,
             **{f"gap_{end}": xr.full_like(gap, np.nan) for end in labels.ENDS},
             "error": gap / (required if 0 < required < np.inf else np.nan) - 1,
-            **{name: share.where(known & judged) for name, share in apart.items()},
+            **{name: share.where(answered & judged) for name, share in apart.items()},
             "rho": ("rule", [rule.rho for rule in rules]),
             "verdict": verdict.astype(np.int8),
-            "status": labels.status_where(known),
+            "status": labels.status_where(answered),
         },
         coords={"rule": ("rule", [rule.name for rule in rules]), **columns},
     )
@@ -352,11 +356,11 @@ def _by_height(rules: list[Rule], pair: PairInMotion) -> xr.Dataset:
 
 def gaps_by_height(gaps: Sequence[Array], heights: Array) -> xr.Dataset:
     """Gap of each rule at each height [m], and the height where it is largest [m]."""
-    gaps = [np.broadcast_to(each, heights.shape) for each in gaps]
+    gaps = [np.broadcast_to(row, heights.shape) for row in gaps]
     return xr.Dataset(
         {
             "gap_at_height": (("rule", "height"), np.array(gaps)),
-            "governing_height": ("rule", [_where_largest(each, heights) for each in gaps]),
+            "governing_height": ("rule", [_where_largest(row, heights) for row in gaps]),
         },
         coords={"height": heights},
     )

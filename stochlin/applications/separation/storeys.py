@@ -36,7 +36,7 @@ from stochlin.solver.simulation.structures_in_motion import at_height, meeting_h
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_scalars
 
-OTHER = f"{MODE}_2"
+OTHER_MODE = f"{MODE}_2"
 SAME_DAMPING = 0.01  # difference of damping ratios, as a share, up to which they are equal
 
 
@@ -98,7 +98,7 @@ def of_storeys(site: Site, structures: Sequence[AnyStructure]) -> Site:
     for n, structure in enumerate(structures, start=1):
         height = getattr(site, f"height_{n}")
         storeys = getattr(site, f"storeys_{n}")
-        own = structure.floor_count
+        floors = structure.floor_count
         if structure.has_storeys:
             roof = float(structure.levels()[-1])
             if height is not None and abs(height - roof) > LEVEL:
@@ -106,11 +106,11 @@ def of_storeys(site: Site, structures: Sequence[AnyStructure]) -> Site:
                     f"height_{n} = {height:g} m, but the storeys add up to {roof:g} m; leave it out"
                 )
                 raise ValueError(what)
-            if storeys not in (None, own):
-                what = f"storeys_{n} = {storeys:g}, but that building has {own} storeys"
+            if storeys not in (None, floors):
+                what = f"storeys_{n} = {storeys:g}, but that building has {floors} storeys"
                 raise ValueError(f"{what}; leave it out")
             height = roof
-            storeys = own
+            storeys = floors
         roofs.append(height)
         numbers[f"storeys_{n}"] = storeys
     if site.floors_align:
@@ -121,7 +121,7 @@ def of_storeys(site: Site, structures: Sequence[AnyStructure]) -> Site:
 
 def _check_floors(structures: Sequence[AnyStructure]) -> None:
     """Raise a ValueError if floors of two structures with storeys are not at the same levels."""
-    levels = [each.levels() for each in structures if each.has_storeys]
+    levels = [structure.levels() for structure in structures if structure.has_storeys]
     off = slabs_on_columns(*levels) if len(levels) == 2 else ()
     if off:
         at = ", ".join(f"{levels[side][floor - 1]:g}" for side, floor in off)
@@ -158,8 +158,8 @@ def combine_modes(
 
     ``displacements`` [m] are those of the oscillators, ``weights`` of the floors at the heights.
     """
-    both = oscillators_of(modes), oscillators_of(modes, OTHER)
-    rho = correlate(*both, ground, bias=False).rho.transpose(MODE, OTHER).to_numpy()
+    both = oscillators_of(modes), oscillators_of(modes, OTHER_MODE)
+    rho = correlate(*both, ground, bias=False).rho.transpose(MODE, OTHER_MODE).to_numpy()
     shared = rho * np.outer(displacements, displacements)
     return combined(shared, [row @ modes.moves for row in weights])
 

@@ -17,9 +17,9 @@ import numpy as np
 import pandas as pd
 
 from stochlin.applications.sheets.quantities import (
-    INDEX,
-    LEVEL,
-    TIME,
+    INDEX_COLUMN,
+    LEVEL_COLUMN,
+    TIME_COLUMN,
     Quantity,
 )
 from stochlin.applications.sheets.sheets import Table, number_in, spelled, with_unit
@@ -34,7 +34,7 @@ ColumnName = int | str
 """A column by its number, from 1, or by its title."""
 
 BY = "by title or by number from 1"
-COUNTED = "columns are counted from 1"
+COUNTED_FROM_1 = "columns are counted from 1"
 _OF_PANDAS = re.compile(r"Unnamed: \d+(?:\.\d+)?(?:_level_\d+)?")  # a title that was empty
 _STAMP = re.compile(r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d.*")
 _ZONE = re.compile(r"(Z|[+-]\d\d:?\d\d)$")
@@ -71,7 +71,7 @@ class Column:
     @property
     def in_words(self) -> str:
         """The column with what it is."""
-        names = [INDEX.name] if self.counts else [of.name for of in self.said.quantities]
+        names = [INDEX_COLUMN.name] if self.counts else [of.name for of in self.said.quantities]
         of = "" if self.said.base is None else "the logarithm of "
         parts = [f"{of}{' or '.join(names)}"] if names else []
         if self.said.damping is not None:
@@ -111,7 +111,9 @@ class Need(NamedTuple):
         """The first of the wanted quantities that a column may be; None if it is none of them."""
         fits = [of for of in self.wanted if of in column.said.quantities]
         if self.units is not None and not column.said.unit:
-            fits = [of for of in fits if of.usual or of is LEVEL or of.size(self.units)] or fits
+            fits = [
+                of for of in fits if of.usual or of is LEVEL_COLUMN or of.size(self.units)
+            ] or fits
         return fits[0] if fits else None
 
     def is_sure_of(self, column: Column) -> bool:
@@ -134,9 +136,9 @@ class Need(NamedTuple):
     def refusal(self, column: Column) -> str:
         """Why a column that is asked for is not taken, in words; empty if it is taken."""
         said = column.said
-        known = self.meaning(column)
+        meaning = self.meaning(column)
         lettered = isinstance(self.by_caller, str) and len(column.title) == 1  # as component V or W
-        if said.quantities and known is None and not lettered:
+        if said.quantities and meaning is None and not lettered:
             return f"is {' or '.join(of.name for of in said.quantities)}; allowed: {self.words}"
         if said.base is not None and (isnan(said.base) or not self.logarithms):
             either = ", or its log10 or ln" if self.logarithms else ""
@@ -178,13 +180,13 @@ class Choice(NamedTuple):
         line = table.units or table.titles or table.rows.index[0]
         unit = self.column.said.unit
         name = of.name.partition(" ")[2]
-        if of is TIME and (stamps := _stamps(table, column)) is not None:
+        if of is TIME_COLUMN and (stamps := _stamps(table, column)) is not None:
             return stamps
         if of.unit in _STATED:
             what = _STATED[of.unit]
             size = stated_size(what, unit, units, table.sheet.where(line, column), argument)
-        elif (known := of.size(unit or of.usual)) is not None:
-            size = known
+        elif (stated := of.size(unit or of.usual)) is not None:
+            size = stated
         elif of.unit in ("1", "1/yr"):  # a remark
             size = 1.0
         else:
@@ -316,11 +318,11 @@ def _asked(table: Table, columns: Sequence[Column], need: Need) -> Column:
     shown = f"{need.argument} = {brief(need.by_caller)}"
     if is_whole(by_caller):
         if not 1 <= by_caller <= len(columns):
-            allowed = f"allowed: 1 to {len(columns)}, since {COUNTED}"
+            allowed = f"allowed: 1 to {len(columns)}, since {COUNTED_FROM_1}"
             raise ValueError(f"{table.sheet.name}: {shown} is no column; {allowed}")
         column = columns[by_caller - 1]
     elif not is_label(by_caller):
-        raise TypeError(f"{shown}; allowed: a title, or a number, since {COUNTED}")
+        raise TypeError(f"{shown}; allowed: a title, or a number, since {COUNTED_FROM_1}")
     else:
         name = spelled(with_unit(str(by_caller))[0])
         exact = [column for column in columns if column.title == by_caller]
@@ -351,7 +353,9 @@ def _missing(
     ways = list[str]()
     example = dict[str, int]()
     for need in needs:
-        may_be = [each.number for each in columns if need.meaning(each) or each.is_unknown()]
+        may_be = [
+            column.number for column in columns if need.meaning(column) or column.is_unknown()
+        ]
         if not may_be:
             return table.error(f"{has}; allowed: a column of {need.words}{cure}")
         example[need.argument] = next((n for n in may_be if n not in example.values()), may_be[0])

@@ -27,41 +27,41 @@ class Quantity:
 
 
 # Sizes that powers of seconds do not tell apart.
-_SIZES = {"Hz": {"Hz": 1.0, "rad/s": math.tau}, "rad/s": {"Hz": 1 / math.tau, "rad/s": 1.0}}
-_SIZES["1/s"] = {"Hz": 1.0, "rad/s": 1.0}
+_HZ_SIZES = {"Hz": {"Hz": 1.0, "rad/s": math.tau}, "rad/s": {"Hz": 1 / math.tau, "rad/s": 1.0}}
+_HZ_SIZES["1/s"] = {"Hz": 1.0, "rad/s": 1.0}
 _SPELLED = {
     "Hz": ("hz", "hertz", "cps", "cycles/s", "cycles/sec"),
     "rad/s": ("rad/s", "rad/sec", "rad s-1", "rad s^-1", "rad/sn"),
     "1/s": ("1/s", "s-1", "s^-1", "1/sec"),
 }
-_OF_FREQUENCIES = {name: _SIZES[unit] for unit, names in _SPELLED.items() for name in names}
+_OF_FREQUENCIES = {name: _HZ_SIZES[unit] for unit, names in _SPELLED.items() for name in names}
 
 _READ = {
     key: Quantity(entry.pop("name"), frozenset(entry.pop("words", "").split()), **entry)
     for key, entry in data_of(__package__, "quantities.toml").items()
 }
-PERIOD = _READ["period"]
-FREQUENCY = _READ["frequency"]
-ANGULAR = _READ["angular"]
-TIME = _READ["time"]
-ACCELERATION = _READ["acceleration"]
-SPECTRAL = _READ["spectral"]
-PEAK = _READ["peak"]
-VELOCITY = _READ["velocity"]
-PSEUDO_VELOCITY = _READ["pseudo_velocity"]
-DISPLACEMENT = _READ["displacement"]
-SPECTRAL_DISPLACEMENT = _READ["spectral_displacement"]
-FORCE = _READ["force"]
-RATE = _READ["rate"]
-RETURN_PERIOD = _READ["return_period"]
-PROBABILITY = _READ["probability"]
-LEVEL = _READ["level"]
-DAMPING = _READ["damping"]
-INDEX = _READ["index"]
-MODE = _READ["mode"]
-NAME = _READ["name"]
-OTHER = _READ["other"]
-STRANGE = _READ["strange"]
+PERIOD_COLUMN = _READ["period"]
+FREQUENCY_COLUMN = _READ["frequency"]
+ANGULAR_COLUMN = _READ["angular"]
+TIME_COLUMN = _READ["time"]
+ACCELERATION_COLUMN = _READ["acceleration"]
+SPECTRAL_COLUMN = _READ["spectral"]
+PEAK_COLUMN = _READ["peak"]
+VELOCITY_COLUMN = _READ["velocity"]
+PSEUDO_VELOCITY_COLUMN = _READ["pseudo_velocity"]
+DISPLACEMENT_COLUMN = _READ["displacement"]
+SPECTRAL_DISPLACEMENT_COLUMN = _READ["spectral_displacement"]
+FORCE_COLUMN = _READ["force"]
+RATE_COLUMN = _READ["rate"]
+RETURN_PERIOD_COLUMN = _READ["return_period"]
+PROBABILITY_COLUMN = _READ["probability"]
+LEVEL_COLUMN = _READ["level"]
+DAMPING_COLUMN = _READ["damping"]
+INDEX_COLUMN = _READ["index"]
+MODE_COLUMN = _READ["mode"]
+NAME_COLUMN = _READ["name"]
+OTHER_COLUMN = _READ["other"]
+STRANGE_COLUMN = _READ["strange"]
 
 QUANTITIES: Mapping[str, tuple[Quantity, ...]] = {
     word: tuple(of for of in _READ.values() if word in of.words)

@@ -24,9 +24,9 @@ from stochlin.messages import brief, listed, plain
 from stochlin.models.parameters import Range
 from stochlin.models.units import parsed, stated_size
 
-MOST_CELLS = 2**23  # of a text, with the empty ones between others
+MOST_CELLS_OF_TEXT = 2**23  # of a text, with the empty ones between others
 _SAMPLE = 50  # lines in which the separator is looked for, and where the numbers begin
-_DECIMAL_COMMA = re.compile(r"(^|[;\s])[-+]?\d*,\d+(?:[eE][-+]?\d+)?([;\s]|$)")
+_CELL_WITH_COMMA = re.compile(r"(^|[;\s])[-+]?\d*,\d+(?:[eE][-+]?\d+)?([;\s]|$)")
 _BETWEEN_TITLES = r"\t+|\s{2,}", r"\s+(?![(\[])", r"\s+"  # white space, which may be within titles
 _UNIT = re.compile(r"(.*)[(\[]([^()\[\]]*)[)\]](.*)")  # the last pair of brackets
 
@@ -183,9 +183,12 @@ class Table(NamedTuple):
 
     def said_of(self, column: int) -> Said:
         """What the title of a column says, with the cell of units below it."""
-        lines = [self.sheet.row(line) if line else () for line in (self.titles, self.units)]
-        title, below = (row[column] if column < len(row) else "" for row in lines)
-        return said_by(title, below)
+        return said_by(self._cell(self.titles, column), self._cell(self.units, column))
+
+    def _cell(self, line: int, column: int) -> str:
+        """A cell of a line; empty if there is no such line, or if it ends before."""
+        row = self.sheet.row(line) if line else ()
+        return row[column] if column < len(row) else ""
 
     def in_si(self, name: str, quantity: str, unit: str | None, allowed: Range | None) -> Array:
         """The numbers of a column in SI by the unit of its title, the line of units or this one."""
@@ -210,13 +213,13 @@ def table_of(sheet: Sheet) -> Table | None:
         return None
     above = [n for n in sheet.cells.index if n < start and (n in below.index or len(row(n)) > 1)]
 
-    def known(line: int) -> tuple[int, int]:
+    def rank(line: int) -> tuple[int, int]:
         return sum(_is_title(cell) for cell in row(line)), line
 
-    wide = [line for line in above if len(row(line)) >= len(row(start)) or known(line)[0] > 1]
+    wide = [line for line in above if len(row(line)) >= len(row(start)) or rank(line)[0] > 1]
     if wide[1:] and all(parsed(cell.strip("()[]")) for cell in row(wide[-1]) if cell):
         wide = wide[:-1]
-    titles = max(wide, key=known, default=0)
+    titles = max(wide, key=rank, default=0)
     units = next((line for line in above if line > titles > 0), 0)
     return Table("the table", sheet, titles, units, below.loc[start:])
 
@@ -231,8 +234,8 @@ def _first_of_numbers(sheet: Sheet, cells: pd.DataFrame) -> int | None:
     """The line of these cells in which the numbers of a table begin; None if there is none."""
     before = 0
     places_before = set[int]()
-    for line, each in zip(cells.index.tolist(), cells.to_numpy(), strict=True):
-        row = _without_empty_end(each)
+    for line, cells_of_line in zip(cells.index.tolist(), cells.to_numpy(), strict=True):
+        row = _without_empty_end(cells_of_line)
         places = sheet.places_of_numbers(row)
         if places & places_before:
             return int(before)
@@ -296,8 +299,8 @@ def number_in(text: str, decimal: str = ".") -> float | None:
         value = float(point.upper().replace("D", "E"))  # Fortran writes .5D-03
     except ValueError:
         return None
-    known = math.isfinite(value) and "_" not in text and (decimal != "," or "." not in text)
-    return value if known else None
+    valid = math.isfinite(value) and "_" not in text and (decimal != "," or "." not in text)
+    return value if valid else None
 
 
 def with_unit(title: str) -> tuple[str, str]:
@@ -313,7 +316,7 @@ def text_sheet(lines: Sequence[str], name: str, marks: str = ";\t,") -> Sheet:
     sample = [*islice(first, _SAMPLE)]
     often = (mark for mark in marks if 2 * sum(mark in line for line in sample) >= len(sample))
     separator = next(often, None)
-    decimal = "," if separator != "," and any(map(_DECIMAL_COMMA.search, lines)) else "."
+    decimal = "," if separator != "," and any(map(_CELL_WITH_COMMA.search, lines)) else "."
     reader = partial(csv.reader, delimiter=separator or " ", skipinitialspace=True)
     width = mode([len(line.split()) for line in sample] or [0])
     rows = {}
@@ -342,7 +345,7 @@ def _frame(rows: Mapping[int, Sequence[str]], name: str) -> pd.DataFrame:
         n: row for n, cells in rows.items() if any(row := [cell.strip(edge) for cell in cells])
     }
     width = max(map(len, lines.values()), default=0)
-    if width * len(lines) > MOST_CELLS:
+    if width * len(lines) > MOST_CELLS_OF_TEXT:
         raise ValueError(f"{name} has {len(lines)} lines, one with {width} columns; allowed: less")
     cells = [[*row, *[""] * (width - len(row))] for row in lines.values()]
     return pd.DataFrame(cells, [*lines], dtype=object)

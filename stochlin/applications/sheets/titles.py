@@ -12,36 +12,47 @@ from typing import NamedTuple
 import numpy as np
 
 from stochlin.applications.sheets.quantities import (
-    ACCELERATION,
-    ANGULAR,
-    DISPLACEMENT,
-    FORCE,
-    FREQUENCY,
-    INDEX,
-    MODE,
-    NAME,
-    OTHER,
-    PERIOD,
+    ACCELERATION_COLUMN,
+    ANGULAR_COLUMN,
+    DISPLACEMENT_COLUMN,
+    FORCE_COLUMN,
+    FREQUENCY_COLUMN,
+    INDEX_COLUMN,
+    MODE_COLUMN,
+    NAME_COLUMN,
+    OTHER_COLUMN,
+    PERIOD_COLUMN,
     QUANTITIES,
-    RATE,
-    STRANGE,
-    TIME,
-    VELOCITY,
+    RATE_COLUMN,
+    STRANGE_COLUMN,
+    TIME_COLUMN,
+    VELOCITY_COLUMN,
     Quantity,
 )
 from stochlin.models.units import likely_unit, parsed
 
 # What a title that has a unit alone may mean.
-_BY_UNIT = (TIME, PERIOD, ACCELERATION, VELOCITY, DISPLACEMENT, FORCE, FREQUENCY, ANGULAR, RATE)
-_BESIDE = {INDEX, MODE, NAME}  # which give way to a quantity that the title names, too
+_BY_UNIT = (
+    TIME_COLUMN,
+    PERIOD_COLUMN,
+    ACCELERATION_COLUMN,
+    VELOCITY_COLUMN,
+    DISPLACEMENT_COLUMN,
+    FORCE_COLUMN,
+    FREQUENCY_COLUMN,
+    ANGULAR_COLUMN,
+    RATE_COLUMN,
+)
+# which give way to a quantity that the title names, too
+_BESIDE = {INDEX_COLUMN, MODE_COLUMN, NAME_COLUMN}
 _BRACKETS = re.compile(r"[(\[{]([^()\[\]{}]*)[)\]}]")
 _LOGARITHM = re.compile(r"\s*(log_?10|lg|ln|log)[\s_]*(.*)", re.IGNORECASE)
 _BASES = {"log10": 10.0, "log_10": 10.0, "lg": 10.0, "ln": e, "log": nan}
 _SENTENCE = 8  # words from which a title is a sentence, of which the unit alone is looked for
 _LONG = 5  # letters from which a word is also known within another one, the longest first
 _WITHIN = sorted((word for word in QUANTITIES if len(word) >= _LONG), key=len, reverse=True)
-_PART = re.compile(r"(?<=[a-z])(?=[A-Z])")  # FrequencyHz
-_EDGE = re.compile(rf"[\s_,;/-]+|{_PART.pattern}")  # before a unit without brackets
+_INNER_CAPITAL = re.compile(r"(?<=[a-z])(?=[A-Z])")  # FrequencyHz
+_BEFORE_UNIT = re.compile(rf"[\s_,;/-]+|{_INNER_CAPITAL.pattern}")  # before a unit without brackets
 _DIRECTION = re.compile(r"[A-Z]|[tan]")  # in brackets: a component, or an argument
 _OF_PERIOD = re.compile(
     r"\bSA\s*\(\s*(\d*\.?\d+)\s*(?:s|sec)?\s*(?:,[^)]*)?\)|\bSA(\d{1,3})P(\d{1,6})\b"
@@ -90,7 +101,11 @@ def said_by(title: str, below: str = "") -> Said:
     """What a title says, and the cell of units ``below`` it."""
     if log := _LOGARITHM.fullmatch(title):
         within = said_by(_opened(log[2]), below)
-        if within.quantities and not {*within.quantities} & {*_BESIDE, OTHER, STRANGE}:
+        if within.quantities and not {*within.quantities} & {
+            *_BESIDE,
+            OTHER_COLUMN,
+            STRANGE_COLUMN,
+        }:
             return within._replace(base=_BASES[log[1].lower()])
     of_period = _OF_PERIOD.search(title)
     of_damping = _OF_DAMPING.search(title)
@@ -159,7 +174,7 @@ def _meant(name: str, stated: Sequence[str]) -> tuple[tuple[Quantity, ...], str]
     if not units or (named and not any(quantity.unit for quantity in named)):
         return named, units[0] if units else remark
     says_nothing = not named or len(compared(name.strip())) == 1  # a letter may name a component
-    return (says_nothing and _fit(_BY_UNIT, units[0])) or (STRANGE,), units[0]
+    return (says_nothing and _fit(_BY_UNIT, units[0])) or (STRANGE_COLUMN,), units[0]
 
 
 def _without_brackets(
@@ -167,7 +182,7 @@ def _without_brackets(
 ) -> tuple[tuple[Quantity, ...], str]:
     """The quantities and unit of ``Sa_g`` and of ``s``; the remark in place of a unit otherwise."""
     if "".join(_words(name)) not in QUANTITIES:
-        for edge in _EDGE.finditer(name):
+        for edge in _BEFORE_UNIT.finditer(name):
             rest = _named(name[: edge.start()])
             unit = name[edge.end() :].strip()
             for text in (unit, unit.replace("_", "/")):
@@ -186,13 +201,13 @@ def _fit(quantities: Sequence[Quantity], unit: str) -> tuple[Quantity, ...]:
 
 
 def _is_unit(text: str) -> bool:
-    known = text != "1" and parsed(text) is not None
-    return known or bool(_fit((FREQUENCY, ANGULAR), text))
+    is_parsed = text != "1" and parsed(text) is not None
+    return is_parsed or bool(_fit((FREQUENCY_COLUMN, ANGULAR_COLUMN), text))
 
 
 def _words(name: str) -> list[str]:
     """The words of a name as they are compared."""
-    return re.findall(r"[^\W_]+", compared(_PART.sub(" ", name)))
+    return re.findall(r"[^\W_]+", compared(_INNER_CAPITAL.sub(" ", name)))
 
 
 def _named(name: str) -> tuple[Quantity, ...]:

@@ -15,13 +15,15 @@ TYPE_CHECKING = False  # without typing, whose import takes longer than a small 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-MEMORY = 256 * 2**20  # bytes that reading may take
-SECONDS = 2  # of processor time that it may take
-MOST_CELLS = 2**20  # of all visible sheets, with the empty ones between others
-MOST_LINES = 100_000  # of all of them; what reads the table afterwards takes longest for each line
+MOST_MEMORY = 256 * 2**20  # bytes that reading may take
+PROCESSOR_SECONDS = 2  # of processor time that it may take
+MOST_CELLS_OF_SHEETS = 2**20  # of all visible sheets, with the empty ones between others
+# of all of them; what reads the table afterwards takes longest for each line
+MOST_LINES_OF_SHEETS = 100_000
 MOST_SIGNS = 2**24  # of the texts of all of them
-SHEET, ROW, CELL = "\x1d", "\x1e", "\x1f"  # signs between them, which no text in XML may contain
-REFUSED = 3  # exit status, with a message in place of cells
+# signs between them, which no text in XML may contain
+SHEET_SIGN, ROW_SIGN, CELL_SIGN = "\x1d", "\x1e", "\x1f"
+EXIT_REFUSED = 3  # exit status, with a message in place of cells
 
 
 def take_limits() -> None:
@@ -30,7 +32,7 @@ def take_limits() -> None:
         import resource
     except ImportError:
         return
-    limits = {"RLIMIT_AS": MEMORY, "RLIMIT_CPU": SECONDS, "RLIMIT_CORE": 0}
+    limits = {"RLIMIT_AS": MOST_MEMORY, "RLIMIT_CPU": PROCESSOR_SECONDS, "RLIMIT_CORE": 0}
     for name, most in limits.items():
         try:
             resource.setrlimit(getattr(resource, name), (most, most))
@@ -68,20 +70,20 @@ def visible_sheets(content: bytes) -> dict[str, list[list[str]]]:
 def joined(sheets: dict[str, list[list[str]]]) -> str:
     """The sheets as one text, each with its title before its lines."""
     cells = sum(len(rows) * max(map(len, rows), default=0) for rows in sheets.values())
-    if cells > MOST_CELLS:
-        raise ValueError(f"it has {cells} cells; allowed: {MOST_CELLS}")
+    if cells > MOST_CELLS_OF_SHEETS:
+        raise ValueError(f"it has {cells} cells; allowed: {MOST_CELLS_OF_SHEETS}")
     count = sum(map(len, sheets.values()))
-    if count > MOST_LINES:
-        raise ValueError(f"it has {count} lines; allowed: {MOST_LINES}")
+    if count > MOST_LINES_OF_SHEETS:
+        raise ValueError(f"it has {count} lines; allowed: {MOST_LINES_OF_SHEETS}")
     signs = sum(len(cell) for rows in sheets.values() for row in rows for cell in row)
     if signs > MOST_SIGNS:
         raise ValueError(f"its texts have {signs} signs; allowed: {MOST_SIGNS}")
-    lines = {title: [CELL.join(row) for row in rows] for title, rows in sheets.items()}
-    text = SHEET.join(ROW.join([title, *rows]) for title, rows in lines.items())
+    lines = {title: [CELL_SIGN.join(row) for row in rows] for title, rows in sheets.items()}
+    text = SHEET_SIGN.join(ROW_SIGN.join([title, *rows]) for title, rows in lines.items())
     counts = {
-        SHEET: max(len(sheets) - 1, 0),
-        ROW: count,
-        CELL: sum(max(len(row) - 1, 0) for rows in sheets.values() for row in rows),
+        SHEET_SIGN: max(len(sheets) - 1, 0),
+        ROW_SIGN: count,
+        CELL_SIGN: sum(max(len(row) - 1, 0) for rows in sheets.values() for row in rows),
     }
     if any(text.count(sign) != count for sign, count in counts.items()):
         raise ValueError("it has control characters in its texts")
@@ -95,7 +97,7 @@ if __name__ == "__main__":
     try:
         answer = joined(visible_sheets(sys.stdin.buffer.read()))
     except Exception as error:
-        status = REFUSED
+        status = EXIT_REFUSED
         answer = str(error.__cause__ or error) or type(error).__name__
     sys.stdout.buffer.write(answer.encode("utf-8", "replace"))
     sys.stdout.flush()

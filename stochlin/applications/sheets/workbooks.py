@@ -9,13 +9,20 @@ from io import BytesIO
 from pathlib import Path
 
 from stochlin.applications.sheets import workbook_rows
-from stochlin.applications.sheets.workbook_rows import CELL, MEMORY, REFUSED, ROW, SECONDS, SHEET
+from stochlin.applications.sheets.workbook_rows import (
+    CELL_SIGN,
+    EXIT_REFUSED,
+    MOST_MEMORY,
+    PROCESSOR_SECONDS,
+    ROW_SIGN,
+    SHEET_SIGN,
+)
 from stochlin.kernels.basics.children import isolated
 from stochlin.messages import plain, sentence
 from stochlin.solver.tables.checks import needed
 
 # The parts that hold tables.
-_PART = re.compile(
+_TABLE_PART = re.compile(
     r"\[Content_Types\]\.xml|_rels/\.rels|xl/(_rels/[^/]+\.rels|(worksheets/)?[^/]+\.xml)"
 )
 # A cell with a formula and without a value, or with an empty one, which is a result in cells of
@@ -28,15 +35,15 @@ _METHODS = zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED  # others take memory that t
 # s that reading may take on a busy machine, and on one that does not limit its time
 _PATIENCE = 20.0
 MOST_PARTS = 2000  # of a workbook
-MOST_BYTES = 16 * 2**20  # of a workbook
+UNPACKED_BYTES = 16 * 2**20  # of a workbook
 
 
 def rows_of(content: bytes, name: str) -> list[tuple[str, dict[int, list[str]]]]:
     """Title and cells by line of each visible sheet; a ValueError if they cannot be read.
 
-    They are read in a process of their own, which takes at most `MEMORY` and `SECONDS`, whatever
-    the workbook is; only its unpacked parts, of at most `MOST_BYTES`, are in the memory of this
-    one.
+    They are read in a process of their own, which takes at most `MOST_MEMORY` and
+    `PROCESSOR_SECONDS`, whatever the workbook is; only its unpacked parts, of at most
+    `UNPACKED_BYTES`, are in the memory of this one.
     """
     what = f"{name} is a workbook, which"
     calamine = needed("python_calamine", what, "tables", "save its tables as .csv")
@@ -45,9 +52,9 @@ def rows_of(content: bytes, name: str) -> list[tuple[str, dict[int, list[str]]]]
     except Exception as error:  # of any library within: zip, XML
         what = f"{name} cannot be read as a workbook: {sentence(error)}"
         raise ValueError(f"{what}; save it again as .xlsx without a password, or as .csv") from None
-    sheets = (sheet.split(ROW) for sheet in answer.split(SHEET) if answer)
+    sheets = (sheet.split(ROW_SIGN) for sheet in answer.split(SHEET_SIGN) if answer)
     return [
-        (plain(title), {line: row.split(CELL) for line, row in enumerate(rows, 1)})
+        (plain(title), {line: row.split(CELL_SIGN) for line, row in enumerate(rows, 1)})
         for title, *rows in sheets
     ]
 
@@ -55,7 +62,7 @@ def rows_of(content: bytes, name: str) -> list[tuple[str, dict[int, list[str]]]]
 def _read_apart(content: bytes, library: Path) -> str:
     """What the program `workbook_rows` writes; a ValueError with its reason if it does not."""
     command = isolated(Path(workbook_rows.__file__), str(library))
-    most = f"reading may take {MEMORY >> 20} MiB and {SECONDS} s"
+    most = f"reading may take {MOST_MEMORY >> 20} MiB and {PROCESSOR_SECONDS} s"
     try:
         done = subprocess.run(
             command, input=content, capture_output=True, timeout=_PATIENCE, check=False
@@ -63,7 +70,7 @@ def _read_apart(content: bytes, library: Path) -> str:
     except subprocess.TimeoutExpired:
         raise ValueError(f"it takes more than {_PATIENCE:g} s; {most}") from None
     answer = done.stdout.decode("utf-8", "replace")
-    if done.returncode == REFUSED:
+    if done.returncode == EXIT_REFUSED:
         raise ValueError(answer)
     if done.returncode != 0:
         raise ValueError(f"it is damaged, or takes more memory or time; {most}")
@@ -76,9 +83,9 @@ def _unpacked(content: bytes) -> bytes:
     if content.count(b"PK\x01\x02") > MOST_PARTS:  # signature of the entry of each
         raise ValueError(f"it has more than {MOST_PARTS} parts")
     with zipfile.ZipFile(BytesIO(content)) as archive, zipfile.ZipFile(copy, "w") as tables:
-        parts = [part for part in archive.infolist() if _PART.fullmatch(part.filename)]
-        if (size := sum(part.file_size for part in parts)) > MOST_BYTES:
-            raise ValueError(f"its tables have {size} bytes unpacked; allowed: {MOST_BYTES}")
+        parts = [part for part in archive.infolist() if _TABLE_PART.fullmatch(part.filename)]
+        if (size := sum(part.file_size for part in parts)) > UNPACKED_BYTES:
+            raise ValueError(f"its tables have {size} bytes unpacked; allowed: {UNPACKED_BYTES}")
         if len({part.filename for part in parts}) < len(parts):
             raise ValueError("it has a part twice")
         for part in parts:

@@ -16,8 +16,8 @@ from stochlin.messages import ImplausibleInput, brief
 from stochlin.models.arguments import Acceleration, DampingOrZero, Seconds, checked, is_number
 from stochlin.models.plausible import PLAUSIBLE
 
-STEP = 0.01  # step between the periods of a spectrum [s]
-LEAST = 0.2  # lower bound of the design spectrum of Eurocode 8, beta, over ag
+PERIOD_STEP = 0.01  # step between the periods of a spectrum [s]
+LEAST_ORDINATE = 0.2  # lower bound of the design spectrum of Eurocode 8, beta, over ag
 _EC8_LONGEST = 4.0  # [s]
 _ASCE_LONGEST = 10.0  # [s]
 
@@ -115,7 +115,7 @@ def eurocode_8(
     if name not in soils:
         raise ValueError(f"soil = {brief(soil)} is no ground type; allowed: {', '.join(soils)}")
     eta = max(np.sqrt(10 / (5 + 100 * damping)), 0.55)
-    period = STEP * np.arange(round(_EC8_LONGEST / STEP) + 1)
+    period = PERIOD_STEP * np.arange(round(_EC8_LONGEST / PERIOD_STEP) + 1)
     values = ag * soils[name].factor * soils[name].shape(period, 1.0, 2.5 * eta)
     source = f"Eurocode 8, type {int(type)}, ground {name}, ag = {ag / constants.g:.4g} g"
     curve = marked(labelled(period, values, damping, source), BY_CODE)
@@ -132,7 +132,7 @@ def reduced_eurocode_8(elastic: xr.DataArray, period: float, behaviour: float) -
     """
     soil = _EUROCODE[int(elastic.attrs["spectrum_type"])][elastic.attrs["soil"]]
     shape = float(soil.shape(period, 2 / 3, 2.5 / behaviour))
-    least = 0.0 if period < soil.rise else LEAST / soil.factor
+    least = 0.0 if period < soil.rise else LEAST_ORDINATE / soil.factor
     return float(elastic[0]) * max(shape, least)  # which is ag S at 0
 
 
@@ -188,7 +188,7 @@ def asce_7(sds: Acceleration, sd1: Acceleration, tl: Seconds) -> xr.DataArray:
         warnings.warn(
             f"asce_7: sd1 is {corner:.3g} times sds; {text}", ImplausibleInput, stacklevel=3
         )
-    grid = STEP * np.arange(round(_ASCE_LONGEST / STEP) + 1)
+    grid = PERIOD_STEP * np.arange(round(_ASCE_LONGEST / PERIOD_STEP) + 1)
     corners = [t for t in (0.2 * corner, corner, tl) if t < _ASCE_LONGEST]
     near = np.abs(grid[:, None] - corners).min(axis=1) < 1e-6
     period = np.union1d(grid[~near], corners)

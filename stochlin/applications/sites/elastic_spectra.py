@@ -21,17 +21,17 @@ from stochlin.models.arguments import Number, as_numbers
 from stochlin.models.parameters import Range
 from stochlin.models.plausible import PLAUSIBLE
 
-ELASTIC = "elastic"  # attribute that says how a spectrum was taken
+TAKEN_AS = "elastic"  # attribute that says how a spectrum was taken
 ELASTIC_AT = "elastic_at"  # attribute: period [s] and ordinate [m/s^2] for which that was said
 BY_CODE = "elastic by its code"
 STATED = "elastic as stated"
 NOT_STATED = "taken as elastic, which is not stated"
 # The least behaviour factor q of Eurocode 8 is 1.5 (EN 1998-1, 3.2.2.5): a spectrum with less than
 # 0.7 of the ordinate for which it was said to be elastic has been divided since.
-LEAST_SHARE = 0.7
+LEAST_ELASTIC_SHARE = 0.7
 USUAL_DAMPING = 0.05
 # longest period of a rigid structure, whose ordinate is the peak ground acceleration [s]
-STIFF = 0.02
+RIGID = 0.02
 SAME = 1e-3  # relative difference of ordinates that are equal, as rounded in files
 # Elastic spectra rise to 3.21 - 0.68 ln(damping in %) times the peak ground acceleration in the
 # median (Newmark and Hall 1982, Earthquake spectra and design), which is 2.12 for 5 %; those of
@@ -39,16 +39,16 @@ SAME = 1e-3  # relative difference of ordinates that are equal, as rounded in fi
 # 1.48 for 5 %.
 LEAST_OF_MEDIAN = 0.7
 LARGEST_RISE = 3.5  # of ordinates over the ground acceleration
-LEVEL = 3  # last points that are equal at a lower bound
+LEVEL_POINTS = 3  # last points that are equal at a lower bound
 LEVEL_FROM = 4.0  # [s], of elastic code spectra
 
-_FACTOR = Number(Range(1, include_lower=True), "a number of at least 1")
+_DIVISOR = Number(Range(1, include_lower=True), "a number of at least 1")
 
 
 def check_divided_by(name: str, value: object) -> None:
     """Raise an error unless ``value`` is a factor of at least 1 or an array of them over period."""
     if not isinstance(value, xr.DataArray):
-        _FACTOR(name, value)
+        _DIVISOR(name, value)
         return
     allowed = "numbers of at least 1 over period, which increases"
     factors = as_numbers(name, value, allowed)
@@ -73,9 +73,9 @@ def as_elastic(
     called that calls this one, if nothing says what the spectrum is, or if its shape speaks against
     it.
     """
-    how = spectrum.attrs.get(ELASTIC)
+    how = spectrum.attrs.get(TAKEN_AS)
     share = _share_left(spectrum)
-    said = how not in (None, NOT_STATED) and share >= LEAST_SHARE
+    said = how not in (None, NOT_STATED) and share >= LEAST_ELASTIC_SHARE
     if divided_by is not None:
         if elastic:
             raise ValueError("elastic = True is given beside divided_by; allowed: one of them")
@@ -87,12 +87,12 @@ def as_elastic(
         raise ValueError("elastic = False is given alone; allowed: divided_by= as well, the factor")
     elif elastic and not said:
         how = STATED
-    elif how is None or share < LEAST_SHARE:
+    elif how is None or share < LEAST_ELASTIC_SHARE:
         how = NOT_STATED
     else:
         return spectrum
     taken = marked(spectrum, how)
-    contradicted = bool(elastic) and share < LEAST_SHARE
+    contradicted = bool(elastic) and share < LEAST_ELASTIC_SHARE
     missing = [_not_stated(taken, share)] if how == NOT_STATED or contradicted else []
     source = plain(spectrum.attrs.get("source", "spectrum"))
     for text in (*missing, *_doubts(taken)):
@@ -108,16 +108,16 @@ def marked(spectrum: xr.DataArray, how: str) -> xr.DataArray:
     on_plateau = np.flatnonzero(above & (values >= (1 - SAME) * values[above].max()))
     middle = on_plateau[on_plateau.size // 2]
     at = [float(period[middle]), float(values[middle])]
-    return spectrum.assign_attrs({ELASTIC: how, ELASTIC_AT: at})
+    return spectrum.assign_attrs({TAKEN_AS: how, ELASTIC_AT: at})
 
 
 def _share_left(spectrum: xr.DataArray) -> float:
     """The ordinate over that for which the spectrum was said to be elastic; 1 where unknown."""
     period, ordinate = spectrum.attrs.get(ELASTIC_AT, (np.nan, np.nan))
-    known = spectrum.period.values
-    if not known[0] <= period <= known[-1]:
+    periods = spectrum.period.values
+    if not periods[0] <= period <= periods[-1]:
         return 1.0
-    return float(np.interp(period, known, spectrum.values) / ordinate)
+    return float(np.interp(period, periods, spectrum.values) / ordinate)
 
 
 def _multiplied(
@@ -143,9 +143,9 @@ def _multiplied(
 def _not_stated(spectrum: xr.DataArray, share: float) -> str:
     """That nothing says what a spectrum is, with the cure."""
     cure = "state elastic=True, or divided_by=4 if its ordinates are divided by R or q = 4"
-    if share < LEAST_SHARE:
+    if share < LEAST_ELASTIC_SHARE:
         stated = f"is it divided by {1 / share:.3g}, and not elastic?"
-        shown = stated if spectrum.attrs[ELASTIC] == STATED else cure
+        shown = stated if spectrum.attrs[TAKEN_AS] == STATED else cure
         return f"its ordinates are {share:.3g} of those that were elastic; {shown}"
     return (
         f"nothing says that it is elastic ({plateau_in_words(spectrum)}), and it is taken so; "
@@ -175,7 +175,7 @@ def _doubts(spectrum: xr.DataArray) -> Iterator[str]:
     percent = 100 * float(spectrum.attrs.get("damping", USUAL_DAMPING))
     usual = 3.21 - 0.68 * np.log(percent)
     rise = values.max() / values[0]
-    if period[0] <= STIFF and not _begins_on_plateau(values) and rise < LEAST_OF_MEDIAN * usual:
+    if period[0] <= RIGID and not _begins_on_plateau(values) and rise < LEAST_OF_MEDIAN * usual:
         yield (
             f"its plateau of {_in_g(values.max())} is {rise:.3g} times its ordinate of "
             f"{_in_g(values[0])} at {period[0]:g} s, and elastic spectra rise to {usual:.3g} times "
@@ -183,7 +183,7 @@ def _doubts(spectrum: xr.DataArray) -> Iterator[str]:
         )
     level = np.flatnonzero(np.abs(values / values[-1] - 1) > SAME)
     first = level[-1] + 1 if level.size else 0
-    low = first <= values.size - LEVEL and (not first or values[-1] < 0.9 * values.max())
+    low = first <= values.size - LEVEL_POINTS and (not first or values[-1] < 0.9 * values.max())
     if low and period[first] < LEVEL_FROM * (1 - SAME):
         yield (
             f"it is level at {_in_g(values[-1])} from {period[first]:g} s on, as at the lower "
@@ -240,7 +240,7 @@ def taken_in_words(spectrum: xr.DataArray) -> str:
     """Peak ground acceleration and plateau of a spectrum, and how it was taken."""
     damping = float(spectrum.attrs.get("damping", USUAL_DAMPING))
     other = "" if damping == USUAL_DAMPING else f", damping {100 * damping:.3g} %"
-    return f"{plateau_in_words(spectrum)}{other}, {plain(spectrum.attrs.get(ELASTIC, NOT_STATED))}"
+    return f"{plateau_in_words(spectrum)}{other}, {plain(spectrum.attrs.get(TAKEN_AS, NOT_STATED))}"
 
 
 def _in_g(acceleration: float) -> str:

@@ -27,7 +27,7 @@ from stochlin.applications.records.ground_fit import (
 from stochlin.applications.sites.elastic_spectra import DividedBy, as_elastic, taken_in_words
 from stochlin.applications.sites.simulated_spectra import SpectrumMotions, peak_accelerations
 from stochlin.applications.sites.spectra import (
-    SHORTEST,
+    SHORTEST_PERIOD,
     checked_spectrum,
     interpolated,
     is_spectrum,
@@ -43,14 +43,15 @@ from stochlin.models.rules.peak_factors import peak_factor_model
 
 _OF_SPECTRA = ("clough_penzien",)
 _FEWEST_DECADES = 0.5  # smallest range of periods of a spectrum within the range of the fit
-LONGEST = 4.0  # longest period [s] for which a ground is fitted
-POINTS = 72  # number of such periods
+LONGEST_FITTED = 4.0  # longest period [s] for which a ground is fitted
+FITTED_PERIODS = 72  # number of such periods
 POOR = 0.3  # largest error of a fit above which there is a warning
 # relative errors at which no further filter is tried
 GOOD_RMS = 0.02
 GOOD_WORST = 0.06
-PATHS = 2048
-STEPS_PER_PERIOD = 16  # of the search; the shortest of 24 neighbouring periods is 1.3 % too long
+PATHS_OF_GROUND = 2048
+# of the search; the shortest of 24 neighbouring periods is 1.3 % too long
+SEARCH_STEPS_PER_PERIOD = 16
 # Errors of the mean simulated spectrum at which corrections end, and the largest number of
 # corrections.
 DELIVERED_RMS = 0.02
@@ -60,7 +61,8 @@ _GROUND_WEIGHT = 10.0  # weight of the standard deviation of the ground; that of
 _ROUNDS = 4  # number of fits with updated peak factors
 _FIRST_FACTOR = 2.5
 
-_STEP = 0.012  # step of ln w, an eighth of the resonance width of an oscillator with damping 0.05
+# step of ln w, an eighth of the resonance width of an oscillator with damping 0.05
+_LOG_STEP = 0.012
 _REACH = 8.0  # factor of the frequency range beyond the longest and the shortest period
 # Bounds and starts of wg [rad/s], xig, wf [rad/s], xif and the intensity, in logarithms.
 _LOWER = np.log([1.0, 0.02, 0.2, 0.2, 1e-20])
@@ -68,7 +70,7 @@ _UPPER = np.log([150.0, 3.0, 8.0, 1.5, 1e20])
 _SOILS = np.log([(4.0, 0.3), (4.0, 0.8), (12.0, 0.3), (12.0, 0.8), (30.0, 0.5)])
 _HIGH_PASS = np.log([(0.6, 0.6), (2.5, 0.6)])
 _DRAWN = 6  # number of random combinations of these starts for two or three filters
-_END = 1e-11  # tolerances of the least-squares search, whose minimum is flat
+_SEARCH_TOLERANCE = 1e-11  # tolerances of the least-squares search, whose minimum is flat
 
 
 @checked
@@ -254,11 +256,11 @@ def fit_ground(
 
 def _wanted(spectrum: xr.DataArray, duration: float, envelope: Envelope | None) -> TargetMotions:
     period, values, damping = checked_spectrum(spectrum)
-    shortest = max(SHORTEST, period[period > 0][0])
-    longest = min(LONGEST, period[-1])
+    shortest = max(SHORTEST_PERIOD, period[period > 0][0])
+    longest = min(LONGEST_FITTED, period[-1])
     if not longest > shortest * 10**_FEWEST_DECADES:
         raise ValueError(f"spectrum has {period[0]:g} to {period[-1]:g} s; allowed: half a decade")
-    sought = np.geomspace(shortest, longest, POINTS)
+    sought = np.geomspace(shortest, longest, FITTED_PERIODS)
     return TargetMotions(sought, interpolated(period, values, sought), damping, duration, envelope)
 
 
@@ -314,7 +316,7 @@ def deliver(
     filters: int | None,
     seed: int,
     progress: Progress | None,
-    paths: int = PATHS,
+    paths: int = PATHS_OF_GROUND,
 ) -> FittedFilters:
     """Fit to a spectrum, with ``filters`` filters or as few as give a good fit.
 
@@ -330,7 +332,7 @@ def deliver(
         # Another sample each time, so that a correction does not fit its scatter.
         timing = wanted.duration, wanted.envelope
         motions = SpectrumMotions(fit.ground(), *timing, paths, seed + attempt, progress)
-        peaks = peak_accelerations(wanted.periods, wanted.damping, motions, STEPS_PER_PERIOD)
+        peaks = peak_accelerations(wanted.periods, wanted.damping, motions, SEARCH_STEPS_PER_PERIOD)
         means = peaks.mean(axis=0)
         simulated.append(fit._replace(off=np.log(means / wanted.accelerations)))
         best = min(simulated, key=lambda fit: fit.rms)
@@ -363,15 +365,15 @@ class _Search:
         # Effective damping ratio whose stationary variance is that of a start from rest.
         damping = wanted.damping / -np.expm1(-2 * wanted.damping * w * wanted.strong)
         low, high = np.log([w.min() / _REACH, _REACH * w.max()])
-        self._frequency = np.exp(np.arange(low, high, _STEP))
+        self._frequency = np.exp(np.arange(low, high, _LOG_STEP))
         x = (self._frequency / w[:, None]) ** 2
         response = 1 / (w[:, None] ** 4 * ((1 - x) ** 2 + 4 * damping[:, None] ** 2 * x))
-        self._moments = [2 * _STEP * response * self._frequency ** (k + 1) for k in range(3)]
+        self._moments = [2 * _LOG_STEP * response * self._frequency ** (k + 1) for k in range(3)]
         self._rows = self._moments[0]
         self._weight = np.ones(wanted.periods.size)
         self._ground = np.zeros(0)
         if wanted.ground_std is not None:
-            self._rows = np.vstack([self._rows, 2 * _STEP * self._frequency])
+            self._rows = np.vstack([self._rows, 2 * _LOG_STEP * self._frequency])
             self._weight = np.append(self._weight, _GROUND_WEIGHT)
             self._ground = np.array([wanted.ground_std])
 
@@ -386,7 +388,10 @@ class _Search:
         return fit
 
     def _peak_factors(self, fit: FittedFilters) -> Array:
-        l0, l1, l2 = (moment @ _psd(fit.logs, self._frequency) for moment in self._moments)
+        density = _psd(fit.logs, self._frequency)
+        l0 = self._moments[0] @ density
+        l1 = self._moments[1] @ density
+        l2 = self._moments[2] @ density
         crossings = np.sqrt(l2 / l0) * self.wanted.strong / np.pi
         return peak_factor_model("vanmarcke").mean(
             np.maximum(crossings, 1.0), bandwidth_of(l0, l1, l2)
@@ -415,7 +420,14 @@ class _Search:
 
         starts = [*starts]
         bounds = np.tile(_LOWER, len(starts[0])), np.tile(_UPPER, len(starts[0]))
-        best = best_fit(residual, map(of_energy, starts), bounds, ftol=_END, xtol=_END, gtol=_END)
+        best = best_fit(
+            residual,
+            map(of_energy, starts),
+            bounds,
+            ftol=_SEARCH_TOLERANCE,
+            xtol=_SEARCH_TOLERANCE,
+            gtol=_SEARCH_TOLERANCE,
+        )
         return FittedFilters(best.x.reshape(-1, 5), best.fun[: target.size - self._ground.size])
 
 

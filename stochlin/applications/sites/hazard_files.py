@@ -132,15 +132,15 @@ def _of_ordinates(
         if ordinate.period in curves:
             raise ValueError(f"{names}: {measure_in_words(ordinate.period)} is there twice")
         curves[ordinate.period] = points_of(ordinate)
-    known = ", ".join(map(measure_in_words, sorted(curves))) or "no hazard curve"
+    measures = ", ".join(map(measure_in_words, sorted(curves))) or "no hazard curve"
     of_s0 = any(curve.units == S0 for curve in curves.values())
     if (of.measure == "intensity") != of_s0 or (of.measure == "pga" and 0.0 not in curves):
-        raise ValueError(f"measure = {of.measure!r} is not in {names}; allowed: {known}")
+        raise ValueError(f"measure = {of.measure!r} is not in {names}; allowed: {measures}")
     period = of.period or 0.0
     below = [other for other in curves if 0 < other <= period or other == period]
     above = [other for other in curves if other >= period]
     if not below or not above:
-        raise ValueError(f"period = {period:g} is beyond {names}; allowed: within {known}")
+        raise ValueError(f"period = {period:g} is beyond {names}; allowed: within {measures}")
     lower = _in_metres(curves[max(below)], names, units)
     upper = _in_metres(curves[min(above)], names, units)
     intensities, frequencies = _between(lower, upper, period)
@@ -160,18 +160,18 @@ def _between(lower: Ordinate, upper: Ordinate, period: float) -> tuple[Array, Ar
     """Intensities at a period, and the annual frequencies that both curves have."""
     if lower.period == upper.period:
         return lower.intensities, lower.frequencies
-    logarithms = [np.log(curve.frequencies) for curve in (lower, upper)]
-    highest = min(of[0] for of in logarithms)
-    lowest = max(of[-1] for of in logarithms)
+    of_lower = np.log(lower.frequencies)
+    of_upper = np.log(upper.frequencies)
+    highest = min(of_lower[0], of_upper[0])
+    lowest = max(of_lower[-1], of_upper[-1])
     if lowest >= highest:
         raise ValueError(
             f"SA({lower.period:g}) and SA({upper.period:g}) do not overlap in frequency"
         )
     # Rounded, so that frequencies that differ by rounding errors are one.
-    common = np.unique(np.clip(np.round(np.concatenate(logarithms), 9), lowest, highest))[::-1]
-    short, long = (
-        np.interp(-common, -of, np.log(curve.intensities))
-        for of, curve in zip(logarithms, (lower, upper), strict=True)
-    )
+    rounded = np.round(np.concatenate([of_lower, of_upper]), 9)
+    common = np.unique(np.clip(rounded, lowest, highest))[::-1]
+    short = np.interp(-common, -of_lower, np.log(lower.intensities))
+    long = np.interp(-common, -of_upper, np.log(upper.intensities))
     share = np.log(period / lower.period) / np.log(upper.period / lower.period)
     return np.exp((1 - share) * short + share * long), np.exp(common)

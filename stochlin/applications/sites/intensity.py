@@ -34,9 +34,9 @@ from stochlin.solver.simulation.statistics import mean_with_error
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_scalars
 
-PATHS = 1024  # gives a standard error of about half a per cent
-FEWEST = 64  # fewest motions
-MOST_STEPS = 20_000_000  # most time steps of all motions in memory at once
+PATHS_OF_INTENSITY = 1024  # gives a standard error of about half a per cent
+FEWEST_OF_INTENSITY = 64  # fewest motions
+MOST_STEPS_IN_MEMORY = 20_000_000  # most time steps of all motions in memory at once
 _TOLD = "intensity for a mean"
 
 
@@ -50,7 +50,7 @@ def scale_ground(
     sa: Acceleration | None = None,
     period: Seconds | None = None,
     damping: DampingRatio = USUAL_DAMPING,
-    paths: Paths = PATHS,
+    paths: Paths = PATHS_OF_INTENSITY,
     seed: Seed = 0,
     progress: Progress | None = None,
 ) -> Any:
@@ -141,7 +141,8 @@ def scale_ground(
 
 def paths_for(duration: float) -> int:
     """Number of motions simulated for an intensity, smaller for very long motions [s]."""
-    return int(np.clip(MOST_STEPS * PGA_STEP / duration, FEWEST, PATHS))
+    paths = MOST_STEPS_IN_MEMORY * PGA_STEP / duration
+    return int(np.clip(paths, FEWEST_OF_INTENSITY, PATHS_OF_INTENSITY))
 
 
 def shaking(

@@ -11,14 +11,19 @@ import numpy as np
 import xarray as xr
 
 from stochlin.applications.records.cells import Records, checked_motions
-from stochlin.applications.records.components import PLACE, FileNames, is_below, is_vertical
+from stochlin.applications.records.components import PLACE_KEYS, FileNames, is_below, is_vertical
 from stochlin.applications.records.envelope_fit import FittedEnvelope, fit_envelope
 from stochlin.applications.records.files import is_record
 from stochlin.applications.records.records import checked_record, strong_samples
 from stochlin.applications.records.response import response_spectrum
 from stochlin.applications.sites.elastic_spectra import USUAL_DAMPING
-from stochlin.applications.sites.ground_fit import LONGEST, POINTS, TargetMotions, deliver
-from stochlin.applications.sites.spectra import BAND, BAND_POINTS, SHORTEST, check_band
+from stochlin.applications.sites.ground_fit import (
+    FITTED_PERIODS,
+    LONGEST_FITTED,
+    TargetMotions,
+    deliver,
+)
+from stochlin.applications.sites.spectra import BAND_POINTS, SHORTEST_PERIOD, USUAL_BAND, check_band
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.messages import DoubtfulInput, plain
@@ -37,7 +42,7 @@ from stochlin.models.plausible import PLAUSIBLE
 from stochlin.models.values import ByValue
 
 FILTERS = 2
-PATHS = 512
+PATHS_OF_MOTION = 512
 CYCLES = 4.0  # smallest number of cycles of a fitted period in a record
 SHORTEST_RECORD = 2.0  # s
 # largest factors between motions and record without a doubt
@@ -55,7 +60,7 @@ class Components(NamedTuple):
     @property
     def source(self) -> str:
         """Where the components are from."""
-        return " and ".join(str(each.attrs.get("source", "a record")) for each in self.records)
+        return " and ".join(str(record.attrs.get("source", "a record")) for record in self.records)
 
     def energy(self) -> float:
         """Median of ``Int a^2 dt`` [m^2/s^3]."""
@@ -97,11 +102,11 @@ def checked_components(record: Records) -> Components:
         raise ValueError(
             f"record has {len(records)} components; allowed: one, or both of a station"
         )
-    about = [each.attrs for each in records]
+    about = [component.attrs for component in records]
     if len(records) == 2:
         _check_horizontal(names, about)
     alike = {
-        **{f"{key}s": [repr(of[key]) for of in about if of.get(key)] for key in PLACE},
+        **{f"{key}s": [repr(of[key]) for of in about if of.get(key)] for key in PLACE_KEYS},
         "sample counts": [str(ground.acceleration.size) for ground in motions.grounds],
         "steps [s]": [f"{ground.dt:.9g}" for ground in motions.grounds],
     }
@@ -171,7 +176,7 @@ def fit_motion(
     record: Records,
     envelope: FittedEnvelope = "amin_ang",
     *,
-    band: TwoNumbers = BAND,
+    band: TwoNumbers = USUAL_BAND,
     filters: Annotated[int, Whole(1, 3)] = FILTERS,
     seed: Seed = 0,
     progress: Progress | None = None,
@@ -264,7 +269,7 @@ def fit_motion(
     wanted = TargetMotions(
         periods, components.spectrum(periods), USUAL_DAMPING, duration, shape, std
     )
-    fit = deliver(wanted, filters, seed, progress, PATHS)
+    fit = deliver(wanted, filters, seed, progress, PATHS_OF_MOTION)
     ground = fit.ground()
     factor = std / rms_acceleration(ground)
     both = len(components.records) == 2
@@ -283,10 +288,12 @@ def fit_motion(
 
 def periods_of_fit(duration: float) -> Array:
     """Periods [s] at which spectra of a record and of motions of this length [s] are compared."""
-    return np.geomspace(SHORTEST, min(LONGEST, duration / CYCLES), POINTS)
+    return np.geomspace(SHORTEST_PERIOD, min(LONGEST_FITTED, duration / CYCLES), FITTED_PERIODS)
 
 
-def between_components(components: Components, band: tuple[float, float] = BAND) -> UsualScatter:
+def between_components(
+    components: Components, band: tuple[float, float] = USUAL_BAND
+) -> UsualScatter:
     """The scatter of both components of a station about their median in a band of periods [s]."""
     logs = np.log(components.spectra(np.geomspace(*band, BAND_POINTS)))
     scatter = float(np.sqrt(logs.var(axis=0, ddof=1).mean()))  # root mean square over the periods

@@ -15,7 +15,7 @@ from stochlin.applications.sites.elastic_spectra import (
     taken_in_words,
 )
 from stochlin.applications.sites.spectra import (
-    SHORTEST,
+    SHORTEST_PERIOD,
     checked_spectrum,
     interpolated,
     is_spectrum,
@@ -45,12 +45,12 @@ from stochlin.solver.simulation.statistics import mean_with_error
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_scalars
 
-PERIODS = 48  # number of periods at which a target spectrum is compared
-QUANTILES = (0.16, 0.5, 0.84)
+COMPARED_PERIODS = 48  # number of periods at which a target spectrum is compared
+SPECTRUM_QUANTILES = (0.16, 0.5, 0.84)
 # In the shortest period. With n steps a period is longer by the factor 1 + (2 pi/n)^2/12.
-STEPS_PER_PERIOD = 64
+SPECTRUM_STEPS_PER_PERIOD = 64
 PGA_STEP = 0.01  # [s], of the motions whose peaks are counted; they grow with smaller steps
-TOGETHER = 24  # oscillators of neighbouring periods that have the same time step
+OSCILLATORS_TOGETHER = 24  # oscillators of neighbouring periods that have the same time step
 
 
 @dataclass(frozen=True)
@@ -147,8 +147,8 @@ def simulated_spectrum(
         target = as_elastic(target, elastic, divided_by)
     else:
         refuse("target", "periods", {"elastic": elastic, "divided_by": divided_by})
-    periods, wanted, own = _asked(target)
-    ratio = own if damping is None else damping
+    periods, wanted, of_target = _asked(target)
+    ratio = of_target if damping is None else damping
     table = compared_spectrum(motions, periods, wanted, ratio)
     call = f"simulated_spectrum(duration={duration}, damping={ratio}, paths={paths}, seed={seed})"
     title = "Response spectrum of simulated motions"
@@ -166,9 +166,11 @@ def compared_spectrum(
     duration = float(motions.duration)
     said = {"duration_s": duration, "damping": float(damping), "pga_step_s": PGA_STEP}
     table = xr.Dataset(coords={"period": labels.axis("period", "period", periods, "s")}, attrs=said)
-    table = table.assign_coords(quantile=labels.axis("quantile", "quantile", np.array(QUANTILES)))
+    table = table.assign_coords(
+        quantile=labels.axis("quantile", "quantile", np.array(SPECTRUM_QUANTILES))
+    )
     _assign_mean(table, "pseudo_acceleration", peaks, "period")
-    quantiles = np.quantile(peaks, QUANTILES, axis=0)
+    quantiles = np.quantile(peaks, SPECTRUM_QUANTILES, axis=0)
     table["pseudo_acceleration_quantile"] = ("quantile", "period"), quantiles
     accelerations = replace(motions, progress=None).accelerations()
     _assign_mean(table, "peak_ground_acceleration", np.abs(accelerations.to_numpy()).max(axis=1))
@@ -181,7 +183,9 @@ def compared_spectrum(
 
 def _assign_mean(table: xr.Dataset, name: str, samples: Array, *dims: str) -> None:
     """Put the mean of samples along their first axis, and its standard error, into a table."""
-    table[name], table[f"{name}_standard_error"] = ((dims, x) for x in mean_with_error(samples))
+    mean, error = mean_with_error(samples)
+    table[name] = dims, mean
+    table[f"{name}_standard_error"] = dims, error
 
 
 def _asked(
@@ -190,7 +194,9 @@ def _asked(
     """Periods [s], the target spectrum at these periods [m/s^2], if any, and its damping ratio."""
     if is_spectrum(target):
         period, values, damping = checked_spectrum(target)
-        sought = np.geomspace(max(SHORTEST, period[period > 0][0]), period[-1], PERIODS)
+        sought = np.geomspace(
+            max(SHORTEST_PERIOD, period[period > 0][0]), period[-1], COMPARED_PERIODS
+        )
         return sought, interpolated(period, values, sought), damping
     periods = as_numbers("target", target, "a spectrum, or periods in seconds").astype(float)
     if periods.ndim != 1 or not periods.size or not (np.diff(periods, prepend=0.0) > 0).all():
@@ -204,7 +210,7 @@ def peak_accelerations(
     periods: Array,
     damping: float,
     motions: SpectrumMotions,
-    steps_per_period: int = STEPS_PER_PERIOD,
+    steps_per_period: int = SPECTRUM_STEPS_PER_PERIOD,
 ) -> Array:
     """Pseudo-accelerations of elastic oscillators in each motion [m/s^2], (paths, periods).
 
@@ -212,7 +218,7 @@ def peak_accelerations(
     """
     accelerations = np.empty((motions.paths, periods.size))
     order = np.argsort(periods)
-    for mine in np.array_split(order, -(-periods.size // TOGETHER)):
+    for mine in np.array_split(order, -(-periods.size // OSCILLATORS_TOGETHER)):
         sticks = [stick_model_of(Bilinear(float(t), damping)) for t in periods[mine]]
         run = prepare(
             oscillator_groups(sticks, np.arange(mine.size)),

@@ -27,13 +27,13 @@ from stochlin.messages import DoubtfulInput, brief, listed, plain
 from stochlin.models.arguments import DampingRatio, Truth, checked, is_number
 from stochlin.solver.tables import labels
 
-SHORTEST = 0.05  # shortest period for which a spectrum is fitted or compared [s]
-BAND = (0.2, 2.0)  # [s] of usual buildings, in which spectra are compared
+SHORTEST_PERIOD = 0.05  # shortest period for which a spectrum is fitted or compared [s]
+USUAL_BAND = (0.2, 2.0)  # [s] of usual buildings, in which spectra are compared
 BAND_POINTS = 40  # periods
-FEWEST = 4  # smallest number of points
-WIDEST = 2.0  # ratio of two consecutive periods, beyond which it matters what is between them
+FEWEST_ORDINATES = 4  # smallest number of points
+WIDEST_STEP = 2.0  # ratio of two consecutive periods, beyond which it matters what is between them
 Between = Literal["logarithmic", "linear"]
-BETWEEN: tuple[Between, ...] = get_args(Between)
+INTERPOLATIONS: tuple[Between, ...] = get_args(Between)
 FINER = 33  # points from one to the next of a linear spectrum
 
 
@@ -99,8 +99,8 @@ def interpolated(period: Array, values: Array, at: Array) -> Array:
 
 def check_ordinates(period: Array, values: Array, places: list[str]) -> None:
     """Raise a ValueError unless these are a spectrum; ``places`` name the points."""
-    if period.size < FEWEST:
-        raise ValueError(f"spectrum has {period.size} points; allowed: {FEWEST} or more")
+    if period.size < FEWEST_ORDINATES:
+        raise ValueError(f"spectrum has {period.size} points; allowed: {FEWEST_ORDINATES} or more")
     periods_rise = bool((np.diff(period) > 0).all())
     ordinates_rise = bool((np.diff(values) > 0).all())
     exchanged = ordinates_rise and not periods_rise
@@ -214,7 +214,7 @@ def read_spectrum(
     check_ordinates(period, values, places)
     for text in doubts:
         warnings.warn(text, DoubtfulInput, stacklevel=3)
-    if between is None and (period[1:] > WIDEST * period[:-1])[period[:-1] > 0].any():
+    if between is None and (period[1:] > WIDEST_STEP * period[:-1])[period[:-1] > 0].any():
         what = f"{name}: its points are far apart"
         cure = "is it linear in logarithms between them, or between='linear'?"
         warnings.warn(f"{what}; {cure}", DoubtfulInput, stacklevel=3)

@@ -26,15 +26,15 @@ from stochlin.applications.sheets.columns import (
     noted,
 )
 from stochlin.applications.sheets.quantities import (
-    ACCELERATION,
-    ANGULAR,
-    DAMPING,
-    FREQUENCY,
-    NAME,
-    PERIOD,
-    PSEUDO_VELOCITY,
-    SPECTRAL,
-    SPECTRAL_DISPLACEMENT,
+    ACCELERATION_COLUMN,
+    ANGULAR_COLUMN,
+    DAMPING_COLUMN,
+    FREQUENCY_COLUMN,
+    NAME_COLUMN,
+    PERIOD_COLUMN,
+    PSEUDO_VELOCITY_COLUMN,
+    SPECTRAL_COLUMN,
+    SPECTRAL_DISPLACEMENT_COLUMN,
 )
 from stochlin.applications.sheets.sheets import Table, sheets_of, table_in
 from stochlin.applications.sheets.titles import damping_in_remark, divided_by_remark
@@ -47,10 +47,16 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief, listed, plain, refuse
 from stochlin.models.units import stated_size
 
-ABSCISSAE = (PERIOD, FREQUENCY, ANGULAR)
-ORDINATES = (SPECTRAL, ACCELERATION, PSEUDO_VELOCITY, SPECTRAL_DISPLACEMENT)
-_POWERS = {PSEUDO_VELOCITY: 1, SPECTRAL_DISPLACEMENT: 2}  # of the frequency, in the acceleration
-_TURNS = {FREQUENCY: 1.0, ANGULAR: 2 * np.pi}
+ABSCISSAE = (PERIOD_COLUMN, FREQUENCY_COLUMN, ANGULAR_COLUMN)
+ORDINATES = (
+    SPECTRAL_COLUMN,
+    ACCELERATION_COLUMN,
+    PSEUDO_VELOCITY_COLUMN,
+    SPECTRAL_DISPLACEMENT_COLUMN,
+)
+# of the frequency, in the acceleration
+_POWERS = {PSEUDO_VELOCITY_COLUMN: 1, SPECTRAL_DISPLACEMENT_COLUMN: 2}
+_TURNS = {FREQUENCY_COLUMN: 1.0, ANGULAR_COLUMN: 2 * np.pi}
 LARGEST_FACTOR = 12.0  # by which a code divides forces; NCh 433: R0 of up to 11
 _OF_PROBABILITY = "~"
 
@@ -105,7 +111,7 @@ def points_in(path: Path, request: AskedSpectrum) -> Points:
             logarithms=True,
             damping=request.damping,
         ),
-        Need("", None, (DAMPING,), optional=True),
+        Need("", None, (DAMPING_COLUMN,), optional=True),
     ]
     aside = any(column.said.aside for column in columns)
     cure = ", and divided_by=4 if its ordinates are divided by R or q = 4" if aside else ""
@@ -137,9 +143,9 @@ def _of_usgs(path: Path, request: AskedSpectrum) -> Points:
     name = plain(path.name)
     refuse(name, "JSON", {"period_column": request.period_column, "site": request.site})
     points = usgs_spectra.read(name, read_text(path, JSON), request.column)
-    if request.damping != usgs_spectra.DAMPING:
+    if request.damping != usgs_spectra.ASCE_DAMPING:
         what = f"damping = {request.damping:g} contradicts {name}, whose spectra have"
-        raise ValueError(f"{what} {usgs_spectra.DAMPING:g}; leave it out")
+        raise ValueError(f"{what} {usgs_spectra.ASCE_DAMPING:g}; leave it out")
     size = stated_size("acceleration", "g", request.units, name)
     return Points(points.periods, size * points.ordinates, points.places, {"spectrum": points.name})
 
@@ -149,7 +155,7 @@ def _converted(table: Table, abscissa: Choice, ordinate: Choice, units: str | No
     period = abscissa.in_si()
     places = table.places()
     values = ordinate.in_si(units, "units")
-    if abscissa.quantity is not PERIOD:
+    if abscissa.quantity is not PERIOD_COLUMN:
         positive = period > 0
         if not positive.all():
             n = int(np.argmin(positive))
@@ -163,7 +169,7 @@ def _converted(table: Table, abscissa: Choice, ordinate: Choice, units: str | No
             what = f"no acceleration follows from {ordinate.quantity.name} at {period[n]:g} s"
             raise ValueError(f"{places[n]}: {what}; allowed: positive periods")
         values = values * (2 * np.pi / period) ** power
-    if abscissa.quantity is not PERIOD and (np.diff(period) < 0).all():
+    if abscissa.quantity is not PERIOD_COLUMN and (np.diff(period) < 0).all():
         period = period[::-1]
         values = values[::-1]
         places = places[::-1]
@@ -175,7 +181,7 @@ def _check_one_spectrum(table: Table, columns: Sequence[Column]) -> None:
     """Raise a ValueError if a column of names, as ETABS exports it, names several spectra."""
     for column in columns:
         names = table.rows[column.number - 1]
-        if NAME in column.said.quantities and names.nunique() < len(names):
+        if NAME_COLUMN in column.said.quantities and names.nunique() < len(names):
             check_one_kind(table, column.number - 1, "spectrum")
 
 
@@ -212,8 +218,8 @@ def _at_site(table: Table, request: AskedSpectrum) -> Points:
         wanted = probabilities[0]
     if wanted not in probabilities:
         shown = "column is missing" if wanted is None else f"column = {brief(wanted)}"
-        known = f"has the probabilities {listed(probabilities)}, and {shown}"
-        raise table.error(f"{known}; give one, such as column={brief(probabilities[0])}")
+        what = f"has the probabilities {listed(probabilities)}, and {shown}"
+        raise table.error(f"{what}; give one, such as column={brief(probabilities[0])}")
     periods = {n: period for n, (probability, period) in measures.items() if probability == wanted}
     columns = sorted(periods, key=lambda n: periods[n])
     line = line_of_site(table, request.site)

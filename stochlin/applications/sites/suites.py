@@ -15,8 +15,8 @@ import numpy as np
 import xarray as xr
 
 from stochlin.applications.records.components import (
-    PLACE,
-    USUAL,
+    COMMON,
+    PLACE_KEYS,
     FileNames,
     events_of,
     is_below,
@@ -29,8 +29,8 @@ from stochlin.applications.sheets.columns import ColumnName
 from stochlin.applications.sheets.sheets import number_in, text_sheet
 from stochlin.applications.sites.elastic_spectra import USUAL_DAMPING, DividedBy, as_elastic
 from stochlin.applications.sites.spectra import (
-    BAND,
     BAND_POINTS,
+    USUAL_BAND,
     check_band,
     check_goal,
     checked_spectrum,
@@ -49,8 +49,8 @@ from stochlin.models.arguments import (
 )
 from stochlin.models.plausible import PLAUSIBLE
 
-FILE = "file"  # name of the table column with the paths of the records
-WHO_BELONGS = f"the columns {FILE}, event and station of a table say which belong together"
+PATH_COLUMN = "file"  # name of the table column with the paths of the records
+WHO_BELONGS = f"the columns {PATH_COLUMN}, event and station of a table say which belong together"
 # The table in a download of PEER, below a title, with a column for each component.
 PEER_TABLE = "_SearchResults.csv"
 _OF_SCALE = re.compile(r"scal|factor|fakt", re.IGNORECASE)
@@ -147,10 +147,10 @@ def read_records(
     folder = path if path.is_dir() else path.parent
     for name, where, options, about in listed_files:
         try:
-            for label, each in _components(folder / name, name, **usual | options):
+            for label, channel in _components(folder / name, name, **usual | options):
                 if label in read:
                     raise ValueError("it is listed twice; allowed: each file once")
-                read[label] = each._replace(record=each.record.assign_attrs(about, file=name))
+                read[label] = channel._replace(record=channel.record.assign_attrs(about, file=name))
         except (OSError, ValueError) as error:
             if not (path.is_dir() and isinstance(error, UnknownFormatError)):
                 text = sentence(error, LONGEST_MESSAGE)
@@ -158,7 +158,7 @@ def read_records(
             what = f"{where} is left out: no record can be seen in it"
             warnings.warn(what, DoubtfulInput, stacklevel=3)
     level = read if component is not None else _horizontal(read, plain(path.name))
-    suite = {label: each.record for label, each in level.items()}
+    suite = {label: channel.record for label, channel in level.items()}
     for question in (*_without_earthquake(suite), *_alike(suite)):
         warnings.warn(f"{plain(path.name)}: {question}", DoubtfulInput, stacklevel=3)
     if not suite:
@@ -204,17 +204,17 @@ def _components(
 
 def _horizontal(read: dict[str, _Read], folder: str) -> dict[str, _Read]:
     """The records that are horizontal and at the surface, with warnings on the others."""
-    names = FileNames({each.record.attrs["file"] for each in read.values() if each.alone})
+    names = FileNames({channel.record.attrs["file"] for channel in read.values() if channel.alone})
     level: dict[str, _Read] = {}
     contradicted = []
-    for label, each in read.items():
-        component = each.record.attrs.get("component", "")
-        in_name = names.component(each.record.attrs["file"]) if each.alone else None
-        vertical = is_vertical(component, each.title, in_name)
-        if in_name is not None and in_name.weight >= USUAL and in_name.vertical != vertical:
+    for label, channel in read.items():
+        component = channel.record.attrs.get("component", "")
+        in_name = names.component(channel.record.attrs["file"]) if channel.alone else None
+        vertical = is_vertical(component, channel.title, in_name)
+        if in_name is not None and in_name.weight >= COMMON and in_name.vertical != vertical:
             contradicted.append(label)
         if not vertical and not is_below(component):
-            level[label] = each
+            level[label] = channel
     if upward := [label for label in read if label not in level]:
         which = f"{listed(upward)} {'is' if len(upward) == 1 else 'are'} left out"
         why = "vertical or in a borehole; read_record reads such components"
@@ -229,14 +229,14 @@ def _without_earthquake(suite: Suite) -> Iterator[str]:
     """Sentences on records of a station, or of an earthquake, that may belong together or not."""
     events = events_of(suite, [*suite.values()])
     single = [event for event, count in Counter(events).items() if count == 1]
-    for known, missing in (PLACE, PLACE[::-1]):
+    for stated, missing in (PLACE_KEYS, PLACE_KEYS[::-1]):
         alike: dict[str, list[str]] = {}
         for event, (label, record) in zip(events, suite.items(), strict=True):
-            if event in single and record.attrs.get(known) and not record.attrs.get(missing):
-                alike.setdefault(record.attrs[known], []).append(label)
+            if event in single and record.attrs.get(stated) and not record.attrs.get(missing):
+                alike.setdefault(record.attrs[stated], []).append(label)
         for text, labels in alike.items():
             if len(labels) > 1:
-                what = f"{listed(labels)} state the {known} {brief(text)} and no {missing}"
+                what = f"{listed(labels)} state the {stated} {brief(text)} and no {missing}"
                 yield f"{what}: each counts as an earthquake; {WHO_BELONGS}"
 
 
@@ -249,7 +249,7 @@ def _alike(suite: Suite) -> Iterator[str]:
     for event, label in zip(events, names, strict=True):
         of_events.setdefault(event, []).append(label)
     for labels in of_events.values():
-        if len(labels) == 1 and not any(suite[labels[0]].attrs.get(key) for key in PLACE):
+        if len(labels) == 1 and not any(suite[labels[0]].attrs.get(key) for key in PLACE_KEYS):
             time = suite[labels[0]].time.to_numpy()
             lengths.setdefault((time.size, *np.round(time[:2], 6)), []).append(labels[0])
     if crowded := next((labels for labels in of_events.values() if len(labels) > 2), []):
@@ -302,17 +302,17 @@ def table_rows(text: str, name: str) -> Iterator[tuple[int, str, Row]]:
     """
     sheet = text_sheet(text.splitlines(), plain(name), ",")
     rows = {line: sheet.row(line) for line in sheet.cells.index}
-    is_file = re.compile(f"{FILE}|{PEER_FILES}").fullmatch
+    is_file = re.compile(f"{PATH_COLUMN}|{PEER_FILES}").fullmatch
     start = next((line for line, row in rows.items() if any(map(is_file, row))), None)
     if start is None:
-        known = listed(next(iter(rows.values()), ()))
-        raise ValueError(f"{sheet.name} has the columns {known}; allowed: with {FILE!r}")
+        columns = listed(next(iter(rows.values()), ()))
+        raise ValueError(f"{sheet.name} has the columns {columns}; allowed: with {PATH_COLUMN!r}")
     names = rows[start]
     for line, row in rows.items():
-        if line > start and FILE not in names and len(row) < len(names):
+        if line > start and PATH_COLUMN not in names and len(row) < len(names):
             return  # below the table of PEER
         cells = dict(zip_longest(names, row, fillvalue=""))
-        for key, parts in PEER_ABOUT.items() if FILE not in names else ():
+        for key, parts in PEER_ABOUT.items() if PATH_COLUMN not in names else ():
             cells[key] = ", ".join(cells.get(part, "") for part in parts)
         for column in filter(is_file, names if line > start else ()):
             if cells[column].strip("-"):
@@ -347,7 +347,7 @@ def scale_records(
     sa: Acceleration | None = None,
     period: Seconds | None = None,
     spectrum: xr.DataArray | None = None,
-    band: TwoNumbers = BAND,
+    band: TwoNumbers = USUAL_BAND,
     damping: DampingRatio = USUAL_DAMPING,
     elastic: Truth | None = None,
     divided_by: DividedBy | None = None,
@@ -418,10 +418,10 @@ def scale_records(
     suite = {}
     for name, record in records.items():
         acceleration, _ = checked_record(record)
-        own = np.abs(acceleration).max()
+        unscaled = np.abs(acceleration).max()
         if pga is None:
-            own = response_spectrum(record, periods, damping).pseudo_acceleration.to_numpy()
-        factor = float(np.exp(np.mean(np.log(target / own))))
+            unscaled = response_spectrum(record, periods, damping).pseudo_acceleration.to_numpy()
+        factor = float(np.exp(np.mean(np.log(target / unscaled))))
         if warning := PLAUSIBLE["scale of a record"].doubt(factor):
             what = f"{plain(name)} is scaled by {factor:.3g}; {warning}"
             warnings.warn(what, DoubtfulInput, stacklevel=3)

@@ -13,10 +13,11 @@ from stochlin.applications.sites.hazard_formats.usgs import content_of, paired
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief, listed, sentence
 
-DAMPING = 0.05
-DESIGN = "multiPeriodDesignSpectrum", "twoPeriodDesignSpectrum"  # the first that is there is taken
+ASCE_DAMPING = 0.05
+# the first that is there is taken
+DESIGN_SPECTRA = "multiPeriodDesignSpectrum", "twoPeriodDesignSpectrum"
 # Those 1.5 times as strong, which are asked for by name.
-MAXIMUM = "multiPeriodMCErSpectrum", "twoPeriodMCErSpectrum"
+MAXIMUM_SPECTRA = "multiPeriodMCErSpectrum", "twoPeriodMCErSpectrum"
 
 
 class UsgsSpectrum(NamedTuple):
@@ -32,25 +33,29 @@ def read(name: str, text: str, column: int | str | None) -> UsgsSpectrum:
     """The spectrum of this name, or that for design; a ValueError lists those that are there."""
     try:
         data = content_of(text)["response"]["data"]
-        there = [each for each in (*DESIGN, *MAXIMUM) if each in data]
+        there = [title for title in (*DESIGN_SPECTRA, *MAXIMUM_SPECTRA) if title in data]
     except (ValueError, LookupError, TypeError, RecursionError) as error:
         what = (
             f"{name} is JSON and no response of the design services of the USGS ({sentence(error)})"
         )
         raise ValueError(f"{what}; allowed: the whole response, or columns of text") from error
-    chosen = next((each for each in there if each in DESIGN), None) if column is None else column
+    chosen = (
+        next((title for title in there if title in DESIGN_SPECTRA), None)
+        if column is None
+        else column
+    )
     if chosen not in there:
         what = (
             f"column = {brief(column)} is not in {name}"
             if column
             else f"{name} has no design spectrum"
         )
-        known = (
+        allowed = (
             f"allowed as column: {listed(there)}"
             if there
             else "allowed: the response for ASCE 7-22"
         )
-        raise ValueError(f"{what}; {known}")
+        raise ValueError(f"{what}; {allowed}")
     where = f"{name}, {chosen}"
     values = data[chosen]
     try:

@@ -7,7 +7,12 @@ from typing import TYPE_CHECKING
 
 from stochlin.applications.cases.examples import short_example
 from stochlin.applications.cases.rows import pair_of
-from stochlin.applications.explorer.answers import PATHS, OnGround, correlations, gap_by_few_motions
+from stochlin.applications.explorer.answers import (
+    PATHS_OF_ANSWER,
+    OnGround,
+    correlations,
+    gap_by_few_motions,
+)
 from stochlin.applications.explorer.uploads import read_upload, uploaded
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.views.separation.report import first_sections
@@ -45,12 +50,13 @@ def gap_of(folder: str, name: str, text: str, progress: Progress) -> str:
     case, doubts = read_upload(folder, name, text)
     answer = gap_by_few_motions(case, progress)
     of_few = (
-        f"From {PATHS} motions; 'stochlin gap' takes more for the saved case where it needs them."
+        f"From {PATHS_OF_ANSWER} motions; 'stochlin gap' takes more for the saved case where it "
+        "needs them."
     )
     sections = [
         *first_sections(answer),
         *sections_with_inches(case, rules_sections(answer)),
-        ViewSection("", [TextBlock(of_few * (case.simulated.motions > PATHS), "note")]),
+        ViewSection("", [TextBlock(of_few * (case.simulated.motions > PATHS_OF_ANSWER), "note")]),
     ]
     return _html(case, doubts, sections, "gap")
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from nicegui import ui
 
 from stochlin.applications.cases.reading.kinds import TRUTH
-from stochlin.applications.explorer.form import STEP
+from stochlin.applications.explorer.form import SLIDER_STEP
 from stochlin.views.shared.blocks import typeset_html
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ class EntryRow:
                 f'dense outlined debounce={TYPING} autocomplete=off data-entry="{place}"'
             )
             self._text.props["aria-label"] = name
-            self._slider = ui.slider(min=-1, max=1, step=STEP, value=0, on_change=self._slid)
+            self._slider = ui.slider(min=-1, max=1, step=SLIDER_STEP, value=0, on_change=self._slid)
             self._slider.props(f'data-slider="{place}"').props["aria-label"] = f"{name}, slider"
             self._reach()
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
-from stochlin.applications.figures.fig9 import GAP, METHODS
+from stochlin.applications.figures.fig9 import GAP, GAP_METHODS
 from stochlin.views.figures.pictures import (
     PICTURES,
     POINT,
@@ -57,7 +57,9 @@ def draw_required_gaps(figure: Figure, dataset: xr.Dataset) -> None:
 def _draw_gaps(axes: Axes, panel: xr.Dataset) -> None:
     """The curve of the closure, the rules through the simulated points, and these."""
     ratio = panel.period_ratio
-    for (name, label), (color, dash), width in zip(METHODS.items(), CURVES, WIDTHS, strict=False):
+    for (name, label), (color, dash), width in zip(
+        GAP_METHODS.items(), CURVES, WIDTHS, strict=False
+    ):
         if name in panel:
             row = panel[name].dropna("period_ratio")
             axes.plot(row.period_ratio, row, label=typeset(label), color=color, ls=dash, lw=width)

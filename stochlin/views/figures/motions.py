@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from stochlin.applications.figures.motions import ENERGIES
+from stochlin.applications.figures.motions import SHOWN_ENERGIES
 from stochlin.views.figures.pictures import MEDIUM_PANEL, PICTURES, SQUARE, in_a_row, in_cm, planes
 from stochlin.views.shared.blocks import typeset
 from stochlin.views.shared.style import CURVES, quantity
@@ -47,7 +47,7 @@ def draw_energies(figure: Figure, dataset: xr.Dataset) -> None:
     """Largest radius and energies so far over time, of the elastic and the yielding structure."""
     times = float(dataset.significant_begin), float(dataset.significant_end)
     shown = [("pseudo energy radius", "radius")]
-    shown += [(f"{kind} energy", f"{kind}_energy_radius") for kind in ENERGIES]
+    shown += [(f"{kind} energy", f"{kind}_energy_radius") for kind in SHOWN_ENERGIES]
     time = dataset.time
     factors = dataset.reduction_factor.values
     for axes, factor in zip(in_a_row(figure, 2, MEDIUM_PANEL, shared=True), factors, strict=True):

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from stochlin.applications.figures.charts import MEMORY, is_slow
+from stochlin.applications.figures.charts import DRIFT_MEMORY, is_slow
 from stochlin.models.arguments import Number
 from stochlin.models.parameters import Range
 from stochlin.registry import Registry
@@ -339,7 +339,7 @@ def draw_plane_and_simulation(figure: Figure, dataset: xr.Dataset) -> None:
 def compare_planes(figure: Figure, dataset: xr.Dataset) -> None:
     """A column of planes for each ground; that of simulation is white where the drift is slow."""
     tables = {text: dataset[name] for name, text in PLANES.items() if name in dataset}
-    if MEMORY in dataset:
+    if DRIFT_MEMORY in dataset:
         first, second = tables["simulated"].dims[-2:]
         drawn = tables["simulated"].dropna(first, how="all").dropna(second, how="all")
         tables["simulated"] = drawn.where(~is_slow(dataset))

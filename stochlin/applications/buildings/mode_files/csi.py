@@ -18,13 +18,12 @@ from stochlin.applications.buildings.mode_files import (
 from stochlin.applications.buildings.mode_files.csi_tables import (
     BASES,
     HEIGHTS,
-    MODE,
+    MASS_RATIOS,
+    MERGED_COLUMNS,
     OF_CENTRES,
     OF_DIAPHRAGMS,
     OF_JOINTS,
     OF_STORIES,
-    PLACES,
-    RATIOS,
     STORY_DATA,
     SUMMARY,
     keyed,
@@ -34,14 +33,15 @@ from stochlin.applications.sheets.columns import check_one_kind
 from stochlin.applications.sheets.sheets import Table, spelled
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief, listed
+from stochlin.models.buildings.base import MODE
 from stochlin.models.buildings.modal import ANY
 from stochlin.models.parameters import NOT_NEGATIVE, PERIODS, POSITIVE, Range
 
-SHARE = Range(upper=1.0, include_lower=True, include_upper=True)
-LEAST_SHARE = 0.001  # of the mass; programs print ratios to four digits, and less is left out
-AXES = "UX", "UY"
-TOGETHER = 0.1  # share of the largest displacement of a mode from which a floor moves in it
-TURNS = 1e-6  # rotation of a floor that turns [rad]
+MASS_RATIO = Range(upper=1.0, include_lower=True, include_upper=True)
+LEAST_MASS_RATIO = 0.001  # of the mass; programs print ratios to four digits, and less is left out
+PLAN_AXES = "UX", "UY"
+LEAST_MOVE = 0.1  # share of the largest displacement of a mode from which a floor moves in it
+LEAST_ROTATION = 1e-6  # rotation of a floor that turns [rad]
 BASE = "base"
 
 
@@ -85,7 +85,7 @@ def read(content: Mapping[str, Table], choice: AskedModes) -> ModesOfFile:
     """
     by_diaphragm = [OF_DIAPHRAGMS, SUMMARY]
     of_mass = [*by_diaphragm, OF_STORIES] if choice.tower else [OF_STORIES, *by_diaphragm]
-    groups = [[RATIOS], [HEIGHTS, STORY_DATA], of_mass, [OF_CENTRES]]
+    groups = [[MASS_RATIOS], [HEIGHTS, STORY_DATA], of_mass, [OF_CENTRES]]
     groups += [[OF_JOINTS]] if choice.points else []
     ratios, *others = needed_tables(content, *groups)
     axis = _axis(ratios, choice.direction)
@@ -95,10 +95,10 @@ def read(content: Mapping[str, Table], choice: AskedModes) -> ModesOfFile:
         ratios.said_of(column).unit, ratios.sheet.where(ratios.units or ratios.titles, column)
     )
     periods = keyed(ratios, [MODE], "period", "period", PERIODS)
-    shares = keyed(ratios, [MODE], axis.lower(), axis, SHARE)
-    moving = shares[shares >= LEAST_SHARE]
+    shares = keyed(ratios, [MODE], axis.lower(), axis, MASS_RATIO)
+    moving = shares[shares >= LEAST_MASS_RATIO]
     if moving.empty:
-        raise ratios.error(f"has no mode with {LEAST_SHARE:.1%} of the mass along {axis}")
+        raise ratios.error(f"has no mode with {LEAST_MASS_RATIO:.1%} of the mass along {axis}")
     wanted = ModalCase(choice, axis, str(ratios.texts("case").iloc[0]), moving.index)
     floors = _floors(content, others, wanted)
     _check_one_building(floors, others[2])
@@ -107,7 +107,7 @@ def read(content: Mapping[str, Table], choice: AskedModes) -> ModesOfFile:
         check_moving([*moving.index], floors.loads / np.sqrt(effective), others[2].sheet.name)
     factors = np.divide(effective, floors.loads, np.zeros(effective.size), where=floors.loads != 0)
     masses = factors * floors.parts
-    here = masses >= 0.999 * LEAST_SHARE * floors.masses.sum()
+    here = masses >= 0.999 * LEAST_MASS_RATIO * floors.masses.sum()
     chosen = moving.index[here]
     return ModesOfFile(
         chosen.tolist(),
@@ -124,12 +124,12 @@ def read(content: Mapping[str, Table], choice: AskedModes) -> ModesOfFile:
 
 def _axis(ratios: Table, direction: str | None) -> str:
     """The direction that is asked for, or the only one."""
-    known = [axis for axis in AXES if axis.lower() in ratios.names]
-    axis = direction or (known[0] if len(known) == 1 else "missing")
-    if axis not in known:
-        there = f"table {RATIOS} has modes along {' and '.join(known)}"
+    axes = [axis for axis in PLAN_AXES if axis.lower() in ratios.names]
+    axis = direction or (axes[0] if len(axes) == 1 else "missing")
+    if axis not in axes:
+        there = f"table {MASS_RATIOS} has modes along {' and '.join(axes)}"
         raise ValueError(
-            f"direction is {axis}: {there}; give that of the gap, direction={AXES[0]!r}"
+            f"direction is {axis}: {there}; give that of the gap, direction={PLAN_AXES[0]!r}"
         )
     return axis
 
@@ -165,9 +165,9 @@ def _chosen(places: pd.Index, heights: Table, weights: Table, tower: str | None)
     """Which places are of the tower; a ValueError unless they are of one building."""
     towers = [*heights.texts("tower").unique()] if "tower" in heights.names else []
     groups = [places.get_level_values(name) for name in places.names if name != "story"]
-    known = [*dict.fromkeys([*towers, *(name for group in groups for name in group)])]
-    if tower is not None and tower not in known:
-        raise ValueError(f"tower = {brief(tower)} is not in the tables; allowed: {listed(known)}")
+    names = [*dict.fromkeys([*towers, *(name for group in groups for name in group)])]
+    if tower is not None and tower not in names:
+        raise ValueError(f"tower = {brief(tower)} is not in the tables; allowed: {listed(names)}")
     by_name = "tower" in places.names or not heights.texts("story").duplicated().any()
     choices = (
         towers if by_name else [*places.unique("diaphragm")] if "diaphragm" in places.names else []
@@ -195,36 +195,38 @@ def _floors(tables: Mapping[str, Table], others: Sequence[Table], wanted: ModalC
     heights, weights, centres = others[:3]
     choice = wanted.choice
     axis = wanted.axis.lower()
-    names = [name for name in PLACES if name in weights.names and name in centres.names]
+    names = [name for name in MERGED_COLUMNS if name in weights.names and name in centres.names]
     mass = keyed(weights, names, axis, "mass", NOT_NEGATIVE, choice.mass_units)
     stories = mass.index.get_level_values("story")
     mass = mass[stories.isin(heights.texts("story")) & (stories.str.lower() != BASE)]
-    own = mass[_chosen(mass.index, heights, weights, choice.tower)]
+    mass_here = mass[_chosen(mass.index, heights, weights, choice.tower)]
     moves = _moves(centres, axis, wanted, names)
     loads = (moves.reindex(mass.index).fillna(0.0).T @ mass).to_numpy()
-    of_own = moves.reindex(own.index)
-    for each in (own, of_own):
-        each.index = each.index.get_level_values("story")
+    moves_here = moves.reindex(mass_here.index)
+    for frame in (mass_here, moves_here):
+        frame.index = frame.index.get_level_values("story")
     levels = _levels(_of_tower(heights, choice.tower), centres, tables.get(spelled(BASES)), choice)
-    levels = levels[levels.index.isin(own.index) | (choice.tower is None)]
-    if bare := [story for story in levels.index if not own.get(story)]:
+    levels = levels[levels.index.isin(mass_here.index) | (choice.tower is None)]
+    if bare := [story for story in levels.index if not mass_here.get(story)]:
         raise weights.error(f"has no mass of story {listed(bare)}")
-    own = own[levels.index]
-    shapes = _shapes(centres, of_own, levels.index)
-    parts = shapes @ own.to_numpy()
+    mass_here = mass_here[levels.index]
+    shapes = _shapes(centres, moves_here, levels.index)
+    parts = shapes @ mass_here.to_numpy()
     if choice.points:
         joints = _named(others[3], choice.points)
         shapes = _shapes(joints, _moves(joints, axis, wanted, ["story"]), levels.index)
-    return Floors(levels.index, levels.to_numpy(), own.to_numpy(), shapes, loads, parts, mass.sum())
+    return Floors(
+        levels.index, levels.to_numpy(), mass_here.to_numpy(), shapes, loads, parts, mass.sum()
+    )
 
 
 def _named(table: Table, points: Sequence[str]) -> Table:
     """The lines of the named joints."""
     titles = [name for name in ("label", "uniquename") if name in table.names]
     names = pd.DataFrame({title: table.texts(title) for title in titles})
-    known = pd.unique(names.to_numpy().ravel())
-    if strange := [point for point in points if point not in known]:
-        raise table.error(f"has no joint {listed(strange)}; allowed as points: {listed(known)}")
+    joints = pd.unique(names.to_numpy().ravel())
+    if strange := [point for point in points if point not in joints]:
+        raise table.error(f"has no joint {listed(strange)}; allowed as points: {listed(joints)}")
     return table._replace(rows=table.rows[names.isin([*points]).any(axis=1)])
 
 
@@ -232,8 +234,8 @@ def _turning(table: Table, wanted: ModalCase) -> list[int]:
     """Modes in which floors turn, as far as the table says it."""
     if "rz" not in table.names:
         return []
-    angles = _moves(table, "rz", wanted, [name for name in PLACES if name in table.names])
-    return sorted(int(mode) for mode in angles.columns[(angles.abs() > TURNS).any()])
+    angles = _moves(table, "rz", wanted, [name for name in MERGED_COLUMNS if name in table.names])
+    return sorted(int(mode) for mode in angles.columns[(angles.abs() > LEAST_ROTATION).any()])
 
 
 def _levels(heights: Table, centres: Table, bases: Table | None, choice: AskedModes) -> pd.Series:
@@ -268,7 +270,7 @@ def _depth(bases: Table, choice: AskedModes) -> float:
 
 def _check_one_building(floors: Floors, table: Table) -> None:
     """Raise a ValueError if some floors move in modes of their own, as another building."""
-    moving = np.abs(floors.shapes.T) >= TOGETHER * np.abs(floors.shapes).max(axis=1)
+    moving = np.abs(floors.shapes.T) >= LEAST_MOVE * np.abs(floors.shapes).max(axis=1)
     moving[~moving.any(axis=1)] = True
     count, part = csgraph.connected_components(moving.astype(int) @ moving.T.astype(int))
     if count > 1:

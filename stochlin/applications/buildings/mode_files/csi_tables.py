@@ -12,10 +12,11 @@ import pandas as pd
 from stochlin.applications.buildings.mode_files import MODE_NUMBERS
 from stochlin.applications.sheets.sheets import Sheet, Table, number_in, spelled
 from stochlin.messages import brief, listed
+from stochlin.models.buildings.base import MODE
 from stochlin.models.parameters import Range
 
 TITLE = re.compile(r"table:\s*(.*)", re.IGNORECASE)
-RATIOS = "Modal Participating Mass Ratios"
+MASS_RATIOS = "Modal Participating Mass Ratios"
 OF_JOINTS = "Joint Displacements"
 OF_CENTRES = "Diaphragm Center Of Mass Displacements"
 OF_STORIES = "Mass Summary by Story"
@@ -25,7 +26,7 @@ SUMMARY = "Mass Summary by Diaphragm"
 HEIGHTS = "Story Definitions"
 STORY_DATA = "Story Data"
 TABLES = (
-    RATIOS,
+    MASS_RATIOS,
     OF_JOINTS,
     OF_CENTRES,
     OF_STORIES,
@@ -36,13 +37,12 @@ TABLES = (
     STORY_DATA,
 )
 # Names of columns that differ between the versions of the program.
-ALIKE = {
+SAME_COLUMNS = {
     **dict.fromkeys(("outputcase", "loadcase", "loadcasecombo"), "case"),
     **dict.fromkeys(("stepnum", "stepnumber"), "mode"),
     **{"name": "story", "massx": "ux", "massy": "uy"},
 }
-MODE = "mode"
-PLACES = "tower", "story", "diaphragm"  # cells of these may be merged over several lines
+MERGED_COLUMNS = "tower", "story", "diaphragm"  # cells of these may be merged over several lines
 
 
 def tables_in(sheets: Sequence[Sheet]) -> dict[str, Table]:
@@ -60,7 +60,7 @@ def tables_in(sheets: Sequence[Sheet]) -> dict[str, Table]:
                 at_titles = True
             elif at_titles:
                 at_titles = False
-                new = Table(f"table {name}", sheet, line, 0, sheet.cells, ALIKE)
+                new = Table(f"table {name}", sheet, line, 0, sheet.cells, SAME_COLUMNS)
                 table = tables.setdefault(key, new)
                 if table.sheet is not sheet or sheet.row(table.titles) != sheet.row(line):
                     raise table.error(f"is also at {sheet.where(line)}; allowed: each table once")
@@ -73,7 +73,7 @@ def tables_in(sheets: Sequence[Sheet]) -> dict[str, Table]:
     for key, table in tables.items():
         rows = table.sheet.cells.loc[lines.get(key, [])].copy()
         table.sheet.check_width(rows.index, len(table.names))
-        for column in (table.column(name) for name in PLACES if name in table.names):
+        for column in (table.column(name) for name in MERGED_COLUMNS if name in table.names):
             rows[column] = rows[column].where(rows[column] != "").ffill().fillna("")
         tables[key] = table._replace(rows=rows)
     return tables
@@ -99,14 +99,16 @@ def needed_tables(tables: Mapping[str, Table], *groups: Sequence[str]) -> list[T
     chosen = [
         [there[spelled(name)] for name in names if spelled(name) in there] for names in groups
     ]
-    missing = [" or ".join(names) for names, known in zip(groups, chosen, strict=True) if not known]
+    missing = [
+        " or ".join(names) for names, fitting in zip(groups, chosen, strict=True) if not fitting
+    ]
     if missing:
-        known = listed(table.name.removeprefix("table ") for table in there.values()) or "none"
+        present = listed(table.name.removeprefix("table ") for table in there.values()) or "none"
         what = f"table {', table '.join(missing)} {'are' if missing[1:] else 'is'} missing"
         raise ValueError(
-            f"{what}: the file has {known}; export what is missing, into the same file or folder"
+            f"{what}: the file has {present}; export what is missing, into the same file or folder"
         )
-    return [known[0] for known in chosen]
+    return [fitting[0] for fitting in chosen]
 
 
 def keyed(

@@ -14,7 +14,7 @@ from stochlin.models.units import size_of
 
 MODE_NUMBERS = Range(1, 1e9, include_lower=True, include_upper=True)
 # share of the largest displacements below which a mode does not move along the direction
-STILL = 0.01
+LEAST_ALONG_DIRECTION = 0.01
 
 
 class AskedModes(NamedTuple):
@@ -52,8 +52,10 @@ OF_FREQUENCY = "write 1/f of frequencies, and 2 pi/omega of angular ones"
 def check_moving(modes: Sequence[int], moved: Array, where: str, most: float = 0.0) -> None:
     """Raise a ValueError for modes whose displacements are nothing beside the largest ones."""
     sizes = np.abs(moved)
-    if still := [*np.asarray(modes)[~(sizes > STILL * max(most, *sizes))]]:
-        what = f"{where}: mode {listed(still)} hardly moves along the direction, where it has mass"
+    if unmoved := [*np.asarray(modes)[~(sizes > LEAST_ALONG_DIRECTION * max(most, *sizes))]]:
+        what = (
+            f"{where}: mode {listed(unmoved)} hardly moves along the direction, where it has mass"
+        )
         raise ValueError(
             f"{what}; allowed: shapes of the same analysis and direction as the masses"
         )

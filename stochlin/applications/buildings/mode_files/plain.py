@@ -19,17 +19,17 @@ from stochlin.applications.buildings.mode_files import (
 from stochlin.applications.sheets.sheets import Sheet, Table, with_unit
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief
+from stochlin.models.buildings.base import MODE
 from stochlin.models.parameters import PERIODS, POSITIVE, Range
 from stochlin.models.units import stated_size
 
-MODE = "mode"
-LEVEL = "level"
+LEVEL_TITLE = "level"
 MASS = "mass"
-PERIOD = "period"
-FACTOR = "participation"
+PERIOD_ROW = "period"
+FACTOR_ROW = "participation"
 MODAL_MASS = "modal mass"
-KNOWN = PERIOD, FACTOR, MODAL_MASS  # lines above the floors
-FIRST = 2  # column of the first mode, from 0: before it are level and mass
+KNOWN = PERIOD_ROW, FACTOR_ROW, MODAL_MASS  # lines above the floors
+FIRST_MODE_COLUMN = 2  # column of the first mode, from 0: before it are level and mass
 EXAMPLE = files(__package__).joinpath("example_modes.csv").read_text(encoding="utf-8")
 HEADER = "a line 'mode,,1,2', the plain form"
 FLOORS = (
@@ -64,12 +64,12 @@ def read(content: Sheet, choice: AskedModes) -> ModesOfFile:
             )
             raise ValueError(f"{what}; leave it out")
     names = content.cells[0].map(lambda title: with_unit(title)[0])
-    titles = next(iter(names.index[names == LEVEL]), names.index[-1])
+    titles = next(iter(names.index[names == LEVEL_TITLE]), names.index[-1])
     floors = Table("the table", content, titles, 0, content.cells.loc[titles:].iloc[1:])
     if floors.rows.empty:
         raise content.error(names.index[-1], None, f"the floors are missing; allowed: {FLOORS}")
     first, *head = names.index[: names.index.get_loc(titles)]
-    columns = range(FIRST, len(content.row(first)))
+    columns = range(FIRST_MODE_COLUMN, len(content.row(first)))
 
     def over_modes(lines: Sequence[int], what: str, allowed: Range | None = None) -> Array:
         content.check_width(lines, columns.stop)
@@ -81,22 +81,24 @@ def read(content: Sheet, choice: AskedModes) -> ModesOfFile:
             first, None, "mode numbers are not 1, 2 and so on; allowed: increasing ones"
         )
     lines = _lines(content, names[head])
-    if PERIOD not in lines:
+    if PERIOD_ROW not in lines:
         last = [first, *head][-1]
         raise content.error(last, 0, "a line 'period [s]' is missing below")
-    check_seconds(with_unit(content.cells.at[lines[PERIOD], 0])[1], content.where(lines[PERIOD], 0))
+    check_seconds(
+        with_unit(content.cells.at[lines[PERIOD_ROW], 0])[1], content.where(lines[PERIOD_ROW], 0)
+    )
     shapes = over_modes(floors.rows.index, "shape").T
     modes = ModesOfFile(
         numbers.astype(int).tolist(),
-        over_modes([lines[PERIOD]], PERIOD, PERIODS)[0],
+        over_modes([lines[PERIOD_ROW]], PERIOD_ROW, PERIODS)[0],
         shapes,
         floors.in_si(MASS, "mass", choice.mass_units, POSITIVE),
-        floors.in_si(LEVEL, "length", choice.length_units, POSITIVE),
+        floors.in_si(LEVEL_TITLE, "length", choice.length_units, POSITIVE),
     )
     check_moving(modes.modes, np.abs(shapes).max(axis=1), content.name)
-    if FACTOR not in lines:
+    if FACTOR_ROW not in lines:
         return modes
-    factors = over_modes([lines[FACTOR]], "participation factor")[0]
+    factors = over_modes([lines[FACTOR_ROW]], "participation factor")[0]
     line = lines[MODAL_MASS]
     unit = with_unit(content.cells.at[line, 0])[1]
     size = stated_size("mass", unit, choice.mass_units, content.where(line, 0))
@@ -119,8 +121,8 @@ def _lines(sheet: Sheet, names: pd.Series) -> dict[str, int]:
                 what += f"; in 'period [s]' {OF_FREQUENCY}"
             raise sheet.error(line, 0, f"{brief(sheet.cells.at[line, 0])} {what}")
         lines[name] = line
-    if (FACTOR in lines) != (MODAL_MASS in lines):
-        there, other = (FACTOR, MODAL_MASS) if FACTOR in lines else (MODAL_MASS, FACTOR)
+    if (FACTOR_ROW in lines) != (MODAL_MASS in lines):
+        there, other = (FACTOR_ROW, MODAL_MASS) if FACTOR_ROW in lines else (MODAL_MASS, FACTOR_ROW)
         raise sheet.error(
             lines[there], 0, f"{there} is given without {other}; allowed: both or neither"
         )

@@ -12,10 +12,10 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 import xarray as xr
 
-from stochlin.applications.buildings.modes import DIRECTIONS, read_modes
+from stochlin.applications.buildings.modes import MODE_DIRECTIONS, read_modes
 from stochlin.applications.buildings.pushover import bilinear_of, pushover_options, read_pushover
 from stochlin.applications.cases.reading.kinds import (
-    COLUMN,
+    COLUMN_OF_FILE,
     TEXT,
     TRUTH,
     Integer,
@@ -45,12 +45,12 @@ from stochlin.solver.linearization.drift_map import calibrated_closure
 from stochlin.solver.linearization.strength import strength_for_ductility, strength_in_metres
 
 CODE_FACTOR = WithUnit("1", AT_LEAST_1, PLAUSIBLE["behaviour"])
-HEIGHT = WithUnit("m", POSITIVE, PLAUSIBLE["height"])
+BUILDING_HEIGHT = WithUnit("m", POSITIVE, PLAUSIBLE["height"])
 MOVE = WithUnit("m", NOT_NEGATIVE, PLAUSIBLE["displacements"])
-DIVISOR = WithUnit("1", OF_IMPORTANCE, PLAUSIBLE["importance"])
+IMPORTANCE_FACTOR = WithUnit("1", OF_IMPORTANCE, PLAUSIBLE["importance"])
 DUCTILITY = WithUnit("1", Range(1.0, reason="1 for a building that just does not yield"))
 TWO_MODES = ListOf(Integer(1, MOST_STOREYS), length=2)
-STRENGTH = "strength"
+STRENGTH_KEY = "strength"
 OF_HEIGHTS = {"height of its storeys": ("storey_height", "heights")}
 WITH_HARDENING = (
     "reduction_factor",
@@ -86,7 +86,7 @@ class OfBuilding(Form):
     displacements: Any = key(ListOf(MOVE, "listed"), "Displacements under design forces", ())
     behaviour_factor: float | None = key(CODE_FACTOR, "Behaviour factor of the code", None)
     displacement_factor: float | None = key(CODE_FACTOR, "Displacement factor of the code", None)
-    importance_factor: float | None = key(DIVISOR, "Importance factor of the code", None)
+    importance_factor: float | None = key(IMPORTANCE_FACTOR, "Importance factor of the code", None)
 
     @classmethod
     def keys(cls, table: TomlTable) -> dict[str, Key]:
@@ -96,14 +96,14 @@ class OfBuilding(Form):
 
     def of_hardening(self) -> dict[str, Any]:
         """The hardening, of a building whose keys give its strength."""
-        return {"hardening": self.hardening} if self.chosen(STRENGTH) in WITH_HARDENING else {}
+        return {"hardening": self.hardening} if self.chosen(STRENGTH_KEY) in WITH_HARDENING else {}
 
 
 class OscillatorForm(OfBuilding):
     """A building as one oscillator."""
 
     described_as = "a building without storeys"
-    one_of: ClassVar[Any] = {STRENGTH: (*WITH_HARDENING[:3], "elastic")}
+    one_of: ClassVar[Any] = {STRENGTH_KEY: (*WITH_HARDENING[:3], "elastic")}
     of_law: ClassVar[Mapping[str, Any]] = {"uncertain": True}
 
     period: Any = of(Bilinear, "period")
@@ -111,13 +111,13 @@ class OscillatorForm(OfBuilding):
     yield_displacement: Any = of(Bilinear, "yield_displacement", default=None)
     ductility: float | None = key(DUCTILITY, "Mean peak ductility", None)
     mass: Any = of(Bilinear, "mass", default=None)
-    height: float | None = key(HEIGHT, "Height", None)
+    height: float | None = key(BUILDING_HEIGHT, "Height", None)
     storeys: int | None = key(Integer(1), "Storeys", None)
 
     def model(self) -> Any:
         """The oscillator, elastic until `Building.on` finds a strength for its ductility."""
         names = "period", "damping", "reduction_factor", "yield_displacement", "mass"
-        values = {**self.given(*names), **self.of_hardening(), **self.more}
+        values = {**self.values_of(*names), **self.of_hardening(), **self.more}
         return self.table.made(laws_in_numbers()[self.law], **values)
 
 
@@ -135,7 +135,7 @@ class WithFloors(OfBuilding):
     storeys: int | None = key(Integer(1, MOST_STOREYS), "Storeys", None)
     pushover: str = key(TEXT, "File of its pushover curve", "")
     pushover_units: Any = key(ListOf(TEXT, length=2), "Units of displacement and force in it", None)
-    pushover_columns: Any = key(ListOf(COLUMN, length=2), "Columns of both in it", None)
+    pushover_columns: Any = key(ListOf(COLUMN_OF_FILE, length=2), "Columns of both in it", None)
 
     def described(self) -> Any:
         """The structure without what a pushover curve changes."""
@@ -183,7 +183,7 @@ class Storeyed(WithFloors):
     def shared(self) -> dict[str, Any]:
         """Arguments of both ways to make a chain."""
         names = "damping", "dampers", "law", "p_delta", "damping_modes"
-        return {**self.given(*names), "law_parameters": self.more, **self.of_hardening()}
+        return {**self.values_of(*names), "law_parameters": self.more, **self.of_hardening()}
 
 
 class Regular(Storeyed):
@@ -191,7 +191,7 @@ class Regular(Storeyed):
 
     goes_with: ClassVar[Any] = (*Storeyed.goes_with, ("storey_height", "storeys"))
     one_of: ClassVar[Any] = OF_HEIGHTS | {
-        STRENGTH: ("base_shear_coefficient", "pushover", "elastic")
+        STRENGTH_KEY: ("base_shear_coefficient", "pushover", "elastic")
     }
 
     period: Any = of(RegularBuilding, "period")
@@ -205,7 +205,7 @@ class Regular(Storeyed):
             storeys=self.storeys or len(self.heights),
             storey_height=self.heights or self.storey_height,
             mass=self.floor_mass,
-            **self.given("period", "base_shear_coefficient"),
+            **self.values_of("period", "base_shear_coefficient"),
             **self.shared(),
         )
 
@@ -213,7 +213,7 @@ class Regular(Storeyed):
 class Singly(Storeyed):
     """A building storey by storey, from the ground up."""
 
-    one_of: ClassVar[Any] = OF_HEIGHTS | {STRENGTH: ("yield_drifts", "pushover", "elastic")}
+    one_of: ClassVar[Any] = OF_HEIGHTS | {STRENGTH_KEY: ("yield_drifts", "pushover", "elastic")}
 
     masses: Any = of(ShearBuilding, "masses", single="")
     stiffnesses: Any = of(ShearBuilding, "stiffnesses", single="")
@@ -224,7 +224,7 @@ class Singly(Storeyed):
         heights = self.heights or [self.storey_height] * np.size(median_of(self.masses))
         names = "masses", "stiffnesses", "yield_drifts"
         return self.table.made(
-            ShearBuilding, heights=heights, **self.given(*names), **self.shared()
+            ShearBuilding, heights=heights, **self.values_of(*names), **self.shared()
         )
 
 
@@ -232,7 +232,7 @@ class ByModes(WithFloors):
     """A building by the modes of a file, as programs of structural analysis write it."""
 
     described_as = "a building by its modes"
-    one_of: ClassVar[Any] = {STRENGTH: OF_MODES}
+    one_of: ClassVar[Any] = {STRENGTH_KEY: OF_MODES}
 
     damping: Any = of(ModalBuilding, "damping", single="alone")
     hardening: Any = of(ModalBuilding, "hardening", default=None, single="alone")
@@ -242,7 +242,7 @@ class ByModes(WithFloors):
     base_shear_coefficient: Any = of(RegularBuilding, "base_shear_coefficient", default=None)
     reduction_factor: Any = of(Bilinear, "reduction_factor", default=None, uncertain=False)
     modes: str = key(TEXT, "File of its modes")
-    direction: str | None = key(Word(DIRECTIONS), "Direction of the gap in the file", None)
+    direction: str | None = key(Word(MODE_DIRECTIONS), "Direction of the gap in the file", None)
     points: list[str] = key(ListOf(TEXT, "listed"), "Points with the shapes, one on each floor", ())
     tower: str | None = key(TEXT, "Tower or diaphragm in the file", None)
     mass_units: str | None = key(TEXT, "Unit of the masses in the file", None)
@@ -252,7 +252,7 @@ class ByModes(WithFloors):
     def of_modes(self) -> xr.Dataset:
         """The modes of the file, read once."""
         path = self.table.path("modes")
-        options = self.given("direction", "points", "tower", "mass_units", "length_units")
+        options = self.values_of("direction", "points", "tower", "mass_units", "length_units")
         with self.table.naming("modes", "cannot be read: "), warnings.catch_warnings():
             warnings.simplefilter(
                 "ignore", DoubtfulInput
@@ -261,7 +261,7 @@ class ByModes(WithFloors):
 
     def described(self) -> Any:
         """The building."""
-        values = self.given("damping", "law", "yield_displacements", "base_shear_coefficient")
+        values = self.values_of("damping", "law", "yield_displacements", "base_shear_coefficient")
         values |= self.of_hardening()
         make = ModalBuilding.from_table
         return self.table.made(make, table=self.of_modes, law_parameters=self.more, **values)
@@ -286,7 +286,7 @@ class Building:
     @property
     def strength(self) -> str:
         """The key that gives the strength."""
-        return str(self.form.chosen(STRENGTH))
+        return str(self.form.chosen(STRENGTH_KEY))
 
     @property
     def of_first_mode(self) -> bool:
@@ -372,8 +372,8 @@ def read_building(table: TomlTable, number: int) -> Building:
     building = Building(form.name or f"Building {number}", form.model(), form)
     floors = building.floors
     for name, count in {"displacements": len(form.displacements), "storeys": form.storeys}.items():
-        known = building.has_storeys or name == "displacements"
-        if known and count not in (None, 0, floors):
+        applies = building.has_storeys or name == "displacements"
+        if applies and count not in (None, 0, floors):
             raise table.error(name, f"does not fit {floors} floors; allowed: {floors}")
     for text in building.doubts():
         table.warn("", f"is doubtful: {text}")

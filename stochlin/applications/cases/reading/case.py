@@ -15,8 +15,8 @@ from pathlib import Path
 from typing import Any
 
 from stochlin.applications.cases.reading.buildings import (
+    BUILDING_HEIGHT,
     FORMS,
-    HEIGHT,
     Building,
     SlabOnColumn,
     read_building,
@@ -37,7 +37,7 @@ from stochlin.applications.cases.reading.kinds import (
     keys_of_model,
     text_or,
 )
-from stochlin.applications.cases.reading.records import PEAK
+from stochlin.applications.cases.reading.records import PGA
 from stochlin.applications.cases.reading.site import MOTIONS, SITES, CaseSite, MotionForm, read_site
 from stochlin.applications.cases.reading.tables import NO_TABLE, Form, Source, TomlTable, read_table
 from stochlin.applications.risk.risk import check_target, doubt_of_text
@@ -65,22 +65,22 @@ from stochlin.models.rules.other_codes import other_code
 from stochlin.models.uncertain import UncertainModel
 from stochlin.models.walls import GROUND, SPACE, Wall
 
-IN_INCHES = re.compile(r"[\d.]+ *(?:in|ft)(?: *\+-.*)?", re.IGNORECASE)
+INCHES_OR_FEET = re.compile(r"[\d.]+ *(?:in|ft)(?: *\+-.*)?", re.IGNORECASE)
 NUMBERED = re.compile(r"building_([1-9]\d{0,5})")
-ALL = "all"
-TWO = ListOf(Integer(1), length=2)
-STOREYS = text_or(ListOf(Integer(1), "listed"), f'"{ALL}", or a list of numbers')
+ALL_STOREYS = "all"
+TWO_FLOORS = ListOf(Integer(1), length=2)
+STOREY_NUMBERS = text_or(ListOf(Integer(1), "listed"), f'"{ALL_STOREYS}", or a list of numbers')
 FEWEST_PATHS = 100  # for a quantile with an interval
 MOST_PATHS = 2048  # where no number is stated
-GAP = WithUnit("m", NOT_NEGATIVE, PLAUSIBLE["gap"])
-SHARE = WithUnit("1", Range(upper=1.0, reason="a probability"), PLAUSIBLE["confidence"])
-RATE = WithUnit("1", Range(upper=1.0, reason="a year"), PLAUSIBLE["risk"])
+GAP_LENGTH = WithUnit("m", NOT_NEGATIVE, PLAUSIBLE["gap"])
+CONFIDENCE_LEVEL = WithUnit("1", Range(upper=1.0, reason="a probability"), PLAUSIBLE["confidence"])
+ANNUAL_RISK = WithUnit("1", Range(upper=1.0, reason="a year"), PLAUSIBLE["risk"])
 LEAST_REACH = 1.2  # longest period of a spectrum over that of a building, which yields or cracks
-RISK = text_or(RATE, 'a text such as "2 % in 50 years", or a number per year')
+RISK = text_or(ANNUAL_RISK, 'a text such as "2 % in 50 years", or a number per year')
 OWN_RULE = "a rule of your own, which is one file (docs/extending.md)"
 DEVICE = ("stiffness", "damping_constant", "damping_exponent", "hardening", "yield_displacement")
 # Keys of the factors that codes name differently.
-FACTORS = {
+CODE_KEYS = {
     BEHAVIOUR: "behaviour_factor",
     DEFLECTION: "displacement_factor",
     IMPORTANCE: "importance_factor",
@@ -103,8 +103,8 @@ class Numbers(Form):
 class Wanted(Form):
     """What the separation is asked for."""
 
-    existing: list[float] = key(ListOf(GAP, "listed"), "Existing gap", ())
-    confidence: float = key(SHARE, "Confidence of no pounding")
+    existing: list[float] = key(ListOf(GAP_LENGTH, "listed"), "Existing gap", ())
+    confidence: float = key(CONFIDENCE_LEVEL, "Confidence of no pounding")
     risk: str | float | None = key(RISK, "Allowed risk of pounding", None)
     floors_align: bool = key(TRUTH, "Floors at the same levels", False)
     same_property: bool = key(TRUTH, "On one property", False)
@@ -113,7 +113,7 @@ class Wanted(Form):
         ListOf(TEXT, "listed"), "Building codes that you apply, or countries", ()
     )
     zone: str | None = key(Word(tuple(ZONES)), "Zone of Mexico City", None)
-    design_pga: float | None = key(PEAK, "Peak ground acceleration of the design", None)
+    design_pga: float | None = key(PGA, "Peak ground acceleration of the design", None)
     numbers: Numbers = key(Inner((Numbers,)), "Numbers of rules", Numbers(table=NO_TABLE))
 
     def check(self, buildings: Sequence[Building], site: CaseSite) -> None:
@@ -155,7 +155,7 @@ class Wanted(Form):
             what = f"is missing: {code} needs it{where}, or leave the code out of codes"
             raise building.form.table.error(missing, what)
         for building in buildings if lacking or not rules else ():
-            unused = [n for n in ("displacements", *FACTORS.values()) if n in building.form.table]
+            unused = [n for n in ("displacements", *CODE_KEYS.values()) if n in building.form.table]
             if unused:
                 reasons = [
                     f"since {code}, the code of the site, needs {missing} as well"
@@ -174,10 +174,10 @@ class Wanted(Form):
             countries = sorted(
                 {country for rule in CODE_RULES.values() for country in rule.countries}
             )
-            known = [*CODE_RULES, *countries]
-            said = other_code(name) or hint(name, known)
+            allowed = [*CODE_RULES, *countries]
+            said = other_code(name) or hint(name, allowed)
             # with the nearest name, the countries are not needed
-            listed = CODE_RULES if said else known
+            listed = CODE_RULES if said else allowed
             what = f"has {plain(name)!r}, which is not known; {said}allowed: {', '.join(listed)}"
             raise self.table.error("codes", f"{what}, or {OWN_RULE}")
         for rule in rules:
@@ -193,7 +193,7 @@ class Wanted(Form):
 
 def factors_of(building: Building) -> dict[str, float]:
     """Factors of the code of a building that the file has, by their general names."""
-    values = {name: getattr(building.form, key) for name, key in FACTORS.items()}
+    values = {name: getattr(building.form, key) for name, key in CODE_KEYS.items()}
     return {name: value for name, value in values.items() if value is not None}
 
 
@@ -211,8 +211,8 @@ def missing_of(building: Building, rule: CodeRule, has_spectrum: bool) -> str:
         return "displacements"
     else:
         needed = [] if rule.multiplies == BEHAVIOUR else [BEHAVIOUR, rule.multiplies]
-    known = factors_of(building)
-    return next((FACTORS[name] for name in needed if name not in known), "")
+    factors = factors_of(building)
+    return next((CODE_KEYS[name] for name in needed if name not in factors), "")
 
 
 class Simulated(Form):
@@ -245,8 +245,8 @@ class OfContact(Form):
         arguments = inspect.signature(kind).parameters
         for name, argument in arguments.items():
             ratio = WithUnit("1", RESTITUTION if name == "restitution" else DAMPING)
-            known = key_of(kind, name) if name in kind.parameter_names() else Key(ratio, "")
-            keys[name] = known._replace(
+            parameter = key_of(kind, name) if name in kind.parameter_names() else Key(ratio, "")
+            keys[name] = parameter._replace(
                 default=MISSING if argument.default is argument.empty else None
             )
         if "stiffness" in keys and "exponent" in keys:
@@ -264,10 +264,10 @@ class OfWall(Form):
 
     described_as = "a wall, which has no mass"
 
-    gap: float = key(GAP, "Gap to the building")
+    gap: float = key(GAP_LENGTH, "Gap to the building")
     fixed: str = key(Word((GROUND, SPACE)), "What it is fixed to", GROUND)
     levels: list[float] = key(
-        ListOf(HEIGHT, "listed"), "Levels that it touches; else all floors", ()
+        ListOf(BUILDING_HEIGHT, "listed"), "Levels that it touches; else all floors", ()
     )
 
     def wall(self) -> Wall:
@@ -299,7 +299,9 @@ class OfLink(Form):
 class Between(OfLink):
     """A link between the first two buildings."""
 
-    floors: list[int] | None = key(TWO, "Floors that the link ties, one of each building", None)
+    floors: list[int] | None = key(
+        TWO_FLOORS, "Floors that the link ties, one of each building", None
+    )
 
     def links(self, buildings: Sequence[Building]) -> list[Link]:
         """The link."""
@@ -312,14 +314,15 @@ class Between(OfLink):
 class Devices(OfLink):
     """Damping devices in storeys of one building, all alike."""
 
-    storeys: Any = key(STOREYS, "Storeys that have one", ALL)
+    storeys: Any = key(STOREY_NUMBERS, "Storeys that have one", ALL_STOREYS)
 
     def links(self, number: int, building: Building) -> list[Link]:
         """A link in each storey; an oscillator has one storey."""
         every = range(1, building.floors + 1)
-        storeys = every if self.storeys == ALL else self.storeys
+        storeys = every if self.storeys == ALL_STOREYS else self.storeys
         if not {*storeys} <= {*every}:
-            what = f"is not in {building.name}; allowed: {ALL!r}, or storeys 1 to {building.floors}"
+            allowed = f"allowed: {ALL_STOREYS!r}, or storeys 1 to {building.floors}"
+            what = f"is not in {building.name}; {allowed}"
             raise self.table.error("storeys", what)
         return [self.link(structures=(number, number), floors=(n, n - 1)) for n in storeys]
 
@@ -349,9 +352,9 @@ class OfMeasure(Form):
         return self.table.made(Measure, **self.more, link=links)
 
 
-def _in_units(known: Key, units: str) -> Key:
+def _in_units(number: Key, units: str) -> Key:
     """A key with this unit of its number."""
-    return known._replace(kind=replace(known.kind, units=units))
+    return number._replace(kind=replace(number.kind, units=units))
 
 
 def _measures(table: TomlTable, buildings: Sequence[Building]) -> dict[str, Measure]:
@@ -422,7 +425,7 @@ class Case:
     @property
     def in_inches(self) -> bool:
         """Whether the file has lengths in inches or feet."""
-        return any(map(IN_INCHES.fullmatch, texts_within(self.whole.table.values)))
+        return any(map(INCHES_OR_FEET.fullmatch, texts_within(self.whole.table.values)))
 
     @property
     def walls(self) -> tuple[OfWall | None, OfWall | None]:
@@ -576,7 +579,9 @@ def _case_of(table: TomlTable) -> Case:
     """The case of a file."""
     whole = table.read(WholeCase)
     site = read_site(whole.site, whole.motion)
-    buildings = tuple(read_building(each, n) for n, each in enumerate(whole.more.values(), start=1))
+    buildings = tuple(
+        read_building(building, n) for n, building in enumerate(whole.more.values(), start=1)
+    )
     whole.separation.check(buildings, site)
     check_together(buildings, site)
     return Case(

@@ -11,7 +11,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 from scipy.constants import g
 
-from stochlin.applications.sheets.columns import COUNTED
+from stochlin.applications.sheets.columns import COUNTED_FROM_1
 from stochlin.files.toml import BACKSLASH
 from stochlin.messages import brief, hint
 from stochlin.models.arguments import A_LABEL, Whole, is_label, is_number, is_whole
@@ -21,8 +21,8 @@ from stochlin.models.uncertain import Uncertain, median_of
 from stochlin.models.units import UNITS, likely_unit, size_of
 
 Warn = Callable[[str], None]  # called with what is doubtful about a value that is allowed
-NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(.*)", re.DOTALL)
-SPREAD = re.compile(r"(.+?)(?:\+-|\+/-|±)\s*(100|\d{1,2}(?:\.\d*+)?)\s*+%\s*", re.DOTALL)
+NUMBER_AND_UNIT = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(.*)", re.DOTALL)
+VALUE_AND_SPREAD = re.compile(r"(.+?)(?:\+-|\+/-|±)\s*(100|\d{1,2}(?:\.\d*+)?)\s*+%\s*", re.DOTALL)
 FROM_TO = re.compile(r"(.+?)\sto\s(.+)", re.DOTALL)
 # Numbers with a sign between thousands, or with a decimal comma: sign, digits, decimals and unit.
 _THOUSANDS = re.compile(
@@ -31,10 +31,11 @@ _THOUSANDS = re.compile(
     re.DOTALL,
 )
 _HYPHEN = re.compile(r"[-\u2013]\s*(\d.*)", re.DOTALL)  # between two ends, before the second
-_FRACTION = re.compile(r"(\d{1,4})/(\d{1,4})\s*([A-Za-z]+)")  # of an inch, after the whole ones
-_DECIMAL_COMMA = re.compile(r"\s*([-+]?)(\d*),(\d+)(\s*(?:[^\d.,'\u2019].*)?)", re.DOTALL)
+# of an inch, after the whole ones
+_INCH_FRACTION = re.compile(r"(\d{1,4})/(\d{1,4})\s*([A-Za-z]+)")
+_NUMBER_WITH_COMMA = re.compile(r"\s*([-+]?)(\d*),(\d+)(\s*(?:[^\d.,'\u2019].*)?)", re.DOTALL)
 UNCERTAIN = re.compile(r"\+-|\+/-|±|\bto\b")
-SHORT = 40  # characters of a number that messages repeat
+LONGEST_NUMBER = 40  # characters of a number that messages repeat
 OF_POWER = "N/m^", "N (s/m)^"  # units of nonlinear springs and dashpots, with any exponent
 
 
@@ -77,18 +78,18 @@ class WithUnit:
             return self.certain(written)
         if not self.uncertain:
             raise ValueError(f"cannot be uncertain; allowed: {self.words}")
-        if spread := SPREAD.fullmatch(written):
+        if spread := VALUE_AND_SPREAD.fullmatch(written):
             return Uncertain(self.certain(spread[1]), float(spread[2]) / 100)
         if ends := FROM_TO.fullmatch(written):
             low, high = ends.groups()
-            alone = NUMBER.fullmatch(low)
-            unit = NUMBER.fullmatch(high)
+            alone = NUMBER_AND_UNIT.fullmatch(low)
+            unit = NUMBER_AND_UNIT.fullmatch(high)
             if alone and unit and not alone[2].strip():  # both have the unit of the second
                 low = f"{low} {unit[2].strip()}"
             return Uncertain.between(self.certain(low), self.certain(high))
         median = UNCERTAIN.split(written, maxsplit=1)[0].strip()
-        known = NUMBER.fullmatch(median) if len(median) < SHORT else None
-        value, its = (float(known[1]), known[2]) if known else (10.0, f" {self.spellings[0]}")
+        number = NUMBER_AND_UNIT.fullmatch(median) if len(median) < LONGEST_NUMBER else None
+        value, its = (float(number[1]), number[2]) if number else (10.0, f" {self.spellings[0]}")
         ways = f'"{value:g}{its} +- 20 %", or two ends, "{0.8 * value:g} to {1.2 * value:g}{its}"'
         raise ValueError(f"has no valid spread; allowed: a share of up to 100 %, {ways}")
 
@@ -107,7 +108,7 @@ class WithUnit:
         if isinstance(written, str) and (readings := with_points(written)):
             ways = " or ".join(f'"{reading}"' for reading in readings)
             raise ValueError(f"has a sign within its number that is no decimal point; write {ways}")
-        if isinstance(written, str) and (match := NUMBER.fullmatch(written)):
+        if isinstance(written, str) and (match := NUMBER_AND_UNIT.fullmatch(written)):
             number = float(match[1])
             unit = match[2].strip()
         elif is_number(written) or is_whole(written):
@@ -131,7 +132,7 @@ class WithUnit:
             raise ValueError(
                 f'has a hyphen between two ends; write "{number:g} to {other[1].strip()}"'
             )
-        if (part := _FRACTION.fullmatch(unit)) and int(part[2]):
+        if (part := _INCH_FRACTION.fullmatch(unit)) and int(part[2]):
             decimals = f"{number + int(part[1]) / int(part[2]):.12g} {part[3]}"
             raise ValueError(f'has a fraction; write "{decimals}"')
         if self.units == "kg" and (force := size_of(unit, "N")):
@@ -154,7 +155,7 @@ def with_points(text: str) -> list[str]:
         readings.append(f"{minus}{whole}{f'.{decimals}' if decimals else ''}{unit}")
         if several or sign != ",":
             return readings
-    if decimal := _DECIMAL_COMMA.fullmatch(text):
+    if decimal := _NUMBER_WITH_COMMA.fullmatch(text):
         minus, whole, decimals, unit = decimal.groups()
         readings.append(f"{minus}{whole or 0}.{decimals}{unit}")
     return readings
@@ -198,7 +199,7 @@ class _ColumnNumber(Integer):
     def read(self, written: Any, warn: Warn) -> int:
         """The number."""
         if not self.contains(written):
-            raise ValueError(f"is no column; allowed: a title, or a number, since {COUNTED}")
+            raise ValueError(f"is no column; allowed: a title, or a number, since {COUNTED_FROM_1}")
         return int(written)
 
 
@@ -212,7 +213,7 @@ def text_or(other: Any, words: str) -> Kind:
 TEXT = Kind(_text, "a text")
 TRUTH = Kind(_truth, "true or false")
 COMPONENT = text_or(Integer(1), "a component, by its name or its number from 1")
-COLUMN = text_or(_ColumnNumber(1), "a column, by its title or its number from 1")
+COLUMN_OF_FILE = text_or(_ColumnNumber(1), "a column, by its title or its number from 1")
 
 
 @dataclass(frozen=True)
@@ -222,19 +223,19 @@ class Word:
     names: Callable[[], Collection[str]] | Collection[str]
 
     @property
-    def known(self) -> list[str]:
+    def allowed(self) -> list[str]:
         """The words."""
         return list(self.names() if callable(self.names) else self.names)
 
     @property
     def words(self) -> str:
         """What is accepted."""
-        return ", ".join(self.known)
+        return ", ".join(self.allowed)
 
     def read(self, written: Any, warn: Warn) -> str:
         """The word."""
-        if written not in self.known:
-            raise ValueError(f"is not known; {hint(written, self.known)}allowed: {self.words}")
+        if written not in self.allowed:
+            raise ValueError(f"is not known; {hint(written, self.allowed)}allowed: {self.words}")
         return str(written)
 
 
@@ -264,7 +265,7 @@ class ListOf:
             or len(written) != (self.length or len(written))
         ):
             raise ValueError(f"is no such list; allowed: {self.words}")
-        values = [self._value(place, each, warn) for place, each in enumerate(written, 1)]
+        values = [self._value(place, value, warn) for place, value in enumerate(written, 1)]
         spreads = {isinstance(x, Uncertain) and (x.kind, round(x.spread, 6)) for x in values}
         if spreads == {False}:
             return values
@@ -319,13 +320,13 @@ def of(
     model: type[Model], name: str, about: str = "", default: Any = MISSING, **options: Any
 ) -> Any:
     """Declare a key that is a parameter of a model, by default one that may be uncertain."""
-    known = key_of(model, name, **{"uncertain": True, **options})
-    return key(known.kind, about or known.about, default)
+    parameter = key_of(model, name, **{"uncertain": True, **options})
+    return key(parameter.kind, about or parameter.about, default)
 
 
 def keys_of(form: type) -> dict[str, Key]:
     """The keys of a form by name."""
-    return {each.name: each.metadata["key"] for each in fields(form) if "key" in each.metadata}
+    return {field.name: field.metadata["key"] for field in fields(form) if "key" in field.metadata}
 
 
 def keys_of_model(

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.applications.cases.reading.kinds import (
-    COLUMN,
+    COLUMN_OF_FILE,
     COMPONENT,
     TEXT,
     TRUTH,
@@ -36,18 +36,18 @@ from stochlin.models.hazards import MEASURES, Hazard, HazardCurve, PowerLawHazar
 from stochlin.models.parameters import POSITIVE, Range
 from stochlin.models.plausible import PLAUSIBLE
 
-TIME = WithUnit("s", POSITIVE)
-YEARS = WithUnit("yr", POSITIVE)
+POSITIVE_TIME = WithUnit("s", POSITIVE)
+POSITIVE_YEARS = WithUnit("yr", POSITIVE)
 RETURN_PERIOD = WithUnit("yr", POSITIVE, PLAUSIBLE["return_period"])
-FACTOR = WithUnit("1", POSITIVE)
-TWO_TIMES = ListOf(TIME, length=2)
+POSITIVE_NUMBER = WithUnit("1", POSITIVE)
+TWO_TIMES = ListOf(POSITIVE_TIME, length=2)
 FACTOR_OF_RECORD = WithUnit("1", POSITIVE, PLAUSIBLE["scale of a record"])
-PERIOD = WithUnit("s", POSITIVE, PLAUSIBLE["period"])
-PEAK = WithUnit("m/s^2", POSITIVE, PLAUSIBLE["pga"])
+SA_PERIOD = WithUnit("s", POSITIVE, PLAUSIBLE["period"])
+PGA = WithUnit("m/s^2", POSITIVE, PLAUSIBLE["pga"])
 RESPONSE = WithUnit("m/s^2", POSITIVE, PLAUSIBLE["sa"])
-PLACE = ListOf(WithUnit("1", Range(-360.0, 360.0, True, True)), length=2)
+LON_LAT = ListOf(WithUnit("1", Range(-360.0, 360.0, True, True)), length=2)
 SITE = Kind(
-    lambda value, warn: (PLACE if isinstance(value, list) else Integer(1)).read(value, warn),
+    lambda value, warn: (LON_LAT if isinstance(value, list) else Integer(1)).read(value, warn),
     "its number from 1, or its longitude and latitude",
 )
 INTENSITIES: dict[str, WithUnit] = dict.fromkeys(MEASURES, WithUnit("m/s^2", POSITIVE))
@@ -60,10 +60,10 @@ class Reading(Form):
 
     path: str = key(TEXT, "File beside the case file; of a suite its folder, or a table of files")
     units: str | None = key(TEXT, "Unit of the accelerations", None)
-    dt: float | None = key(TIME, "Time step", None)
-    column: str | int | None = key(COLUMN, "Column of the accelerations", None)
+    dt: float | None = key(POSITIVE_TIME, "Time step", None)
+    column: str | int | None = key(COLUMN_OF_FILE, "Column of the accelerations", None)
     time_column: str | int | None = key(
-        COLUMN, "Column of the times, in place of the time step", None
+        COLUMN_OF_FILE, "Column of the times, in place of the time step", None
     )
     component: str | int | None = key(COMPONENT, "Component, by its name or number from 1", None)
     wrapped: bool = key(TRUTH, "Read all numbers as one series, written in rows", False)
@@ -80,7 +80,7 @@ class Record(Reading):
         """The record with its factor."""
         path = self.table.path("path")
         with self.table.naming("path", "cannot be read: "), self.table.asking("path"):
-            record = read_record(path, **self.given(*READING))
+            record = read_record(path, **self.values_of(*READING))
         if self.scale == 1:
             return record
         scaled = scaled_record(record, self.scale)
@@ -95,15 +95,15 @@ class Suite(Reading):
     one_of: ClassVar[Any] = {"": ("pga", "sa", "scale_to")}
     goes_with = (("sa", "sa_period"), ("sa_period", "sa"), ("band", "scale_to"))
 
-    pga: float | None = key(PEAK, "Peak acceleration to which each record is scaled", None)
+    pga: float | None = key(PGA, "Peak acceleration to which each record is scaled", None)
     sa: float | None = key(RESPONSE, "Spectral acceleration to which each is scaled", None)
-    sa_period: float | None = key(PERIOD, "Its period", None)
+    sa_period: float | None = key(SA_PERIOD, "Its period", None)
     scale_to: str | None = key(Word(("spectrum",)), "Scale each to the spectrum of the site", None)
     band: list[float] | None = key(TWO_TIMES, "Periods between which it is scaled to it", None)
 
     def read(self, spectrum: xr.DataArray | None) -> dict[str, xr.DataArray]:
         """The records, scaled to their goal if they have one."""
-        goal: dict[str, Any] = self.given("pga", "sa", "band")
+        goal: dict[str, Any] = self.values_of("pga", "sa", "band")
         if self.sa_period is not None:
             goal["period"] = self.sa_period
         if self.scale_to is not None:
@@ -112,7 +112,7 @@ class Suite(Reading):
             goal["spectrum"] = spectrum
         path = self.table.path("path")
         with self.table.naming("path"), self.table.asking("path"):
-            suite = read_records(path, **self.given(*READING))
+            suite = read_records(path, **self.values_of(*READING))
         beside = path if path.is_dir() else path.parent
         self.table.source.files.extend(beside / record.attrs["file"] for record in suite.values())
         key = "band" if self.band else "path"
@@ -150,7 +150,7 @@ class OfHazard(Form):
     stated: ClassVar[str]  # the key that states the intensities
 
     measure: str = key(Word(MEASURES), "Measure of the shaking; intensity is S0")
-    sa_period: float | None = key(PERIOD, "Period of the spectral acceleration", None)
+    sa_period: float | None = key(SA_PERIOD, "Period of the spectral acceleration", None)
 
     @property
     def of(self) -> dict[str, Any]:
@@ -167,19 +167,19 @@ class OfFile(OfHazard):
     file: list[str] = key(ListOf(TEXT, "listed"), "File of this site, of OpenQuake or of the USGS")
     units: str | None = key(Word(INTENSITIES["pga"].spellings), "Unit in the file", None)
     site: int | None = key(Integer(1), "Number of the site in a file of OpenQuake", None)
-    coordinates: list[float] | None = key(PLACE, "Its longitude and latitude, in its place", None)
+    coordinates: list[float] | None = key(LON_LAT, "Its longitude and latitude, in its place", None)
     investigation_time: float | None = key(
-        YEARS, "Time in which probabilities of the file hold", None
+        POSITIVE_YEARS, "Time in which probabilities of the file hold", None
     )
-    column: str | int | None = key(COLUMN, "Column of the intensities", None)
+    column: str | int | None = key(COLUMN_OF_FILE, "Column of the intensities", None)
     frequency_column: str | int | None = key(
-        COLUMN, "Column of the frequencies, or probabilities", None
+        COLUMN_OF_FILE, "Column of the frequencies, or probabilities", None
     )
 
     def hazard(self) -> Hazard:
         """The curve of the file."""
         paths = self.table.paths("file", self.file)
-        options = self.given("units", "investigation_time", "column", "frequency_column")
+        options = self.values_of("units", "investigation_time", "column", "frequency_column")
         options["site"] = self.coordinates or self.site
         with self.table.naming("file", period="sa_period"):
             return read_hazard(paths, **self.of, **options)
@@ -192,8 +192,8 @@ class OfPoints(OfHazard):
     one_of: ClassVar[Any] = {"annual frequencies": ("frequencies", "return_periods")}
 
     intensities: list[float] = key(ListOf(INTENSITIES["pga"]), "Intensities of a few points")
-    frequencies: list[float] | None = key(ListOf(FACTOR), "Their annual frequencies", None)
-    return_periods: list[float] | None = key(ListOf(YEARS), "Their return periods", None)
+    frequencies: list[float] | None = key(ListOf(POSITIVE_NUMBER), "Their annual frequencies", None)
+    return_periods: list[float] | None = key(ListOf(POSITIVE_YEARS), "Their return periods", None)
 
     @classmethod
     def keys(cls, table: TomlTable) -> dict[str, Key]:
@@ -214,8 +214,8 @@ class OfPowerLaw(OfHazard):
 
     stated: ClassVar[str] = "k0"
 
-    k0: float = key(FACTOR, "Annual frequency of exceedance of one unit, of a power law")
-    k: float = key(FACTOR, "Exponent of the power law")
+    k0: float = key(POSITIVE_NUMBER, "Annual frequency of exceedance of one unit, of a power law")
+    k: float = key(POSITIVE_NUMBER, "Exponent of the power law")
     units: str = key(Kind(TEXT.read, 'a unit of the measure, as "g"'), "Unit of k0")
 
     def hazard(self) -> Hazard:

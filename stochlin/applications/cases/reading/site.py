@@ -11,7 +11,7 @@ from typing import Any, ClassVar, NamedTuple
 import xarray as xr
 
 from stochlin.applications.cases.reading.kinds import (
-    COLUMN,
+    COLUMN_OF_FILE,
     TEXT,
     TRUTH,
     Inner,
@@ -26,12 +26,12 @@ from stochlin.applications.cases.reading.kinds import (
     of,
 )
 from stochlin.applications.cases.reading.records import (
-    FACTOR,
     HAZARDS,
-    PEAK,
-    PERIOD,
+    PGA,
+    POSITIVE_NUMBER,
     RESPONSE,
     RETURN_PERIOD,
+    SA_PERIOD,
     SITE,
     Record,
     Suite,
@@ -41,7 +41,7 @@ from stochlin.applications.cases.reading.tables import Form, TomlTable
 from stochlin.applications.records.ground_fit import fitted_grounds
 from stochlin.applications.risk.rates import times_intensity
 from stochlin.applications.sites.design_spectra import asce_7, eurocode_8
-from stochlin.applications.sites.elastic_spectra import ELASTIC, marked, pga_of
+from stochlin.applications.sites.elastic_spectra import TAKEN_AS, marked, pga_of
 from stochlin.applications.sites.ground_fit import fit_ground
 from stochlin.applications.sites.intensity import paths_for, scale_ground
 from stochlin.applications.sites.motion_fit import (
@@ -51,7 +51,7 @@ from stochlin.applications.sites.motion_fit import (
     energy_ratio,
     fit_motion,
 )
-from stochlin.applications.sites.spectra import BETWEEN, read_spectrum
+from stochlin.applications.sites.spectra import INTERPOLATIONS, read_spectrum
 from stochlin.messages import hint, listed
 from stochlin.models.arguments import SCATTER
 from stochlin.models.envelopes import ENVELOPES, Envelope
@@ -72,15 +72,15 @@ from stochlin.models.plausible import PLAUSIBLE, unquestioned
 from stochlin.models.uncertain import UncertainModel, median_of
 
 FITTED = "fitted"
-NONE = "none"
-STRENGTHS = ("intensity", "pga", "sa", "return_period")
+NO_ENVELOPE = "none"
+STRENGTH_KEYS = ("intensity", "pga", "sa", "return_period")
 AG = WithUnit("m/s^2", POSITIVE, PLAUSIBLE["ag"])
 SDS = WithUnit("m/s^2", POSITIVE, PLAUSIBLE["sds"])
 FROM_ZERO = WithUnit("s", Range(0.0, include_lower=True))
-DIVISOR = WithUnit("1", Range(1.0, include_lower=True), PLAUSIBLE["divided_by"])
-SPREAD = WithUnit("1", SCATTER.allowed, PLAUSIBLE["scatter"])  # of a logarithm
-DAMPING = WithUnit("1", Range(0.0, 1.0), PLAUSIBLE["damping"])
-DURATION = WithUnit("s", POSITIVE, PLAUSIBLE["duration"])
+DIVIDED_BY = WithUnit("1", Range(1.0, include_lower=True), PLAUSIBLE["divided_by"])
+LOG_SPREAD = WithUnit("1", SCATTER.allowed, PLAUSIBLE["scatter"])  # of a logarithm
+SPECTRUM_DAMPING = WithUnit("1", Range(0.0, 1.0), PLAUSIBLE["damping"])
+MOTION_DURATION = WithUnit("s", POSITIVE, PLAUSIBLE["duration"])
 LONG_PERIOD = WithUnit("s", POSITIVE, PLAUSIBLE["tl"])
 LIKE = 0.8, 1.25  # energy of motions over that of a record without a warning
 
@@ -99,9 +99,9 @@ class Course(NamedTuple):
 class MotionForm(Form):
     """Duration and envelope of the motions."""
 
-    envelope: str = key(Word(lambda: [*ENVELOPES, NONE, FITTED]), "Envelope", NONE)
-    duration: float = key(DURATION, "Duration")
-    scatter: float | None = key(SPREAD, "Scatter of the strength between earthquakes", None)
+    envelope: str = key(Word(lambda: [*ENVELOPES, NO_ENVELOPE, FITTED]), "Envelope", NO_ENVELOPE)
+    duration: float = key(MOTION_DURATION, "Duration")
+    scatter: float | None = key(LOG_SPREAD, "Scatter of the strength between earthquakes", None)
 
     @classmethod
     def keys(cls, table: TomlTable) -> dict[str, Key]:
@@ -110,7 +110,7 @@ class MotionForm(Form):
 
     def course(self) -> Course:
         """The duration and the envelope."""
-        if self.envelope == NONE:
+        if self.envelope == NO_ENVELOPE:
             return Course(self.duration, None)
         envelope: Envelope = self.table.made(ENVELOPES[self.envelope], **self.more)
         if warning := envelope.doubt(self.duration):
@@ -123,7 +123,7 @@ class MotionOfRecord(Form):
 
     envelope: str = key(Word((FITTED,)), "Envelope")
     components: int = key(Integer(1, 2), "Number of components that are fitted to", 1)
-    scatter: float | None = key(SPREAD, "Scatter of the strength between earthquakes", None)
+    scatter: float | None = key(LOG_SPREAD, "Scatter of the strength between earthquakes", None)
 
 
 MOTIONS = (MotionForm, MotionOfRecord)
@@ -142,19 +142,19 @@ class OfSite(Form):
 class Scaled(OfSite):
     """A site whose strength may be that of its motions."""
 
-    one_of: ClassVar[Any] = {"": STRENGTHS}
+    one_of: ClassVar[Any] = {"": STRENGTH_KEYS}
     goes_with = (("sa", "sa_period"), ("sa_period", "sa"))
 
-    pga: float | None = key(PEAK, "Peak acceleration, mean of the motions", None)
+    pga: float | None = key(PGA, "Peak acceleration, mean of the motions", None)
     sa: float | None = key(RESPONSE, "Spectral acceleration, mean of the motions", None)
-    sa_period: float | None = key(PERIOD, "Its period", None)
+    sa_period: float | None = key(SA_PERIOD, "Its period", None)
     return_period: float | None = key(
         RETURN_PERIOD, "Return period of the shaking, from the hazard", None
     )
 
     def goal(self, hazard: Hazard | None) -> dict[str, Any]:
         """The wanted strength, as arguments of `scale_ground`, or the intensity of an S0 hazard."""
-        strength = self.given("pga", "sa")
+        strength = self.values_of("pga", "sa")
         period = self.sa_period
         if self.return_period is not None:
             if hazard is None:
@@ -170,7 +170,7 @@ class Scaled(OfSite):
 class ByParameters(Scaled):
     """A ground by its name, or by its kind and its parameters."""
 
-    one_of: ClassVar[Any] = {"strength of the shaking": STRENGTHS}
+    one_of: ClassVar[Any] = {"strength of the shaking": STRENGTH_KEYS}
 
     ground: str = key(
         Word(lambda: [*ground_names(), *GROUNDS, FITTED]), "Name or kind of the ground"
@@ -221,11 +221,11 @@ class Eurocode8(Spectrum):
     ag: float = key(AG, "Acceleration ag")
     soil: str = key(Word(tuple("ABCDE")), "Ground type")
     type: int = key(Integer(1, 2), "Type of spectrum", 1)
-    damping: float = key(DAMPING, "Damping ratio", 0.05)
+    damping: float = key(SPECTRUM_DAMPING, "Damping ratio", 0.05)
 
     def target(self) -> xr.DataArray:
         """The spectrum of the code."""
-        return self.table.made(eurocode_8, **self.given("ag", "soil", "type", "damping"))
+        return self.table.made(eurocode_8, **self.values_of("ag", "soil", "type", "damping"))
 
 
 class Asce7(Spectrum):
@@ -245,7 +245,7 @@ class Divisors(Form):
     """By what a spectrum is divided, where that depends on the period."""
 
     periods: list[float] = key(ListOf(FROM_ZERO), "Periods of the factors, linear between them")
-    factors: list[float] = key(ListOf(DIVISOR), "By what the ordinates are divided there")
+    factors: list[float] = key(ListOf(DIVIDED_BY), "By what the ordinates are divided there")
 
     def table_of_factors(self) -> xr.DataArray:
         """The factors over the period."""
@@ -261,14 +261,14 @@ class SpectrumFile(Spectrum):
     one_of: ClassVar[Any] = {"": ("elastic", "divided_by")}
 
     elastic: bool | None = key(TRUTH, "Whether the spectrum in the file is elastic", None)
-    divided_by: Any = key(DIVISOR, "By what it is divided, R or q, or a table of that", None)
+    divided_by: Any = key(DIVIDED_BY, "By what it is divided, R or q, or a table of that", None)
     units: str | None = key(TEXT, "Unit of the accelerations in the file", None)
-    period_column: str | int | None = key(COLUMN, "Column of the periods", None)
-    column: str | int | None = key(COLUMN, "Column of the accelerations", None)
+    period_column: str | int | None = key(COLUMN_OF_FILE, "Column of the periods", None)
+    column: str | int | None = key(COLUMN_OF_FILE, "Column of the accelerations", None)
     site: Any = key(SITE, "Site in a file of OpenQuake, its number or its coordinates", None)
-    between: str | None = key(Word(BETWEEN), "What the spectrum is between its points", None)
-    scale: float = key(FACTOR, "Scale of the spectrum", 1.0)
-    damping: float | None = key(DAMPING, "Damping ratio", None)
+    between: str | None = key(Word(INTERPOLATIONS), "What the spectrum is between its points", None)
+    scale: float = key(POSITIVE_NUMBER, "Scale of the spectrum", 1.0)
+    damping: float | None = key(SPECTRUM_DAMPING, "Damping ratio", None)
 
     @classmethod
     def keys(cls, table: TomlTable) -> dict[str, Key]:
@@ -282,16 +282,16 @@ class SpectrumFile(Spectrum):
         """The spectrum of the file, as an elastic one."""
         path = self.table.path("spectrum")
         if not path.exists():
-            known = f"{hint(path.name, CODES)}allowed: {', '.join(CODES)}, or such a file"
+            allowed = f"{hint(path.name, CODES)}allowed: {', '.join(CODES)}, or such a file"
             raise self.table.error(
-                "spectrum", f"is neither a code nor a file beside this one; {known}"
+                "spectrum", f"is neither a code nor a file beside this one; {allowed}"
             )
         if not (self.elastic or self.divided_by):
             lines = "the line elastic = true, or divided_by = 4 if it is divided by R or q = 4"
             raise self.table.error(
                 "spectrum", f"does not say whether it is elastic; allowed: {lines}"
             )
-        options = self.given(
+        options = self.values_of(
             "units", "period_column", "column", "site", "between", "damping", "elastic"
         )
         if self.divided_by:
@@ -301,7 +301,7 @@ class SpectrumFile(Spectrum):
         with self.table.naming("spectrum"), self.table.asking("spectrum"):
             spectrum = read_spectrum(path, **options)
         scaled = spectrum.copy(data=self.scale * spectrum.values)
-        return marked(scaled, spectrum.attrs[ELASTIC])
+        return marked(scaled, spectrum.attrs[TAKEN_AS])
 
 
 CODES = {"eurocode_8": Eurocode8, "asce_7": Asce7}
@@ -398,7 +398,7 @@ class CaseSite:
         if "intensity" in self.goal:  # from a hazard of S0
             scaled = replace(ground, **self.goal)
         else:
-            key = next(name for name in STRENGTHS if name in self.form.table)
+            key = next(name for name in STRENGTH_KEYS if name in self.form.table)
             with self.form.table.naming(key, "cannot be met: "):
                 paths = paths_for(duration)
                 scaled = scale_ground(ground, duration, envelope, **self.goal, paths=paths)

@@ -43,7 +43,7 @@ MOST_LISTED = 32
 _BARE = r"[A-Za-z0-9_-]+"
 _QUOTED = r"\"[^\"]*\"|'[^']*'"
 _DOTTED = rf"(?:{_BARE}|{_QUOTED})(?:\s*\.\s*(?:{_BARE}|{_QUOTED}))*"
-_HEADER = re.compile(rf"\s*(\[\[?)\s*({_DOTTED})\s*\]")
+_TABLE_HEADER = re.compile(rf"\s*(\[\[?)\s*({_DOTTED})\s*\]")
 _KEY = re.compile(rf"\s*({_DOTTED})\s*=")
 
 
@@ -140,11 +140,13 @@ class TomlTable:
                 warnings.simplefilter("always", DoubtfulInput)
                 yield
         finally:
-            for each in caught:
-                if issubclass(each.category, DoubtfulInput):
-                    self.warn(name, f"is doubtful: {each.message}")
+            for warning in caught:
+                if issubclass(warning.category, DoubtfulInput):
+                    self.warn(name, f"is doubtful: {warning.message}")
                 else:
-                    warnings.warn_explicit(each.message, each.category, each.filename, each.lineno)
+                    warnings.warn_explicit(
+                        warning.message, warning.category, warning.filename, warning.lineno
+                    )
 
     def table(self, name: str, *number: int, forms: Sequence[type[Form]] = ()) -> TomlTable:
         """The table of this name, of several that of a number; an empty one if there is none."""
@@ -201,15 +203,15 @@ class TomlTable:
             if name not in keys:
                 raise self._unknown(name, form, keys)
         self._check_together(form)
-        missing = [n for n, each in keys.items() if each.default is MISSING and n not in self]
+        missing = [n for n, key in keys.items() if key.default is MISSING and n not in self]
         if missing:
             also = f" (and also {listed(missing[1:])})" if missing[1:] else ""
             raise self.error(
                 missing[0], f"is missing{also}; allowed: {keys[missing[0]].kind.words}"
             )
-        values = {n: self.value(n, each.kind) for n, each in keys.items() if n in self}
+        values = {n: self.value(n, key.kind) for n, key in keys.items() if n in self}
         more = {n: values.pop(n) for n in [*values] if n not in keys_of(form)}
-        kinds = {n: each.kind for n, each in keys.items()}
+        kinds = {n: key.kind for n, key in keys.items()}
         lengths = {
             n: (kind.length or 0) if isinstance(kind, ListOf) else 0 for n, kind in kinds.items()
         }
@@ -229,9 +231,9 @@ class TomlTable:
 
     def _unknown(self, name: str, form: type[Form], keys: Mapping[str, Key]) -> ValueError:
         names = [key for key in keys if key not in self]
-        for key, known in keys.items():  # also those of tables below this one
-            for inner in getattr(known.kind, "forms", ()):
-                names += [f"{key}.{each}" for each in inner.keys(self)]
+        for key, declared in keys.items():  # also those of tables below this one
+            for inner in getattr(declared.kind, "forms", ()):
+                names += [f"{key}.{below}" for below in inner.keys(self)]
         near = nearest(name, names)
         said = instead_of(name) or (f"did you mean {near}? " if near else "")
         what = "is not a key that is known here"
@@ -281,7 +283,7 @@ class Form:
         """The keys of the form, with those of the models that the table names."""
         return keys_of(cls)
 
-    def given(self, *names: str) -> dict[str, Any]:
+    def values_of(self, *names: str) -> dict[str, Any]:
         """The values of these keys as far as the table has them."""
         return {name: getattr(self, name) for name in names if name in self.table}
 
@@ -293,7 +295,7 @@ class Form:
 
 def _as_table(name: str, written: Any, forms: Sequence[type[Form]]) -> str:
     """A table with what stands in its place, if one of its numbers can be that; else nothing."""
-    keys = {n: each.kind for form in forms for n, each in form.keys(NO_TABLE).items()}
+    keys = {n: accepted.kind for form in forms for n, accepted in form.keys(NO_TABLE).items()}
     fitting = []
     for key, kind in keys.items():
         with suppress(ValueError):
@@ -318,7 +320,7 @@ def key_lines(text: str) -> dict[Place, int]:
     counts: dict[Place, int] = {}
     table: Place = ()
     for number, line in enumerate(text.splitlines(), 1):
-        if header := _HEADER.match(line):
+        if header := _TABLE_HEADER.match(line):
             place = table = _parts(header[2])
             if header[1] == "[[":
                 counts[table] = counts.get(table, -1) + 1

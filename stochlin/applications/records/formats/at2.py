@@ -19,7 +19,7 @@ from stochlin.applications.sheets.sheets import number_in
 from stochlin.models.units import size_of
 from stochlin.registry import LAST
 
-_HEADER = re.compile(r"\bNPTS\b", re.IGNORECASE)
+_POINTS_LINE = re.compile(r"\bNPTS\b", re.IGNORECASE)
 _NUMBER = r"((?:\d+\.?\d*|\.\d+)(?:[ED][-+]?\d+)?)"
 _IN_ANY_ORDER = re.compile(
     rf"(?=.*?\bNPTS\b[\s=:]*{_NUMBER})(?=.*?\bDT\b[\s=:]*{_NUMBER}[\s(]*([A-Z]*))", re.IGNORECASE
@@ -28,7 +28,7 @@ _NUMBERS_FIRST = re.compile(
     rf"^\s*{_NUMBER}[\s,]+{_NUMBER}[\s,]+NPTS\W+DT[\s(]*([A-Z]*)", re.IGNORECASE
 )
 # "UNITS OF G.", "UNITS OF (CM/SEC/SEC)", "UNITS: G'S"
-_UNITS = re.compile(
+_STATED_UNITS = re.compile(
     r"\bUNITS?(?:\s+OF)?[\s:=(\[]+([A-Z]+\d?(?:(?:/|\^|\*\*)[A-Z\d]+)*)", re.IGNORECASE
 )
 _OF_PEER = re.compile(
@@ -39,16 +39,16 @@ _EXAMPLES = "'NPTS= 5372, DT= .0100 SEC' or '4096 0.0100 NPTS, DT', the time ste
 
 def _read(file: RecordFile) -> list[Series]:
     lines = file.lines
-    number = next(n for n, line in enumerate(lines, 1) if _HEADER.search(line))
+    number = next(n for n, line in enumerate(lines, 1) if _POINTS_LINE.search(line))
     # The time step may stand on the line of the number of samples, below it, or above it.
     places = ((number, number), (number, number + 1), (number - 1, number))
-    known = ((last, _stated(" ".join(lines[max(first - 1, 0) : last]))) for first, last in places)
-    last, stated = next(((last, each) for last, each in known if each), (number, None))
+    headers = ((last, _stated(" ".join(lines[max(first - 1, 0) : last]))) for first, last in places)
+    last, stated = next(((last, header) for last, header in headers if header), (number, None))
     if stated is None:
         raise file.wrong(number, _EXAMPLES)
     count, dt = stated
     values = file.counted(last + 1, len(lines), count, number)
-    units = next((unit[1] for line in lines[:last] if (unit := _UNITS.search(line))), None)
+    units = next((unit[1] for line in lines[:last] if (unit := _STATED_UNITS.search(line))), None)
     title = lines[1] if number > 2 else lines[0] if number > 1 else ""
     return [Series(values, None, dt, units, about=_title(file), title=title)]
 
@@ -68,11 +68,11 @@ def _title(file: RecordFile) -> dict[str, str]:
     if len(file.lines) < 2 or not _OF_PEER.search(file.lines[0]):
         return {}
     *event, station, component = (part.strip() for part in f",,{file.lines[1]}".split(","))
-    known = any(event) and station and component
+    complete = any(event) and station and component
     named = {"event": ", ".join(filter(None, event)), "station": station, "component": component}
-    return named if known else {}
+    return named if complete else {}
 
 
 FORMATS.register("at2", LAST + 1)(  # its header is the least distinct
-    Format("an AT2 file", _HEADER, _read, "at2")
+    Format("an AT2 file", _POINTS_LINE, _read, "at2")
 )

@@ -24,7 +24,7 @@ from stochlin.applications.sheets.sheets import number_in
 
 _CSMIP = re.compile(r"\A\s*corrected accelerogram\b", re.IGNORECASE)
 _COSMOS = re.compile(r"\A.*acceleration.*\(format v\s*\d", re.IGNORECASE)
-_CHANNEL = re.compile(
+_CHANNEL_TITLE = re.compile(
     r"\s*corrected accelerogram\b.*\bchan\s*\d+\s*:\s*(.*?)(?:\s{2,}|\s+from\b|$)"
     r"|\s*sta cha\w*\s*:?\s*[^:]*:\s*([^(:]*?)\s*\(",
     re.IGNORECASE,
@@ -45,20 +45,20 @@ _STATION = re.compile(
 )
 _SCNL = re.compile(r"<SCNL>\w*\.(\w+)")
 _REALS = re.compile(r"\s*\d+\s+real-header values follow on\s+(\d{1,6})\s+lines", re.IGNORECASE)
-_DATA = re.compile(
+_DATA_TITLE = re.compile(
     r"\s*(\d{1,9})\s+"
     r"(?:points of accel data equally spaced at\s+(\S+)|(?:raw\s+)?accel\S*\s+p(?:oin)?ts\b)(.*)",
     re.IGNORECASE,
 )
-_UNITS = re.compile(r"(?:\bin\s|units:|units\s*=)\s*([a-z/^*\d]+)", re.IGNORECASE)
-_END = re.compile(r"points of|end.of.data|/&", re.IGNORECASE)
+_UNITS_OF_DATA = re.compile(r"(?:\bin\s|units:|units\s*=)\s*([a-z/^*\d]+)", re.IGNORECASE)
+_DATA_END = re.compile(r"points of|end.of.data|/&", re.IGNORECASE)
 _WIDTH = 10  # of fields where it is not stated
 _EXAMPLE = "15050 points of accel data equally spaced at .020 sec, in cm/sec2. (8f10.6)"
-_MOST_HEADS = 100  # lines of the header above a channel
+_MOST_HEADER_LINES = 100  # lines of the header above a channel
 _WIDEST = 200  # signs of one of them
 # numbers of real values, from 0
-_STEP = 61
-_LENGTH = 62
+_PLACE_OF_STEP = 61
+_PLACE_OF_LENGTH = 62
 
 
 def _read(file: RecordFile) -> list[Series]:
@@ -72,18 +72,18 @@ def _read(file: RecordFile) -> list[Series]:
             continue
         if _CSMIP.match(line) or _COSMOS.match(line):
             top = number - 1
-        if match := _CHANNEL.match(line):
+        if match := _CHANNEL_TITLE.match(line):
             name = match[match.lastindex or 1].strip()
         elif _REALS.match(line):
             reals = number
-        elif match := _DATA.match(line):
+        elif match := _DATA_TITLE.match(line):
             count, step, rest = match.groups()
-            values, end = file.block(number, int(count), _END, _width(line))
+            values, end = file.block(number, int(count), _DATA_END, _width(line))
             dt = _step_of_reals(file, reals, values.size) if step is None else number_in(step)
             if step is not None and not 0 < (dt or 0.0) < 1e9:
                 raise file.wrong(number, repr(_EXAMPLE))
-            units = _UNITS.search(rest)
-            about = _about(file.lines[top : min(number - 1, top + _MOST_HEADS)], name)
+            units = _UNITS_OF_DATA.search(rest)
+            about = _about(file.lines[top : min(number - 1, top + _MOST_HEADER_LINES)], name)
             channels.append(Series(values, None, dt, units[1] if units else None, about=about))
             name = ""
             reals = 0
@@ -111,10 +111,10 @@ def _step_of_reals(file: RecordFile, at: int, count: int) -> float | None:
     if not (match := _REALS.match(file.lines[at - 1]) if at else None):
         return None
     reals = file.numbers(at + 1, at + int(match[1]), _width(file.lines[at - 1]))
-    if reals.size <= _LENGTH or reals[_STEP] <= 0:
+    if reals.size <= _PLACE_OF_LENGTH or reals[_PLACE_OF_STEP] <= 0:
         return None
-    dt = float(reals[_STEP]) / 1000
-    length = float(reals[_LENGTH])
+    dt = float(reals[_PLACE_OF_STEP]) / 1000
+    length = float(reals[_PLACE_OF_LENGTH])
     if length > 0:
         file.check_length(count, dt, length, at)
     return dt

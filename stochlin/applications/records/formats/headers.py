@@ -21,10 +21,10 @@ from stochlin.applications.sheets.sheets import number_in
 from stochlin.kernels.basics.arrays import Array
 
 _OF_KNET = re.compile(r"(.{0,18})(.*)")
-_LAST = "Memo."
-_SCALE = "Scale Factor"
+_LAST_ENTRY = "Memo."
+_SCALE_ENTRY = "Scale Factor"
 _DURATION = "Duration Time(s)"
-_FRACTION = re.compile(r"([\d.]+)\s*\(\s*gal\s*\)\s*/\s*([\d.]+)", re.IGNORECASE)
+_GAL_FRACTION = re.compile(r"([\d.]+)\s*\(\s*gal\s*\)\s*/\s*([\d.]+)", re.IGNORECASE)
 _OF_ESM = re.compile(r"([A-Z][A-Z0-9_/^]*)\s*:\s*(.*)")
 _DATE = "EVENT_DATE_YYYYMMDD"
 _TIME = "EVENT_TIME_HHMMSS"
@@ -78,12 +78,12 @@ class _Header(NamedTuple):
 
 
 def _read_knet(file: RecordFile) -> list[Series]:
-    header = _Header.of(file, _OF_KNET, _LAST)
-    header.line(_LAST, "Memo.             ")
+    header = _Header.of(file, _OF_KNET, _LAST_ENTRY)
+    header.line(_LAST_ENTRY, "Memo.             ")
     rate = header.positive("Sampling Freq(Hz)", "Sampling Freq(Hz) 100Hz")
     count = rate * header.positive(_DURATION, "Duration Time(s)  108")
-    number, text = header.line(_SCALE, example := "Scale Factor      3920(gal)/6182761")
-    fraction = _FRACTION.fullmatch(text)
+    number, text = header.line(_SCALE_ENTRY, example := "Scale Factor      3920(gal)/6182761")
+    fraction = _GAL_FRACTION.fullmatch(text)
     gal = number_in(fraction[1]) or 0.0 if fraction else 0.0
     counts = number_in(fraction[2]) or 0.0 if fraction else 0.0
     if not (gal > 0 and counts > 0):

@@ -19,20 +19,23 @@ from stochlin.applications.records.formats import (
 )
 from stochlin.applications.sheets.sheets import number_in
 
-_HEADER = re.compile(r"ARCHIVO EST.NDAR DE ACELERACI.N", re.IGNORECASE)
-_DATA = re.compile(r"\s*DATOS DE ACELERACI.N")
+_ARCHIVE_TITLE = re.compile(r"ARCHIVO EST.NDAR DE ACELERACI.N", re.IGNORECASE)
+_ACCELERATIONS_TITLE = re.compile(r"\s*DATOS DE ACELERACI.N")
 _RULE = re.compile(r"-{9}")
-_MOST_HEADS = 10  # lines from the title of the data to the data
+_LINES_TO_DATA = 10  # lines from the title of the data to the data
 _INTERVAL = r"INTERVALO DE MUESTREO", "INTERVALO DE MUESTREO, C1-C6 (s) : /0.005/0.005/0.005"
 _COUNT = r"NUM\. TOTAL DE MUESTRAS", "NUM. TOTAL DE MUESTRAS, C1-C6 : /35600/35600/35600"
-_LENGTH = r"DURACI.N DEL REGISTRO", "DURACION DEL REGISTRO (s), C1-C6 : /178.00/178.00/178.00"
+_LENGTHS = r"DURACI.N DEL REGISTRO", "DURACION DEL REGISTRO (s), C1-C6 : /178.00/178.00/178.00"
 _HOUR = r"HORA EPICENTRO"
 _NAMES = r"ORIENTACI.N", "ORIENTACION C1-C6 (rumbo;orientacion) : /V/N00E/N90E"
 
 
 def _read(file: RecordFile) -> list[Series]:
-    title = next((n for n, line in enumerate(file.lines) if _DATA.match(line)), len(file.lines))
-    heads = file.lines[title : title + _MOST_HEADS]
+    title = next(
+        (n for n, line in enumerate(file.lines) if _ACCELERATIONS_TITLE.match(line)),
+        len(file.lines),
+    )
+    heads = file.lines[title : title + _LINES_TO_DATA]
     start = max((n for n, line in enumerate(heads, title + 1) if _RULE.match(line)), default=0)
     if not start:
         raise ValueError(
@@ -42,7 +45,7 @@ def _read(file: RecordFile) -> list[Series]:
     names = _values(header, *_NAMES)[1]
     steps = _numbers(header, _INTERVAL, len(names))
     counts = _numbers(header, _COUNT, len(names))
-    lengths = _numbers(header, _LENGTH, len(names))
+    lengths = _numbers(header, _LENGTHS, len(names))
     rows = round(max(counts))
     last = max((n for n, line in enumerate(file.lines, 1) if line.strip()), default=0)
     more = last - start - rows  # some files repeat the last sample a few times
@@ -58,7 +61,7 @@ def _read(file: RecordFile) -> list[Series]:
     channels = []
     of_channels = zip(names, steps, counts, lengths, values.reshape(rows, -1).T, strict=True)
     for name, dt, count, length, column in of_channels:
-        file.check_length(round(count), dt, length, _values(header, *_LENGTH)[0])
+        file.check_length(round(count), dt, length, _values(header, *_LENGTHS)[0])
         of = {**about, "component": name}
         channels.append(Series(column[: round(count)], None, dt, units, about=of))
     return channels
@@ -91,4 +94,4 @@ def _numbers(header: RecordFile, of: tuple[str, str], channels: int) -> list[flo
     return values
 
 
-FORMATS.register("unam")(Format("a standard file of UNAM", _HEADER, _read, r"\d{3}"))
+FORMATS.register("unam")(Format("a standard file of UNAM", _ARCHIVE_TITLE, _read, r"\d{3}"))

@@ -53,12 +53,12 @@ def points_of(ordinate: Ordinate) -> Ordinate:
     whose frequency is infinite, and of intensities with the same frequency all but the largest.
     """
     frequencies = ordinate.frequencies
-    kept = (np.cumsum(frequencies[::-1] != 0)[::-1] > 0) & (frequencies != np.inf)
-    kept[:-1] &= frequencies[:-1] != frequencies[1:]
+    informative = (np.cumsum(frequencies[::-1] != 0)[::-1] > 0) & (frequencies != np.inf)
+    informative[:-1] &= frequencies[:-1] != frequencies[1:]
     return ordinate._replace(
-        intensities=ordinate.intensities[kept],
-        frequencies=frequencies[kept],
-        places=[place for place, keep in zip(ordinate.places, kept, strict=True) if keep],
+        intensities=ordinate.intensities[informative],
+        frequencies=frequencies[informative],
+        places=[place for place, keep in zip(ordinate.places, informative, strict=True) if keep],
     )
 
 

@@ -18,13 +18,13 @@ import numpy as np
 
 from stochlin.applications.sheets.columns import Need, chosen, noted
 from stochlin.applications.sheets.quantities import (
-    ACCELERATION,
-    LEVEL,
-    PEAK,
-    PROBABILITY,
-    RATE,
-    RETURN_PERIOD,
-    SPECTRAL,
+    ACCELERATION_COLUMN,
+    LEVEL_COLUMN,
+    PEAK_COLUMN,
+    PROBABILITY_COLUMN,
+    RATE_COLUMN,
+    RETURN_PERIOD_COLUMN,
+    SPECTRAL_COLUMN,
     Quantity,
 )
 from stochlin.applications.sheets.sheets import Sheet, Table, number_in, sheets_of, table_in
@@ -45,9 +45,9 @@ from stochlin.models.units import size_of
 
 _ALONG = ("lon", "longitude", "lat", "latitude")
 _LEVELS: dict[str, tuple[Quantity, ...]] = {
-    "pga": (PEAK, ACCELERATION, LEVEL),
-    "sa": (SPECTRAL, ACCELERATION, LEVEL),
-    "intensity": (LEVEL,),
+    "pga": (PEAK_COLUMN, ACCELERATION_COLUMN, LEVEL_COLUMN),
+    "sa": (SPECTRAL_COLUMN, ACCELERATION_COLUMN, LEVEL_COLUMN),
+    "intensity": (LEVEL_COLUMN,),
 }
 _SITES = re.compile(rf"({'|'.join(_ALONG)}|custom_site_id|imt)\b", re.IGNORECASE)
 _YEARS = re.compile(r"investigation_time\s*=\s*([\d.eE+-]+)")
@@ -55,7 +55,7 @@ _MEASURE = re.compile(r"\bimt\s*=\s*[\"']*([A-Za-z]\w*(?:\([^)]*\))?)")
 _PER_YEARS = re.compile(
     r"(?:\bper|1\s*/|\bin)\s*(\d+)\s*-?\s*(?:y|a\b|a[nñ]|j|sene)", re.IGNORECASE
 )
-SHARE = Range(upper=1.0, include_lower=True, include_upper=True)
+PROBABILITIES = Range(upper=1.0, include_lower=True, include_upper=True)
 _LEVEL = "poe-"
 _NEAR = 0.01  # degrees, about 1 km: largest distance of a site that is named by its coordinates
 
@@ -82,7 +82,11 @@ def _of_columns(sheets: Sequence[Sheet], of: Hazard, choice: AskedHazard) -> Ord
     """The curve in columns of intensities and of annual frequencies, or of probabilities."""
     table = table_in(sheets, "intensities and annual frequencies")
     refuse(table.sheet.name, "a file of one site", {"site": choice.site})
-    wanted = (RATE, PROBABILITY, RETURN_PERIOD) if choice.years is None else (PROBABILITY,)
+    wanted = (
+        (RATE_COLUMN, PROBABILITY_COLUMN, RETURN_PERIOD_COLUMN)
+        if choice.years is None
+        else (PROBABILITY_COLUMN,)
+    )
     needs = [
         Need("column", choice.column, _LEVELS[of.measure], True, logarithms=True, period=of.period),
         Need("frequency_column", choice.frequency_column, wanted, logarithms=True),
@@ -90,19 +94,19 @@ def _of_columns(sheets: Sequence[Sheet], of: Hazard, choice: AskedHazard) -> Ord
     choices = [choice for choice in chosen(table, needs) if choice]
     level, other = choices
     values = other.in_si()
-    if other.quantity is RATE and not is_whole(other.by_caller):
+    if other.quantity is RATE_COLUMN and not is_whole(other.by_caller):
         _check_per_year(table, other.column.title)
-    if other.quantity is RETURN_PERIOD:
+    if other.quantity is RETURN_PERIOD_COLUMN:
         with np.errstate(divide="ignore"):
             values = 1 / values
-    if other.quantity is PROBABILITY:
+    if other.quantity is PROBABILITY_COLUMN:
         if choice.years is None:
             title = brief(other.column.title)
             raise table.error(f"has {title}, a probability; give investigation_time=")
-        allowed = SHARE.contains(values)
+        allowed = PROBABILITIES.contains(values)
         if not allowed.all():
             n = int(np.argmin(allowed))
-            what = f"the probability is {values[n]:g}; allowed: {SHARE}"
+            what = f"the probability is {values[n]:g}; allowed: {PROBABILITIES}"
             raise table.sheet.error(table.rows.index[n], other.column.number - 1, what)
         _check_years(table, other.column.title, choice.years)
         values = annual_frequencies(values, choice.years)
@@ -111,7 +115,7 @@ def _of_columns(sheets: Sequence[Sheet], of: Hazard, choice: AskedHazard) -> Ord
     if of.measure == "intensity":
         intensities = (size_of(unit, S0) or 1.0) * intensities
         unit = S0
-    about = noted(choices, [PROBABILITY, RETURN_PERIOD]).get("columns", "")
+    about = noted(choices, [PROBABILITY_COLUMN, RETURN_PERIOD_COLUMN]).get("columns", "")
     return Ordinate(of.period or 0.0, intensities, values, table.places(), unit, about)
 
 
@@ -153,21 +157,21 @@ def _of_sites(table: Table, path: Path, choice: AskedHazard) -> Ordinate:
         shown = brief(measure) if measure else "no imt"
         raise table.error(f"has {shown}; allowed: imt='PGA' or imt='SA(0.5)', or a folder SA0P5")
     line = line_of_site(table, choice.site)
-    what, allowed = ("probability", SHARE) if years else ("annual frequency", None)
+    what, allowed = ("probability", PROBABILITIES) if years else ("annual frequency", None)
     values = sheet.numbers(table.rows.loc[[line], columns], what, allowed)[0]
     frequencies = annual_frequencies(values, years) if years else values
     where = [sheet.where(line, column) for column in columns]
     return Ordinate(period, np.array(levels, float), frequencies, where, "g")
 
 
-def _years(table: Table, comments: str, known: float | None) -> float:
+def _years(table: Table, comments: str, investigation_time: float | None) -> float:
     stated = _YEARS.search(comments)
-    years = number_in(stated[1]) if stated else known
+    years = number_in(stated[1]) if stated else investigation_time
     if not years:
         raise table.error("does not state the time of its probabilities; give investigation_time=")
-    if known is not None and not np.isclose(years, known, rtol=1e-9):
+    if investigation_time is not None and not np.isclose(years, investigation_time, rtol=1e-9):
         raise table.error(
-            f"states {years:g} years, which investigation_time = {known:g} contradicts"
+            f"states {years:g} years, which investigation_time = {investigation_time:g} contradicts"
         )
     return years
 
@@ -187,12 +191,12 @@ def _chosen(name: str, coordinates: Sequence[Sequence[float]], site: Site | None
         return 0
     if is_whole(site) and 1 <= site <= len(sites):
         return site - 1
-    known = f"{name} has {listed(sites, 6)}"
+    choices = f"{name} has {listed(sites, 6)}"
     if site is None:
-        raise ValueError(f"site is missing: {known}; give its number")
+        raise ValueError(f"site is missing: {choices}; give its number")
     if not isinstance(site, (list, tuple)) or len(site) != 2 or not all(map(is_number, site)):
         raise ValueError(
-            f"site = {brief(site)} is unknown: {known}; give its number or coordinates"
+            f"site = {brief(site)} is unknown: {choices}; give its number or coordinates"
         )
     away: Array = np.abs(np.array(coordinates, float) - np.array(site, float)).max(axis=1)
     nearest = int(np.argmin(away))
