@@ -28,7 +28,7 @@ from stochlin.solver.correlation.signatures import (
 )
 from stochlin.solver.linearization.equivalent_systems import solved_together
 from stochlin.solver.simulation import stationary_motions
-from stochlin.solver.tables.checks import USUAL
+from stochlin.solver.tables.checks import USUAL_TOLERANCE
 from stochlin.solver.tables.interpolation import Grid
 
 HARDENING = (0.02, 0.05, 0.1, 0.2, 0.5)
@@ -251,7 +251,9 @@ def derived(structure, ground):
     """Derived signatures."""
     solved = solved_together((structure,), ground, "drift")
     grounds, place = np.unique(solved.oscillators.soil, axis=1, return_inverse=True)
-    of_references = solved_references(ground, grounds, USUAL, xr.Dataset(reference_arrays()))
+    of_references = solved_references(
+        ground, grounds, USUAL_TOLERANCE, xr.Dataset(reference_arrays())
+    )
     rows = derived_signatures(drifting_side(solved.values), of_references, place.ravel())
     (table,) = solved.tables
     return xr.DataArray(table.table(rows.T, ("drift_reference",)), table.shape.coords)
@@ -470,7 +472,8 @@ def labelled(signatures, displacement, white, near):
 
 
 def main():
-    stationary_motions.MOST_STEPS = np.inf  # all is simulated that closures are held against
+    # all is simulated that closures are held against
+    stationary_motions.MOST_STEPS_FOR_DRIFT = np.inf
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("file", type=Path)
     parser.add_argument("--work", type=Path, required=True)

@@ -14,11 +14,11 @@ from typing import Any
 from stochlin.removed import instead_of
 
 FULL = (errno.ENOSPC, errno.EDQUOT)
-MISSING = (errno.ENOENT, errno.ENOTDIR)
-REASONS = dict.fromkeys(MISSING, "there is no such file; check its name and its folder")
+NO_SUCH_FILE = (errno.ENOENT, errno.ENOTDIR)
+REASONS = dict.fromkeys(NO_SUCH_FILE, "there is no such file; check its name and its folder")
 REASONS |= dict.fromkeys(FULL, "the disk is full; make room on it, or write to another one")
 LONGEST = 80  # of a value that is shown
-ALIKE = 0.7  # least share of equal letters of names that are mistaken for each other
+LEAST_SHARED_LETTERS = 0.7  # least share of equal letters of names that are mistaken for each other
 LONGEST_MESSAGE = 2000  # on a terminal, with all names that are allowed
 SMALLER = "take fewer cells or paths, or a shorter motion"
 # An argument as Python has it, maybe with its value, and not within a name or a text.
@@ -122,7 +122,7 @@ def nearest(written: str, known: Iterable[str]) -> str:
     begun = [each for each in map(_letters, names) if mine and each.startswith(mine)]
     if len(mine) < 3 and len(begun) > 1:  # of several names none was meant
         begun = []
-    alike = difflib.get_close_matches(mine, letters, 1, ALIKE)
+    alike = difflib.get_close_matches(mine, letters, 1, LEAST_SHARED_LETTERS)
     return next((letters[each] for each in (mine, *begun, *alike) if each in letters), "")
 
 

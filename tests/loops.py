@@ -4,7 +4,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from stochlin.kernels.basics.compiled import entry
-from stochlin.kernels.simulation.laws import OTHER, advance, by_number
+from stochlin.kernels.simulation.laws import OTHER_LAW, advance, by_number
 
 
 @entry
@@ -14,7 +14,7 @@ def _run(law, states, x, own, turns, pieces, reached, work, least):
         for lane in range(lanes):
             pace[lane] = (turns[n, lane] - turns[n - 1, lane]) / pieces
         for _ in range(pieces):
-            advance(law, OTHER, lanes, pace, x, own, 1.0, after)
+            advance(law, OTHER_LAW, lanes, pace, x, own, 1.0, after)
             for lane in range(lanes):
                 work[lane] += 0.5 * (x[0, lane] + after[0, lane]) * pace[lane]
                 least[lane] = min(least[lane], work[lane])

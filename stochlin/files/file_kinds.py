@@ -9,7 +9,7 @@ from typing import NamedTuple
 from stochlin.files.package_data import data_of
 
 # bytes at each end in which a kind is recognized; archives list their parts at the end
-_EDGE = 4096
+_BYTES_AT_ENDS = 4096
 _MARK = b"\xef\xbb\xbf"  # of text in UTF-8, which some programs write
 
 
@@ -23,7 +23,7 @@ class FileKind(NamedTuple):
     def fits(self, content: bytes) -> bool:
         """Whether a file with this content is of the kind."""
         content = content.removeprefix(_MARK)
-        return self.begins.match(content[:_EDGE] + content[-_EDGE:]) is not None
+        return self.begins.match(content[:_BYTES_AT_ENDS] + content[-_BYTES_AT_ENDS:]) is not None
 
 
 def _read_kinds() -> Mapping[str, FileKind]:
@@ -35,13 +35,13 @@ def _read_kinds() -> Mapping[str, FileKind]:
     }
 
 
-KINDS = _read_kinds()
-WORKBOOK = KINDS["workbook"]
-JSON = KINDS["json"]
+KINDS_OF_FILES = _read_kinds()
+WORKBOOK = KINDS_OF_FILES["workbook"]
+JSON = KINDS_OF_FILES["json"]
 
 
 def check_kind(name: str, content: bytes, read: FileKind | None = None) -> None:
     """Raise a ValueError for a file of a kind that is known, unless it is the kind that is read."""
-    for kind in KINDS.values():
+    for kind in KINDS_OF_FILES.values():
         if kind is not read and kind.fits(content):
             raise ValueError(f"{name} is {kind.title}, which is not read here; {kind.cure}")

@@ -19,7 +19,7 @@ from stochlin.messages import brief, plain
 
 _GZIP = b"\x1f\x8b"
 MOST_BYTES = 64 * 2**20
-MOST_LINES = 2_000_000
+MOST_LINES_OF_TEXT = 2_000_000
 _ADDRESS = re.compile(r"(^|.*/)[A-Za-z][A-Za-z0-9+.-]+://?")  # pathlib makes one slash of two
 _folder: ContextVar[Path | None] = ContextVar("folder", default=None)
 
@@ -53,7 +53,7 @@ def input_path(name: str, value: object) -> Path:
 
 
 def read_input(path: Path, most: int = MOST_BYTES) -> bytes:
-    """Content of a regular file of at most ``most`` bytes and `MOST_LINES` lines.
+    """Content of a regular file of at most ``most`` bytes and `MOST_LINES_OF_TEXT` lines.
 
     Raises an OSError if it cannot be read, and a ValueError that says what it is in place of that.
     """
@@ -73,8 +73,10 @@ def _limited(read: Callable[[int], bytes], name: str, most: int, size: int = 0) 
         what = f"{name} has {max(size, len(content))} bytes or more"
         raise ValueError(f"{what}; allowed: {most} bytes ({most >> 20} MiB)")
     lines = content.count(b"\n")
-    if lines > MOST_LINES:
-        raise ValueError(f"{name} has {lines} lines; allowed: {MOST_LINES}; leave out empty lines")
+    if lines > MOST_LINES_OF_TEXT:
+        raise ValueError(
+            f"{name} has {lines} lines; allowed: {MOST_LINES_OF_TEXT}; leave out empty lines"
+        )
     return content
 
 

@@ -16,10 +16,12 @@ BACKSLASH = (
     "write a path in 'single quotes', or with /"
 )
 VALUES = 'texts, also with a unit, in quotation marks, as period = "0.6 s", and numbers such as 0.5'
-MOST_BYTES = 2**20  # of a case file, which a person writes
+MOST_CASE_BYTES = 2**20  # of a case file, which a person writes
 MOST_DOTS = 16  # in a key; the parser's time and memory grow with their square
-_PART = r"""(?:[\w-]++|"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')"""
-_DEEP = re.compile(rf"(?<![\w\\-]){_PART}(?:[ \t]*+\.[ \t]*+{_PART}){{{MOST_DOTS + 1}}}")
+_PART_OF_KEY = r"""(?:[\w-]++|"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')"""
+_DEEP = re.compile(
+    rf"(?<![\w\\-]){_PART_OF_KEY}(?:[ \t]*+\.[ \t]*+{_PART_OF_KEY}){{{MOST_DOTS + 1}}}"
+)
 NESTED = f"is nested too deeply; allowed: tables and their keys, at most {MOST_DOTS} dots in a key"
 
 
@@ -29,7 +31,9 @@ def read_toml(path: Path, other: str | None = None) -> tuple[str, dict[str, Any]
     Raises an OSError if the file cannot be read, and a ValueError if it is no TOML.
     """
     name = plain(path.name)
-    content = read_input(path, MOST_BYTES) if other is None else other.encode("utf-8", "replace")
+    content = (
+        read_input(path, MOST_CASE_BYTES) if other is None else other.encode("utf-8", "replace")
+    )
     check_kind(name, content)
     try:
         text = content.decode("utf-8-sig")

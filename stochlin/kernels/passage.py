@@ -14,20 +14,19 @@ from typing import NamedTuple
 import numpy as np
 from scipy.stats import binom
 
-from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.arrays import SQRT_2PI, Array
 from stochlin.kernels.basics.compiled import compiled, entry
 
-PLACES = 21
-CLOSE = 1e-4  # relative tolerance of a gap
+CHAIN_PLACES = 21
+GAP_TOLERANCE = 1e-4  # relative tolerance of a gap
 TRIALS = 60  # largest number of trials
 # gaps of a search, over the largest standard deviation
-NARROWEST = 1e-3
-USUAL = 2.5
-WIDEST = 14.0
+NARROWEST_SEARCHED = 1e-3
+FIRST_SEARCHED = 2.5
+WIDEST_SEARCHED = 14.0
 SLOPE = 5.0  # usual slope of the reduced variate over the logarithm of the gap
-TINY = 1e-300  # least probability
+LEAST_PROBABILITY = 1e-300  # least probability
 EPS = 1e-15  # least of its complement
-SQRT_2PI = np.sqrt(2 * np.pi)
 
 
 class Chain(NamedTuple):
@@ -56,7 +55,7 @@ def ehrenfest(places: int) -> Chain:
     return Chain((2 * number - last) / np.sqrt(last), root**2, into.copy(), back.copy())
 
 
-CHAIN = ehrenfest(PLACES)
+CHAIN = ehrenfest(CHAIN_PLACES)
 
 
 class Passage(NamedTuple):
@@ -69,13 +68,13 @@ class Passage(NamedTuple):
     memory: Array  # (c, instants) correlation of the offset with that of the instant before
     seconds: Array  # (instants,) time that each of them stands for [s]
     # (c, instants, levels) levels of a Gaussian process that are crossed as often as those of the
-    # fast part, at levels of `LEVELS`; (0, 0, 0) if it is Gaussian itself.
+    # fast part, at levels of `RELATIVE_LEVELS`; (0, 0, 0) if it is Gaussian itself.
     gaussian: Array
 
 
 LEVEL_STEP = 0.25  # steps of a table of levels
 HIGH = 12.0  # level beyond which nothing is crossed
-LEVELS = LEVEL_STEP * np.arange(57)  # over the standard deviation
+RELATIVE_LEVELS = LEVEL_STEP * np.arange(57)  # over the standard deviation
 
 
 @entry
@@ -112,8 +111,11 @@ def required_gaps(confidence, weights, passage, chain, gaps):  # type: ignore[no
         if not largest > 0.0:
             gaps[number] = largest  # 0, or NaN
             continue
-        low, high = np.log(NARROWEST * np.sqrt(largest)), np.log(WIDEST * np.sqrt(largest))
-        at = np.log(USUAL * np.sqrt(largest))
+        low, high = (
+            np.log(NARROWEST_SEARCHED * np.sqrt(largest)),
+            np.log(WIDEST_SEARCHED * np.sqrt(largest)),
+        )
+        at = np.log(FIRST_SEARCHED * np.sqrt(largest))
         last = 0.0
         reduced = 0.0
         for trial in range(TRIALS):
@@ -122,7 +124,7 @@ def required_gaps(confidence, weights, passage, chain, gaps):  # type: ignore[no
                 _follow(np.exp(at), case, passage, chain, now, modes, shares)
                 stays += weights[case - begin] * shares[-1]
             before = reduced
-            reduced = -np.log(-np.log(min(max(stays, TINY), 1 - EPS)))
+            reduced = -np.log(-np.log(min(max(stays, LEAST_PROBABILITY), 1 - EPS)))
             if reduced < wanted:
                 low = at
             else:
@@ -133,7 +135,7 @@ def required_gaps(confidence, weights, passage, chain, gaps):  # type: ignore[no
             at = at + step
             if not low < at < high:
                 at = 0.5 * (low + high)
-            if abs(at - last) < CLOSE:
+            if abs(at - last) < GAP_TOLERANCE:
                 break
         gaps[number] = np.exp(at)
 

@@ -34,9 +34,8 @@ import scipy.optimize
 from scipy.special import erfcx, i0e, i1e, ndtr
 from scipy.stats import vonmises
 
-from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.arrays import SQRT_2PI, Array
 
-SQRT_2PI = np.sqrt(2 * np.pi)
 CERTAIN = 1e-9  # 1 - |rho| below which the phase difference counts as certain
 
 

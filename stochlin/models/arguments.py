@@ -23,12 +23,17 @@ import xarray as xr
 
 from stochlin.messages import brief, check_names, hint
 from stochlin.models.parameters import POSITIVE, Model, Range, expect
-from stochlin.models.plausible import PLAUSIBLE, implausible, unquestioned, warn_caller
+from stochlin.models.plausible import (
+    LARGEST_NUMBER,
+    PLAUSIBLE,
+    implausible,
+    unquestioned,
+    warn_caller,
+)
 from stochlin.models.uncertain import UncertainModel, as_array, median_of
 
 LONGEST_LABEL = 200
 A_LABEL = f"a text on one line, {LONGEST_LABEL} characters at most, no control characters"
-LARGEST = int(np.finfo(float).max)
 LARGEST_WHOLE = 2**63 - 1  # largest whole number of files and compiled code
 MOST_SCATTER = 2.0  # standard deviation of a logarithm: factors from 0.14 to 7 are within one of it
 
@@ -40,7 +45,7 @@ InMetres = bool | Callable[[Mapping[str, Any]], bool]
 def is_number(value: object) -> TypeGuard[float]:
     """Whether ``value`` is a real number in the range of floats, or NaN; True and False are not."""
     known = isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
-    return known and not (isinstance(value, int) and abs(value) > LARGEST)
+    return known and not (isinstance(value, int) and abs(value) > LARGEST_NUMBER)
 
 
 def is_whole(value: object) -> TypeGuard[int]:
@@ -177,7 +182,9 @@ SCATTER = Number(
     f"a number from 0 to {MOST_SCATTER:g}, the standard deviation of ln(strength of a motion)",
     is_share=True,
 )
-DURATION = Number(POSITIVE, "a positive, finite number of seconds, the length of the motion")
+DURATION_IN_SECONDS = Number(
+    POSITIVE, "a positive, finite number of seconds, the length of the motion"
+)
 Truth = Annotated[bool, check_truth]
 Label = Annotated[str, check_label]
 TwoNumbers = Annotated[tuple[float, float], check_two_numbers]
@@ -190,7 +197,7 @@ RelaxationTimes = Annotated[
     float, Number(Range(1, include_lower=True), "a finite number of at least 1")
 ]
 Metres = Annotated[float, Number(POSITIVE, "a positive, finite number of metres")]
-Duration = Annotated[float, DURATION]
+Duration = Annotated[float, DURATION_IN_SECONDS]
 Seconds = Annotated[float, Number(POSITIVE, "a positive, finite number of seconds")]
 Years = Annotated[float, Number(POSITIVE, "a positive, finite number of years")]
 Acceleration = Annotated[float, Number(POSITIVE, "a positive, finite number in m/s^2")]

@@ -14,8 +14,8 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief
 
 LARGE = {"kg": ("t", 1e-3), "N/m": ("MN/m", 1e-6), "N s/m": ("MN s/m", 1e-6)}
-SHORT = 0.5  # m: lengths below, such as drifts, are shown in cm
-NAMES = {"first": "building 1", "second": "building 2", "envelope_model": "envelope"}
+SHORT_LENGTH = 0.5  # m: lengths below, such as drifts, are shown in cm
+NAMES_OF_ROLES = {"first": "building 1", "second": "building 2", "envelope_model": "envelope"}
 ROLES = ("first", "second", "ground", "envelope", "envelope_model", "contact", "gap", "record")
 # Numbers with decimals, and not within a name.
 DECIMALS = re.compile(r"(?<![\w.])\d+\.\d+(?:e[+-]?\d+)?(?![\w.])")
@@ -25,7 +25,7 @@ OF_BUILDING = re.compile(r"_([12])$")
 def shown_unit(units: str, largest: float = math.inf) -> tuple[str, float]:
     """The unit in which numbers up to this size are shown, and what one in SI is multiplied by."""
     unit, scale = LARGE.get(units, (units, 1.0))
-    if units == "m" and largest < SHORT:
+    if units == "m" and largest < SHORT_LENGTH:
         unit = "cm"
         scale = 100.0
     return "" if units == "1" else unit.replace("^2", "²").replace("^3", "³"), scale
@@ -65,7 +65,7 @@ def stated(name: str, value: Any, units: str | None) -> str:
 def roles_in_words(attrs: Mapping[Any, Any], *roles: str) -> list[str]:
     """A line for each of these roles that a dataset's attributes describe; all if none is named."""
     return [
-        f"{NAMES.get(r, r)}: {three_digits(attrs[r].removeprefix(f'{r} '))}"
+        f"{NAMES_OF_ROLES.get(r, r)}: {three_digits(attrs[r].removeprefix(f'{r} '))}"
         for r in roles or ROLES
         if r in attrs
     ]

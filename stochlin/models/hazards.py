@@ -19,10 +19,10 @@ from stochlin.models.uncertain import as_array
 
 Exceeded = Literal["pga", "sa", "intensity"]
 MEASURES: tuple[Exceeded, ...] = get_args(Exceeded)
-FEWEST = 2  # smallest number of points of a curve
+FEWEST_INTENSITIES = 2  # smallest number of points of a curve
 MOST_OFTEN = 1e4  # [1/yr], about once an hour, above which an annual frequency has another unit
 OF_DESIGN = 475.0  # yr, return period of the shaking of a design, 10 % in 50 years
-OFTEN = 2.0, 10.0  # yr, return periods of shaking that most sites have had
+FREQUENT_RETURN_PERIODS = 2.0, 10.0  # yr, return periods of shaking that most sites have had
 _ROUNDING = 1e-9  # relative rounding error allowed at the ends of a curve
 
 
@@ -80,7 +80,7 @@ class Hazard(Model, base=True):
         if text := limits.doubt(design):
             of_period = f"{self.measure} with a return period of {OF_DESIGN:g} years"
             yield f"its {of_period} is {design:.3g} {units}; {text}"
-        for years in OFTEN if self.measure == "pga" else ():
+        for years in FREQUENT_RETURN_PERIODS if self.measure == "pga" else ():
             often = self.often(years)
             if text := PLAUSIBLE[f"pga of {years:g} years"].doubt(often):
                 yield (
@@ -292,10 +292,10 @@ class PowerLawHazard(Hazard):
 
 def check_curve(intensities: Array, frequencies: Array, places: Sequence[str]) -> None:
     """Raise a ValueError unless these are a hazard curve; ``places`` name points in messages."""
-    if intensities.size < FEWEST:
+    if intensities.size < FEWEST_INTENSITIES:
         where = places[0] if places else "hazard curve"
         raise ValueError(
-            f"{where}: {intensities.size} points; allowed: {FEWEST} or more intensities"
+            f"{where}: {intensities.size} points; allowed: {FEWEST_INTENSITIES} or more intensities"
         )
     rising = "increasing intensities, so sort them"
     falling = "falling frequencies, since what is stronger"

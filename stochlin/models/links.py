@@ -12,9 +12,9 @@ from stochlin.messages import brief
 from stochlin.models.arguments import Whole
 from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Model, Parameter, Range, parameter
 
-GROUND = 0  # number of the ground among the floors of a link within one structure
-EXPONENT = Range(0.0, 2.0, include_upper=True)
-SHARE = Range(0.0, 1.0, True, True)
+NUMBER_OF_GROUND = 0  # number of the ground among the floors of a link within one structure
+DASHPOT_EXPONENT = Range(0.0, 2.0, include_upper=True)
+LINK_HARDENING = Range(0.0, 1.0, True, True)
 
 
 @dataclass(frozen=True)
@@ -84,8 +84,12 @@ class Link(Model):
         "N s/m", "damping constant of the link", NOT_NEGATIVE, 0.0
     )
     _: KW_ONLY
-    damping_exponent: Parameter | None = parameter("1", "exponent of the dashpot", EXPONENT, None)
-    hardening: Parameter | None = parameter("1", "hardening ratio of the link", SHARE, None)
+    damping_exponent: Parameter | None = parameter(
+        "1", "exponent of the dashpot", DASHPOT_EXPONENT, None
+    )
+    hardening: Parameter | None = parameter(
+        "1", "hardening ratio of the link", LINK_HARDENING, None
+    )
     yield_displacement: Parameter | None = parameter("m", "extension at yield", POSITIVE, None)
     floors: tuple[int, int] | None = None
     structures: tuple[int, int] | None = None
@@ -96,7 +100,7 @@ class Link(Model):
             alone = "hardening" if self.yield_displacement is None else "yield_displacement"
             raise ValueError(f"Link: {alone} is given alone; allowed: both for a link that yields")
         for name in ("structures", "floors"):
-            lowest = GROUND if name == "floors" and self.within_one else 1
+            lowest = NUMBER_OF_GROUND if name == "floors" and self.within_one else 1
             if (numbers := getattr(self, name)) is not None:
                 object.__setattr__(self, name, _two_numbers(name, numbers, lowest))
         if self.within_one and (self.floors is None or self.floors[0] <= self.floors[1]):

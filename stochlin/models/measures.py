@@ -9,7 +9,7 @@ from stochlin.messages import brief
 from stochlin.models.links import Link
 from stochlin.models.parameters import NOT_NEGATIVE, Model, expect, parameter
 
-BETWEEN = (1, 2)  # the structures that a link ties if it does not name them
+TIED_STRUCTURES = (1, 2)  # the structures that a link ties if it does not name them
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,7 @@ class Measure(Model):
     def links(self) -> tuple[Link, ...]:
         """All links of the measure, each with the numbers of the two structures that it ties."""
         return tuple(
-            replace(each, structures=each.structures or BETWEEN) for each in self._listed()
+            replace(each, structures=each.structures or TIED_STRUCTURES) for each in self._listed()
         )
 
     def _listed(self) -> Sequence[Link]:

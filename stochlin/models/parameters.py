@@ -33,7 +33,7 @@ Parameter = (
 )
 """A number, a DataArray (broadcast by dimension name) or a 1-D array (dimension ``case``)."""
 
-ALONE = (
+FOR_ONE_BUILDING = (
     "one building alone is first, with None as second, "
     "in separation, recorded_gap and pounding_risk"
 )
@@ -70,6 +70,7 @@ class Range:
 NO_UNIT = ("", "1", "-", "dimensionless")
 POSITIVE = Range()
 NOT_NEGATIVE = Range(include_lower=True)
+ANY_NUMBER = Range(-np.inf)
 # Of structures and grounds in seconds, where their frequencies and those of others are of use
 # together.
 PERIODS = Range(1e-9, 1e9, include_lower=True, include_upper=True)
@@ -277,7 +278,7 @@ def expect(value: object, kind: type[Model] | tuple[type[Model], ...], role: str
         if isinstance(value, UncertainModel):
             instead = f", without uncertain parameters, so give its median(); {TAKERS}"
         if value is None and role in ("first", "second"):
-            instead = f"; {ALONE}"
+            instead = f"; {FOR_ONE_BUILDING}"
         raise TypeError(f"{role} = {brief(value)} is of the wrong kind; allowed: {names}{instead}")
 
 

@@ -41,11 +41,12 @@ class Plausible(NamedTuple):
 
 
 OF_A_ROW = "gaps"  # of which a list is no scan either
-FAR = sys.float_info.max  # beyond it numbers are refused
+LARGEST_NUMBER = sys.float_info.max  # beyond it numbers are refused
 UNQUESTIONED: ContextVar[bool] = ContextVar("UNQUESTIONED", default=False)
 ANY = Plausible(-inf, inf, "", "")
 SEVERAL = 3  # storeys of a building that is no hall with a gallery
-STOREY = 3.0  # m, height of a storey if that of the building is not known; ASCE 7-16, 12.8.2.1
+# m, height of a storey if that of the building is not known; ASCE 7-16, 12.8.2.1
+USUAL_STOREY_HEIGHT = 3.0
 
 
 def _read_limits() -> Mapping[str, Plausible]:
@@ -85,7 +86,7 @@ def implausible(
         value = number if callable(median) else median  # which arrays have as a method
         judged = (of_one or name == OF_A_ROW) and not isinstance(value, Mapping)
         each = np.array(value, object).ravel() if judged else [_nearest(value, known)]
-        if odd := [n for n in each if _is_number(n) and not known.holds(n) and n < FAR]:
+        if odd := [n for n in each if _is_number(n) and not known.holds(n) and n < LARGEST_NUMBER]:
             yield f"{name} = {odd[0]:g}: {known.doubt(odd[0])}"
     for end in ("", "_1", "_2"):
         height = values.get(f"height{end}")
@@ -139,7 +140,7 @@ def doubts_of_size(period: float, height: float | None, storeys: float | None) -
     """Texts on first period [s], height [m] and number of storeys of a building, where known."""
     if height and storeys and (text := doubt_of_storeys(height, storeys)):
         yield text
-    if known := height or STOREY * (storeys or 0.0):
+    if known := height or USUAL_STOREY_HEIGHT * (storeys or 0.0):
         ratio = period / (0.05 * known**0.75)  # EN 1998-1, 4.3.3.2.2(3)
         if text := PLAUSIBLE["period over 0.05 h^0.75"].doubt(ratio):
             times = f"{ratio:.2g} times 0.05 h^0.75 of a height of {known:.3g} m"

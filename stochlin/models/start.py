@@ -9,9 +9,7 @@ import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief, listed
-from stochlin.models.parameters import Model, Parameter, Range, parameter
-
-ANY = Range(-np.inf)
+from stochlin.models.parameters import ANY_NUMBER, Model, Parameter, parameter
 
 
 @dataclass(frozen=True)
@@ -44,9 +42,11 @@ class Start(Model):
     'Start (velocity 0 to 1 m/s over case)'
     """
 
-    displacement: Parameter = parameter("m", "displacement at the start", ANY, 0.0)
-    velocity: Parameter = parameter("m/s", "velocity at the start", ANY, 0.0)
-    ground_velocity: float = parameter("m/s", "velocity of the ground", ANY, 0.0, scalar=True)
+    displacement: Parameter = parameter("m", "displacement at the start", ANY_NUMBER, 0.0)
+    velocity: Parameter = parameter("m/s", "velocity at the start", ANY_NUMBER, 0.0)
+    ground_velocity: float = parameter(
+        "m/s", "velocity of the ground", ANY_NUMBER, 0.0, scalar=True
+    )
 
     def __post_init__(self) -> None:
         super().__post_init__()

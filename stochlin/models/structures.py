@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
     from stochlin.models.symbolic import SymbolicLaw
 
-DAMPING = Range(upper=1.0, reason="a ratio, 0.05 for 5 %")
+DAMPING_RATIO = Range(upper=1.0, reason="a ratio, 0.05 for 5 %")
 HARDENING = Range(
     lower=-1.0,
     upper=1.0,
@@ -124,7 +124,7 @@ class Structure(AnyStructure, base=True):
     closures: ClassVar[Mapping[str, Closure]] = {}  # of this law alone, in closed form, by name
 
     period: Parameter = parameter("s", "period of small oscillations", PERIODS)
-    damping: Parameter = parameter("1", "damping ratio", DAMPING)
+    damping: Parameter = parameter("1", "damping ratio", DAMPING_RATIO)
     hardening: Parameter | None = parameter("1", "hardening ratio", HARDENING, None)
     yield_displacement: Parameter | None = parameter("m", "yield displacement", POSITIVE, None)
     reduction_factor: Parameter | None = parameter("1", "reduction factor", POSITIVE, None)
@@ -354,8 +354,8 @@ class LinearPair(Model):
 
     period_1: Parameter = parameter("s", "period, structure 1", POSITIVE)
     period_2: Parameter = parameter("s", "period, structure 2", POSITIVE)
-    damping_1: Parameter = parameter("1", "damping ratio, structure 1", DAMPING)
-    damping_2: Parameter = parameter("1", "damping ratio, structure 2", DAMPING)
+    damping_1: Parameter = parameter("1", "damping ratio, structure 1", DAMPING_RATIO)
+    damping_2: Parameter = parameter("1", "damping ratio, structure 2", DAMPING_RATIO)
 
 
 @dataclass(frozen=True)

@@ -33,10 +33,10 @@ from stochlin.models.states import (
 if TYPE_CHECKING:
     from stochlin.models.states import Rates
 
-ORDER = 52
+QUADRATURE_ORDER = 52
 ACCURACY = 1e-9  # of Gaussian expectations
 ACCURACY_IN_TIME = 1e-3  # of those with the means of further states, some of which may be small
-LARGEST = 1e300  # number in a law
+LARGEST_IN_LAW = 1e300  # number in a law
 MEANS = (0.0, 0.1, 1.0, 10.0)  # of further states for which the latter are checked
 _FUNCTIONS = (  # that both numpy and math have
     "Abs",
@@ -144,7 +144,7 @@ class SymbolicLaw:
 
     def gaussian(self, latent: Array, parameters: Array) -> ClosureValue:
         """Gaussian closure by quadrature."""
-        by_v, by_z = slip_expectations(self.slip_rate, latent, parameters, ORDER)
+        by_v, by_z = slip_expectations(self.slip_rate, latent, parameters, QUADRATURE_ORDER)
         covariance = gaussian_covariance(latent)
         return ClosureValue(regress_slip(by_v, by_z, covariance), covariance)
 
@@ -163,7 +163,10 @@ class SymbolicLaw:
 
         ``parameters`` are those of `held`, with the means of these states in place of the states.
         """
-        rates = [even_expectation(rate, latent, parameters, ORDER) for rate in self._further_rates]
+        rates = [
+            even_expectation(rate, latent, parameters, QUADRATURE_ORDER)
+            for rate in self._further_rates
+        ]
         return np.array(rates).reshape(-1, latent.shape[1])
 
     @cached_property
@@ -251,8 +254,8 @@ class SymbolicLaw:
         """Raise an ArithmeticError if expectations by quadrature are not accurate."""
         for values in sets:
             parameters = np.repeat(np.array(values)[:, None], _LATENT.shape[1], axis=1)
-            coarse = slip_expectations(self.slip_rate, _LATENT, parameters, ORDER)
-            fine = slip_expectations(self.slip_rate, _LATENT, parameters, 3 * ORDER)
+            coarse = slip_expectations(self.slip_rate, _LATENT, parameters, QUADRATURE_ORDER)
+            fine = slip_expectations(self.slip_rate, _LATENT, parameters, 3 * QUADRATURE_ORDER)
             errors = np.abs(coarse - fine) / (np.abs(fine) + _LATENT[0])
             if not (error := np.nan_to_num(errors.max(), nan=np.inf)) < allowed:
                 what = (
@@ -304,12 +307,13 @@ def _plain(
 def _check_parts(expression: sympy.Expr) -> None:
     """Raise a ValueError for what has no numeric form: it would be printed to code as it stands."""
     for node in sympy.preorder_traversal(expression):
-        beyond = isinstance(node, sympy.Number) and not abs(node) < LARGEST
+        beyond = isinstance(node, sympy.Number) and not abs(node) < LARGEST_IN_LAW
         if beyond or not isinstance(node, _PARTS):
             what = (
                 f"law = {brief(str(expression))} has {brief(str(node))}, which has no numeric form"
             )
-            allowed = f"numbers below {LARGEST:.0e}, + - * / ** and {', '.join(sorted(_FUNCTIONS))}"
+            functions = ", ".join(sorted(_FUNCTIONS))
+            allowed = f"numbers below {LARGEST_IN_LAW:.0e}, + - * / ** and {functions}"
             raise ValueError(f"{what}; allowed: {allowed}")
 
 

@@ -23,7 +23,7 @@ from stochlin.kernels.basics.systems import System
 from stochlin.messages import brief
 from stochlin.models.buildings.base import MultistoreyBuilding
 from stochlin.models.buildings.modal import ModalBuilding
-from stochlin.models.links import GROUND, Link
+from stochlin.models.links import NUMBER_OF_GROUND, Link
 from stochlin.models.parameters import expect
 from stochlin.models.structures import CURE, AnyStructure, Structure
 
@@ -360,11 +360,11 @@ def assembly_of(structures: Sequence[AnyStructure], links: Sequence[Link | None]
         for each, floor in zip((left, right), floors, strict=True):
             highest = sticks[each - 1].levels.size
             if floor > highest:
-                lowest = GROUND if link.within_one else 1
+                lowest = NUMBER_OF_GROUND if link.within_one else 1
                 what = f"link {number}: floors = {link.floors}, structure {each} has {highest}"
                 raise ValueError(f"{what}; allowed: {lowest} to {highest}")
         on = int(first[left - 1]) + floors[0] - 1
-        other = -1 if floors[1] == GROUND else int(first[right - 1]) + floors[1] - 1
+        other = -1 if floors[1] == NUMBER_OF_GROUND else int(first[right - 1]) + floors[1] - 1
         placed_links.append(PlacedLink(on, other, link, number))
     return Assembly(sticks, tuple(placed_links))
 

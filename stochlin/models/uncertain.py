@@ -22,8 +22,9 @@ from stochlin.models.values import ByValue, call
 
 One = TypeVar("One")
 Distribution = Literal["lognormal", "uniform"]
-KINDS: tuple[Distribution, ...] = get_args(Distribution)
-FAR = 1e-4  # probability below and above the two extreme values at which a model is tried
+DISTRIBUTIONS: tuple[Distribution, ...] = get_args(Distribution)
+# probability below and above the two extreme values at which a model is tried
+TAIL_PROBABILITY = 1e-4
 
 
 def as_array(value: object) -> npt.NDArray[Any]:
@@ -99,8 +100,10 @@ class Uncertain(ByValue, metaclass=Named):
             raise ValueError(
                 f"Uncertain: spread = {brief(spread)}; allowed: 0 to 1, 0.2 for 20 %{cure}"
             )
-        if not isinstance(self.kind, str) or self.kind not in KINDS:
-            raise ValueError(f"Uncertain: kind = {brief(self.kind)}; allowed: {', '.join(KINDS)}")
+        if not isinstance(self.kind, str) or self.kind not in DISTRIBUTIONS:
+            raise ValueError(
+                f"Uncertain: kind = {brief(self.kind)}; allowed: {', '.join(DISTRIBUTIONS)}"
+            )
 
     @classmethod
     def between(cls, low: float, high: float) -> Self:
@@ -170,7 +173,7 @@ class UncertainModel(ByValue, WithoutCells):
         model = cls(build, arguments)
         model.median()
         for name, uncertain in model.uncertain.items():
-            for share in (FAR, 1 - FAR):
+            for share in (TAIL_PROBABILITY, 1 - TAIL_PROBABILITY):
                 try:
                     model.at({name: float(uncertain.factor(share))})
                 except ValueError as error:

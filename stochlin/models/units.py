@@ -30,7 +30,7 @@ _FORCES |= {"tonf": 1e3 * constants.g, "kip": 1e3 * constants.lbf}
 _FORCES |= {"ton": _FORCES["tonf"], "lbf": _FORCES["lb"], "kips": _FORCES["kip"]}
 # Names with their sizes in SI, by their powers of length, mass, time and years. Headers of files in
 # capitals have MM.
-_SIZES: dict[tuple[float, ...], dict[str, float]] = {
+_SIZES_IN_SI: dict[tuple[float, ...], dict[str, float]] = {
     (0, 0, 0, 0): {"1": 1.0, PERCENT: 0.01},
     (1, 0, 0, 0): {"m": 1.0, "cm": 0.01, "mm": 0.001, "MM": 0.001, "in": 0.0254, "ft": 0.3048},
     (0, 1, 0, 0): {"kg": 1.0, "t": 1e3, "tonne": 1e3},
@@ -61,12 +61,12 @@ _QUANTITIES = {
     "acceleration": "m/s^2",
     "velocity": "m/s",
 }
-_KNOWN = {name: (size, powers) for powers, of in _SIZES.items() for name, size in of.items()}
+_KNOWN = {name: (size, powers) for powers, of in _SIZES_IN_SI.items() for name, size in of.items()}
 # Signs of powers and products, also a raised 2 that was read in another encoding.
 _SIGNS = str.maketrans("²³\N{REPLACEMENT CHARACTER}*·-", "232   ", "^")
 _OF_RATIO = re.compile(r"\((\w+)/(\w+)\)([\d.]+)")  # (s/m)0.5
 _OF_G = re.compile(r"% ?g", re.IGNORECASE)  # a hundredth of it
-_FACTOR = re.compile(r" ?(/?) ?(1(?=/)|[A-Za-z%]+)(\d(?:\.\d*)?)?")
+_FACTOR_OF_UNIT = re.compile(r" ?(/?) ?(1(?=/)|[A-Za-z%]+)(\d(?:\.\d*)?)?")
 # Characters of a unit. With powers below 10, no product of factors is too large or small for a
 # float.
 _LONGEST = 32
@@ -141,7 +141,7 @@ def parsed(unit: str) -> tuple[float, tuple[float, ...]] | None:
         return None
     text = _OF_RATIO.sub(r"\1\3/\2\3", text)
     text = _OF_G.sub("%g", text)
-    factors = _FACTOR.findall(text)
+    factors = _FACTOR_OF_UNIT.findall(text)
     if PERCENT in text and text not in (PERCENT, "%g"):
         return None
     if text[:1] in ("", "/") or "".join(map("".join, factors)) != text.replace(" ", ""):

@@ -14,7 +14,7 @@ from stochlin.models.parameters import Model
 
 GROUND: Final = "ground"
 SPACE: Final = "space"
-LEVELS = "levels above the ground, 0 < level, finite, in metres, each once"
+ALLOWED_LEVELS = "levels above the ground, 0 < level, finite, in metres, each once"
 
 
 @dataclass(frozen=True)
@@ -59,11 +59,11 @@ class Wall(Model):
         super().__post_init__()
         check_fields(self, "Wall: ")
         if self.levels is not None:
-            levels = as_numbers("Wall: levels", self.levels, LEVELS)
+            levels = as_numbers("Wall: levels", self.levels, ALLOWED_LEVELS)
             allowed = np.isfinite(levels) & (levels > 0)
             several = levels.ndim == 1 and levels.size > 0 and np.unique(levels).size == levels.size
             if not (several and allowed.all()):
-                raise ValueError(f"Wall: levels = {brief(self.levels)}; allowed: {LEVELS}")
+                raise ValueError(f"Wall: levels = {brief(self.levels)}; allowed: {ALLOWED_LEVELS}")
             object.__setattr__(self, "levels", tuple(sorted(map(float, levels))))
 
     def further(self) -> list[str]:

@@ -6,32 +6,34 @@ from functools import cache
 from stochlin.files.package_data import data_of
 
 Variables = Mapping[str, tuple[str, str]]
-NONE: Variables = {}
+NO_VARIABLES: Variables = {}
 READ = data_of(__package__, "variables.toml")
-VARIABLES: Variables = {name: (units, words) for name, (units, words) in READ["variables"].items()}
+VARIABLES_OF_RESULTS: Variables = {
+    name: (units, words) for name, (units, words) in READ["variables"].items()
+}
 ENDINGS: Mapping[str, str] = READ["endings"]
-RECORD = "record_"
+RECORD_PREFIX = "record_"
 
 
-def unit_and_long_name(name: str, special: Variables = NONE) -> tuple[str, str] | None:
+def unit_and_long_name(name: str, special: Variables = NO_VARIABLES) -> tuple[str, str] | None:
     """Unit and long name of a variable; None if it has none.
 
-    A name that is neither ``special`` nor in `VARIABLES` may end as in `ENDINGS` or in the number
-    of a structure, or begin with ``record_``, also in several ways at once. The rest has
-    ``special`` words only where `VARIABLES` has none for it.
+    A name that is neither ``special`` nor in `VARIABLES_OF_RESULTS` may end as in `ENDINGS` or in
+    the number of a structure, or begin with ``record_``, also in several ways at once. The rest has
+    ``special`` words only where `VARIABLES_OF_RESULTS` has none for it.
     """
     return _described(name, special) if special else _usual(name)
 
 
 @cache
 def _usual(name: str) -> tuple[str, str] | None:
-    return _described(name, NONE)
+    return _described(name, NO_VARIABLES)
 
 
 def _described(name: str, special: Variables) -> tuple[str, str] | None:
-    if known := special.get(name) or VARIABLES.get(name):
+    if known := special.get(name) or VARIABLES_OF_RESULTS.get(name):
         return known
-    rest = name.removeprefix(RECORD)
+    rest = name.removeprefix(RECORD_PREFIX)
     text = "{}, in the record"
     if rest == name:
         for ending, words in ENDINGS.items():

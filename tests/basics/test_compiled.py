@@ -178,7 +178,7 @@ def test_a_folder_that_others_can_write_is_not_used(toy, tmp_path, monkeypatch):
     """Nor one with a file that they can, or below a folder in which they can rename it."""
     begun, place = toy
     program = tmp_path / "program"
-    monkeypatch.setattr(compiled, "PROGRAM", program)
+    monkeypatch.setattr(compiled, "PROGRAM_CACHE", program)
     assert begun()(1.5) == 3.0
     assert not program.exists()
     (folder,) = place.glob("kernels-*")

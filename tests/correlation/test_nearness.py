@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from stochlin.kernels.correlation.corrections import (
-    AXES,
     ENTRIES,
     MIDDLE,
+    PARAMETER_AXES,
     Nearness,
     by_nearness,
 )
@@ -19,7 +19,7 @@ def test_the_weight_of_the_form_falls_from_one_to_nothing():
     """Half at the distance ``MIDDLE``, the same share of it at a multiple; times both trusts."""
     ends = MIDDLE * np.array([0.0, 1 / 3, 1.0, 3.0, 1e9])
     nothing = np.zeros((ENTRIES, ends.size))
-    one = Nearness(nothing[:AXES], matrix_of(nothing), np.full(ends.size, 0.5))
+    one = Nearness(nothing[:PARAMETER_AXES], matrix_of(nothing), np.full(ends.size, 0.5))
     place = one.place.copy()
     place[0] = np.sqrt(ends)  # so that q, with a unit matrix, is this distance
     rho = np.full(ends.size, 0.4)
@@ -33,10 +33,10 @@ def test_the_weight_of_the_form_falls_from_one_to_nothing():
 def test_the_form_is_that_of_the_mean_of_both_matrices():
     """``q`` follows from the weight; the matrices are given by lower triangles, row by row."""
     rng = np.random.default_rng(4)
-    roots = rng.normal(size=(2, AXES, AXES))
+    roots = rng.normal(size=(2, PARAMETER_AXES, PARAMETER_AXES))
     matrices = roots @ roots.swapaxes(1, 2)
-    triangles = [matrix[np.tril_indices(AXES)] for matrix in matrices]
-    places = rng.normal(size=(2, AXES)) / 2
+    triangles = [matrix[np.tril_indices(PARAMETER_AXES)] for matrix in matrices]
+    places = rng.normal(size=(2, PARAMETER_AXES)) / 2
     near = [
         Nearness(place, triangle, np.array(1.0))
         for place, triangle in zip(places, triangles, strict=True)

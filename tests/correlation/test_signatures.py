@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import stochlin as sl
-from stochlin.kernels.correlation.corrections import AXES, LEFT, by_signatures
-from stochlin.solver.correlation.signatures import OWN, PAIRS, basis_of, corrected
+from stochlin.kernels.correlation.corrections import ADDED_VARIANCE, PARAMETER_AXES, by_signatures
+from stochlin.solver.correlation.signatures import PAIRS, UNIT_SHARE, basis_of, corrected
 from stochlin.solver.linearization.drift_map import drift_map
 from stochlin.solver.simulation import stationary_motions
 
@@ -63,7 +63,8 @@ def test_correlation_is_a_projection_and_what_is_left_of_it(seed, references, ra
     rho = by_signatures(derived[:1, 1], *both)[0]
     # The same by partial correlations with the references, which have a share of their own.
     blurred = [
-        (1 - OWN) * matrix[2:, 2:] + OWN * np.eye(references) for matrix in (derived, simulated)
+        (1 - UNIT_SHARE) * matrix[2:, 2:] + UNIT_SHARE * np.eye(references)
+        for matrix in (derived, simulated)
     ]
 
     # Where a correction is large, the simulated signature is shortened, as another test says.
@@ -74,18 +75,22 @@ def test_correlation_is_a_projection_and_what_is_left_of_it(seed, references, ra
 
     def explained(matrix, gram, i, j):
         scale = shorter[i] * shorter[j] if matrix is simulated else 1.0
-        return scale * (1 - OWN) * matrix[i, 2:] @ np.linalg.solve(gram, matrix[j, 2:])
+        return scale * (1 - UNIT_SHARE) * matrix[i, 2:] @ np.linalg.solve(gram, matrix[j, 2:])
 
     left_derived, left = (
-        [1 + LEFT - explained(matrix, gram, n, n) for n in (0, 1)]
+        [1 + ADDED_VARIANCE - explained(matrix, gram, n, n) for n in (0, 1)]
         for matrix, gram in zip((derived, simulated), blurred, strict=True)
     )
-    partial = derived[0, 1] + LEFT - explained(derived, blurred[0], 0, 1)
+    partial = derived[0, 1] + ADDED_VARIANCE - explained(derived, blurred[0], 0, 1)
     partial /= np.sqrt(left_derived[0] * left_derived[1])
     assert abs(partial) <= 1 + 1e-9
-    expected = explained(simulated, blurred[1], 0, 1) + partial * np.sqrt(left[0] * left[1]) - LEFT
+    expected = (
+        explained(simulated, blurred[1], 0, 1)
+        + partial * np.sqrt(left[0] * left[1])
+        - ADDED_VARIANCE
+    )
     assert rho == pytest.approx(expected, abs=1e-9)
-    assert -1 - 2 * LEFT - 1e-9 <= expected <= 1 + 1e-9
+    assert -1 - 2 * ADDED_VARIANCE - 1e-9 <= expected <= 1 + 1e-9
 
 
 def test_signatures_are_shortened_smoothly_to_length_one():
@@ -106,16 +111,19 @@ def test_signatures_are_shortened_smoothly_to_length_one():
 def test_a_form_is_found_from_the_correlations_of_its_neighbours(seed):
     """``1 - rho = q/(1 + q)`` with ``q = d' M d``, for the differences ``d`` of five structures."""
     draw = np.random.default_rng(seed)
-    roots, steps = draw.uniform(0.5, 3.0, (AXES, AXES)), draw.uniform(0.02, 0.2, AXES)
-    matrix = roots @ roots.T + np.eye(AXES)
-    places = np.concatenate([np.zeros((1, AXES)), np.diag(steps)])
+    roots, steps = (
+        draw.uniform(0.5, 3.0, (PARAMETER_AXES, PARAMETER_AXES)),
+        draw.uniform(0.02, 0.2, PARAMETER_AXES),
+    )
+    matrix = roots @ roots.T + np.eye(PARAMETER_AXES)
+    places = np.concatenate([np.zeros((1, PARAMETER_AXES)), np.diag(steps)])
     apart = places[:, None] - places
     form = np.einsum("ijk,kl,ijl->ij", apart, matrix, apart)
     found = load("drift_map").form_of((form / (1 + form))[..., None], steps)[:, 0]
     slopes = np.sqrt(np.diag(matrix))
-    np.testing.assert_allclose(found[:AXES], np.log(slopes), rtol=0, atol=1e-10)
+    np.testing.assert_allclose(found[:PARAMETER_AXES], np.log(slopes), rtol=0, atol=1e-10)
     across = [matrix[pair] / (slopes[pair[0]] * slopes[pair[1]]) for pair in PAIRS]
-    np.testing.assert_allclose(found[AXES:], across, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(found[PARAMETER_AXES:], across, rtol=0, atol=1e-9)
 
 
 # --- the map that ships
@@ -126,7 +134,8 @@ def test_a_form_is_found_from_the_correlations_of_its_neighbours(seed):
 def test_shipped_signatures_are_those_simulated_anew(monkeypatch):
     """One part of the map, with other motions: within its standard errors."""
     module = load("drift_map")
-    monkeypatch.setattr(stationary_motions, "MOST_STEPS", np.inf)  # as its main function does
+    # as its main function does
+    monkeypatch.setattr(stationary_motions, "MOST_STEPS_FOR_DRIFT", np.inf)
     point = {"elastic_ductility_std": 2.0, "hardening": 0.2, "ground_damping": 0.17}
     result = module.part(*point.values(), seed=2)
     corrections = drift_map().signature_correction.rename(
@@ -150,7 +159,7 @@ def test_shipped_signatures_are_those_simulated_anew(monkeypatch):
 def test_shipped_displacements_are_those_simulated_anew(monkeypatch):
     """The coarse grid and white noise, with other motions; few beyond 3 standard errors."""
     module = load("drift_map")
-    monkeypatch.setattr(stationary_motions, "MOST_STEPS", np.inf)
+    monkeypatch.setattr(stationary_motions, "MOST_STEPS_FOR_DRIFT", np.inf)
     monkeypatch.setattr(module, "STRUCTURE_STEPS", 1e8)
     for ground_damping in (0.17, np.inf):
         result = module.coarse_part(2.0, 0.2, ground_damping, seed=7)

@@ -22,7 +22,7 @@ from stochlin.models.arguments import (
     checks_of,
 )
 from stochlin.models.grounds import Ground
-from stochlin.solver.correlation.correlation import METHODS, Method
+from stochlin.solver.correlation.correlation import ANSWERS_BY_METHOD, Method
 
 pytestmark = pytest.mark.invariant
 
@@ -149,7 +149,7 @@ def test_the_words_of_a_type_are_those_that_are_checked() -> None:
                 ValueError, match=f"{argument} = 'neither' is not known; allowed: {words[0]}"
             ):
                 checks[argument](argument, "neither")
-    assert {*typing.get_args(Method)} == {*METHODS}
+    assert {*typing.get_args(Method)} == {*ANSWERS_BY_METHOD}
 
 
 def test_an_unknown_argument_is_answered_with_the_nearest() -> None:

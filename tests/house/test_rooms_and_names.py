@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 import stochlin as sl
-from stochlin.solver.variables import VARIABLES
+from stochlin.solver.variables import VARIABLES_OF_RESULTS
 
 pytestmark = pytest.mark.invariant
 
@@ -216,8 +216,8 @@ def faults_of_results(returned: str) -> Iterator[str]:
     where = r"over (the dimensions|\(?``)|without dimensions|`time`"
     if returned.startswith("xarray.") and not re.search(where, returned.lower()):
         yield "no dimensions"
-    for name in set(re.findall(r"``([a-z_]+)``", returned)) & set(VARIABLES):
-        units, _ = VARIABLES[name]
+    for name in set(re.findall(r"``([a-z_]+)``", returned)) & set(VARIABLES_OF_RESULTS):
+        units, _ = VARIABLES_OF_RESULTS[name]
         if units != "1" and f"[{units}" not in returned:
             yield f"{name} is in {units}"
 

@@ -6,7 +6,7 @@ import sympy
 
 import stochlin as sl
 from stochlin.kernels.simulation.laws import BOUC_WEN as KNOWN
-from stochlin.kernels.simulation.laws import OTHER as OF_LAW
+from stochlin.kernels.simulation.laws import OTHER_LAW as OF_LAW
 from stochlin.kernels.simulation.laws import advance, by_number
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.models.laws import bilinear

@@ -9,7 +9,7 @@ from cases import with_slow
 
 import stochlin as sl
 from stochlin.kernels.correlation.levels import (
-    NODES,
+    L1_NODES,
     AtLevels,
     covariances_with_rates,
     pair_rows,
@@ -159,7 +159,7 @@ def test_bandwidth_of_a_difference_is_that_of_the_engine(name):
         side,
         solved.rows,
         np.tile(solved.levels, 2),
-        solved.soil.later(solved.system, NODES + 0 * frequency),
+        solved.soil.later(solved.system, L1_NODES + 0 * frequency),
     )
     one, two = (taken(both, np.array([place])) for place in (15, 31))
     rows = pair_rows(one, two, np.zeros(1))

@@ -4,7 +4,13 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from stochlin.kernels.simulation.laws import BOUC_WEN, LINEAR_BOUC_WEN, OTHER, advance, by_number
+from stochlin.kernels.simulation.laws import (
+    BOUC_WEN,
+    LINEAR_BOUC_WEN,
+    OTHER_LAW,
+    advance,
+    by_number,
+)
 from stochlin.kernels.simulation.stepping import LANES
 
 pytestmark = pytest.mark.oracle
@@ -24,7 +30,7 @@ def after(dt, steps=1, *, own, rates=RATES, before=BEFORE):
     old, new = np.empty_like(before), before.copy()
     for _ in range(steps):
         old[:] = new
-        advance(law, OTHER, LANES, rates, old, own, dt / steps, new)
+        advance(law, OTHER_LAW, LANES, rates, old, own, dt / steps, new)
     return new
 
 

@@ -227,7 +227,7 @@ def test_a_drift_that_takes_too_long_is_not_resolved_and_keeps_its_simulated_val
 
 @pytest.mark.extreme
 def test_floors_and_linked_structures_are_not_resolved_where_one_storey_is_not(monkeypatch):
-    monkeypatch.setattr(stationary_motions, "MOST_STEPS", 1e3)
+    monkeypatch.setattr(stationary_motions, "MOST_STEPS_FOR_DRIFT", 1e3)
     tower = sl.ShearBuilding([2e5] * 2, [8e7] * 2, [3.0] * 2, 0.05, 0.05, [0.001, 0.01])
     other = sl.Bilinear(0.9, 0.05, mass=1e5)
     options = {"paths": 32, "relaxation_times": 1.0}

@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 
 from stochlin.kernels.basics.systems import System
 from stochlin.kernels.simulation.ensemble import SteppedStructures
-from stochlin.kernels.simulation.laws import BILINEAR, BOUC_WEN, OTHER, by_number
+from stochlin.kernels.simulation.laws import BILINEAR, BOUC_WEN, OTHER_LAW, by_number
 from stochlin.kernels.simulation.row_products import rows_of
 from stochlin.kernels.simulation.state import Elements
 from stochlin.kernels.simulation.stepping import (
@@ -172,7 +172,7 @@ def test_bouc_wen_motion_converges_to_the_exact_one_with_the_square_of_the_step(
     runs = [solve_ivp(rates, *rest, t_eval=times, args=(lane,), **TIGHT) for lane in CHOSEN]
     exact = np.stack([run.y[0] for run in runs], axis=1)
     assert np.abs(exact).max(axis=0).min() > 1.5
-    order = observed_order(one_storey(OTHER), law, exact)
+    order = observed_order(one_storey(OTHER_LAW), law, exact)
     assert SECOND_ORDER[0] < order < SECOND_ORDER[1]
 
 
@@ -203,7 +203,7 @@ def test_lanes_are_independent_and_odd_in_the_motion():
 KERNELS = {
     "oscillators": bilinear_block,
     "bilinear storey": one_storey(BILINEAR),
-    "Bouc-Wen storey": one_storey(OTHER),
+    "Bouc-Wen storey": one_storey(OTHER_LAW),
 }
 
 

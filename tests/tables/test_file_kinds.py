@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import stochlin as sl
-from stochlin.files.file_kinds import KINDS
+from stochlin.files.file_kinds import KINDS_OF_FILES
 
 pytestmark = pytest.mark.oracle
 
@@ -87,4 +87,6 @@ def test_every_reader_names_the_kind_of_a_file_that_it_does_not_read(
 
 def test_every_known_kind_of_file_has_an_example():
     tried = {title for title, _ in FILES}
-    assert all(any(kind.title.startswith(title) for title in tried) for kind in KINDS.values())
+    assert all(
+        any(kind.title.startswith(title) for title in tried) for kind in KINDS_OF_FILES.values()
+    )

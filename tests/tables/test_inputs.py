@@ -9,7 +9,7 @@ import pytest
 from uploads import open_case
 
 import stochlin as sl
-from stochlin.files.inputs import MOST_BYTES, MOST_LINES, only_within
+from stochlin.files.inputs import MOST_BYTES, MOST_LINES_OF_TEXT, only_within
 
 pytestmark = pytest.mark.invariant
 
@@ -69,7 +69,9 @@ def test_a_file_is_read_up_to_a_size_that_the_message_names(read, tmp_path):
         read(large)
     lines = tmp_path / "lines.csv"
     lines.write_bytes(b"\n" * 10_000_000)
-    with pytest.raises(ValueError, match=f"10000000 (lines; allowed: {MOST_LINES}|bytes or more)"):
+    with pytest.raises(
+        ValueError, match=f"10000000 (lines; allowed: {MOST_LINES_OF_TEXT}|bytes or more)"
+    ):
         read(lines)
 
 

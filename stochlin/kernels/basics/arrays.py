@@ -12,6 +12,7 @@ import numpy.typing as npt
 # Usually real; complex where a derivative is taken by the complex-step method.
 Array = npt.NDArray[Any]
 CACHE_LINE = 64  # [bytes]
+SQRT_2PI = math.sqrt(2 * math.pi)
 
 
 def on_arrays(function: Callable[[Array], Array], parts: Any) -> Any:

@@ -40,7 +40,7 @@ from stochlin.files.folders import is_private, mark, remove_unused
 from stochlin.messages import WHEN_COMPILING
 
 KERNELS = Path(__file__).parents[1]
-PROGRAM = KERNELS.parent / "__pycache__"
+PROGRAM_CACHE = KERNELS.parent / "__pycache__"
 CONFIG: Any = nb.config
 UNCOMPILED = bool(CONFIG.DISABLE_JIT)
 NOT_COMPILED = (
@@ -59,16 +59,16 @@ NOT_PRIVATE = (
     "this user would run: compiled code is kept in stochlin's own folder; name a folder that this "
     "user alone can write, and so all folders above it"
 )
-PREFIX = "kernels-"  # of folders of compiled code
-OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
+FOLDER_PREFIX = "kernels-"  # of folders of compiled code
+ENTRY_OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
 # Functions that only compiled code calls need no code to be called from elsewhere, a third of the
 # time.
 INNER: Any = {"error_model": "numpy", "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-OFTEN: Any = INNER | {"forceinline": True}
+FORCED_INLINE: Any = INNER | {"forceinline": True}
 
 compiled: Callable[[Any], Any] = register_jitable(**INNER)
-called_often: Callable[[Any], Any] = register_jitable(**OFTEN)
-called_once = nb.njit(inline="always", **OPTIONS)
+called_often: Callable[[Any], Any] = register_jitable(**FORCED_INLINE)
+called_once = nb.njit(inline="always", **ENTRY_OPTIONS)
 _naming_folder = RLock()  # numba's folder is a setting of the whole process
 
 
@@ -98,7 +98,7 @@ def code_folder() -> Path | None:
         if folder is None or is_private(folder):
             return folder
         warn_once(NOT_PRIVATE)
-    folder = _folder_in(PROGRAM)  # who can write there can also change the program
+    folder = _folder_in(PROGRAM_CACHE)  # who can write there can also change the program
     if folder is not None:
         return folder
     user = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
@@ -112,14 +112,14 @@ def _folder_in(place: Path) -> Path | None:
     It has no link in its path, which another user might turn elsewhere after a look at the folder.
     """
     place = Path(os.path.realpath(place))
-    folder = place / f"{PREFIX}{digest_of(KERNELS)}"
+    folder = place / f"{FOLDER_PREFIX}{digest_of(KERNELS)}"
     yesterday = time.time() - 86400.0  # [s]
     try:
         place.mkdir(mode=0o755, parents=True, exist_ok=True)
         folder.mkdir(mode=0o755, exist_ok=True)
         with suppress(FileExistsError):  # marked already
             os.close(mark(folder))
-        remove_unused(place, PREFIX, yesterday)
+        remove_unused(place, FOLDER_PREFIX, yesterday)
         tempfile.TemporaryFile(dir=folder).close()
         os.utime(folder)
     except OSError:
@@ -154,7 +154,7 @@ class Entry:
     def __init__(self, function: Any) -> None:
         self.py_func = function
         self.__doc__ = function.__doc__
-        self.dispatcher: Any = nb.njit(**OPTIONS)(function)
+        self.dispatcher: Any = nb.njit(**ENTRY_OPTIONS)(function)
         self._ready = False
 
     def __call__(self, *args: Any, **named: Any) -> Any:
@@ -213,7 +213,7 @@ def of_lane(value: Any, lane: int) -> Any:
     return value[lane] if np.ndim(value) else value
 
 
-@overload(of_lane, jit_options=OFTEN)
+@overload(of_lane, jit_options=FORCED_INLINE)
 def _of_lane(value, lane):  # type: ignore[no-untyped-def]
     if isinstance(value, nb.types.Array):
         return lambda value, lane: value[lane]

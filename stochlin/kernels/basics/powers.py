@@ -20,15 +20,15 @@ SHIFT = 6755399441055744.0
 SHIFT_BITS = int(np.float64(SHIFT).view(np.int64))
 ROOT_HALF_BITS = int(np.float64(np.sqrt(0.5)).view(np.int64))
 # beyond, the exponential is zero or infinite, or nearly so
-LOWEST = -708.0
-HIGHEST = 709.0
-TINY = 2.2250738585072014e-308  # the smallest normal number
+SMALLEST_EXPONENT = -708.0
+LARGEST_EXPONENT = 709.0
+SMALLEST_NORMAL = 2.2250738585072014e-308  # the smallest normal number
 
 
 @called_often
 def exponential(x):
     """``e^x``; beyond the range of numbers that at the end of the range."""
-    x = min(max(x, LOWEST), HIGHEST)
+    x = min(max(x, SMALLEST_EXPONENT), LARGEST_EXPONENT)
     shifted = x * 1.4426950408889634 + SHIFT
     whole = shifted - SHIFT
     r = (x - whole * LOG_2) - whole * LOG_2_REST  # |r| <= (log 2)/2: 12 terms of the series
@@ -48,7 +48,7 @@ def logarithm(x):
     With ``x = 2^k (1 + f)`` and ``s = f/(2 + f)`` it is ``k log 2 + 2 artanh s``. The polynomial is
     the one of the FreeBSD mathematics library (e_log.c, Sun Microsystems 1993).
     """
-    bits = np.float64(max(x, TINY)).view(np.int64)
+    bits = np.float64(max(x, SMALLEST_NORMAL)).view(np.int64)
     k = (bits - ROOT_HALF_BITS) >> 52
     f = np.int64(bits - (k << 52)).view(np.float64) - 1.0
     number = np.int64(k + SHIFT_BITS).view(np.float64) - SHIFT

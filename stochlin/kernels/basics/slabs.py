@@ -17,7 +17,7 @@ import numpy.typing as npt
 from stochlin.kernels.basics.arrays import Array
 
 CHUNK = 16384  # cells of a slab
-WIDTH = 128  # of these along the last dimension, of which the others are columns
+SLAB_WIDTH = 128  # of these along the last dimension, of which the others are columns
 
 
 def in_slabs(
@@ -51,7 +51,7 @@ def _slabs(shape: tuple[int, ...]) -> Iterator[tuple[slice, ...]]:
     sizes = list[int]()
     left = CHUNK
     for axis in reversed(range(len(shape))):
-        widest = left if sizes else max(WIDTH, CHUNK // max(1, math.prod(shape[:axis])))
+        widest = left if sizes else max(SLAB_WIDTH, CHUNK // max(1, math.prod(shape[:axis])))
         sizes.insert(0, max(1, min(shape[axis], widest, left)))
         left //= sizes[0]
     for begins in product(*(range(0, n, size) for n, size in zip(shape, sizes, strict=True))):

@@ -6,8 +6,8 @@ import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
 
-APART = 1e-150, 1e150  # beyond these the correlation is zero in floating point
-SMALL = 1e-60  # damping ratio below which products of four may vanish
+RATIOS_WITH_CORRELATION = 1e-150, 1e150  # beyond these the correlation is zero in floating point
+SMALL_DAMPING = 1e-60  # damping ratio below which products of four may vanish
 
 
 def double_difference(peak_1: Array, peak_2: Array, rho: Array) -> Array:
@@ -75,11 +75,13 @@ def white_noise_correlation(
     with np.errstate(all="ignore"):
         b = np.sqrt(period_2 / period_1)  # w1 over the geometric mean of w1 and w2
         rho = _rho(b, damping_1, damping_2, 1.0)
-        if np.all(np.isfinite(rho)) and not np.any(np.minimum(damping_1, damping_2) < SMALL):
+        if np.all(np.isfinite(rho)) and not np.any(
+            np.minimum(damping_1, damping_2) < SMALL_DAMPING
+        ):
             return rho
         # Damping ratios in a power of two, which changes no digit, so that no product vanishes.
         unit = np.ldexp(1.0, np.frexp(np.maximum(damping_1, damping_2))[1])
-        return _rho(np.clip(b, *APART), damping_1 / unit, damping_2 / unit, unit)
+        return _rho(np.clip(b, *RATIOS_WITH_CORRELATION), damping_1 / unit, damping_2 / unit, unit)
 
 
 def _rho(b: Array, xi_1: Array, xi_2: Array, unit: Array | float) -> Array:

@@ -22,9 +22,10 @@ import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
 
-LEFT = 1e-3  # added to the variance that is independent of the references, against division by zero
-AXES = 4  # period, strength, hardening, damping
-ENTRIES = AXES * (AXES + 1) // 2  # of a symmetric matrix over these axes
+# added to the variance that is independent of the references, against division by zero
+ADDED_VARIANCE = 1e-3
+PARAMETER_AXES = 4  # period, strength, hardening, damping
+ENTRIES = PARAMETER_AXES * (PARAMETER_AXES + 1) // 2  # of a symmetric matrix over these axes
 MIDDLE = 2 / 3  # q at which the weight w of eq. (13) is a half
 WEIGHT = 0.5  # weight of eq. (12) beside eq. (11), whose errors are equal and independent
 SAFE = 0.12  # margin on ln(1 - rho), up to twice this for structures independent of the references
@@ -44,7 +45,7 @@ def by_signatures(derived: Array, first: Signature, second: Signature) -> Array:
 
     For structures without a correction it is equal to the derived correlation.
     """
-    rho = first.ratio * second.ratio * (derived + LEFT) - LEFT
+    rho = first.ratio * second.ratio * (derived + ADDED_VARIANCE) - ADDED_VARIANCE
     rho = rho + product(first.simulated, second.simulated) - product(first.derived, second.derived)
     return np.where(np.isnan(rho), derived, np.clip(rho, -1.0, 1.0))
 
@@ -62,7 +63,7 @@ def product(left: Array, right: Array) -> Array:
 class Nearness(NamedTuple):
     """The quantities of a structure in eqs. (12) and (13)."""
 
-    place: Array  # (AXES, ...) logarithms of its properties
+    place: Array  # (PARAMETER_AXES, ...) logarithms of its properties
     matrix: Array  # (ENTRIES, ...) lower triangle of the matrix G of eq. (12), row by row
     trust: Array  # factor from 0 to 1 on the weight of eq. (13)
 
@@ -78,7 +79,7 @@ def by_nearness(
     apart = [place - other for place, other in zip(first.place, second.place, strict=True)]
     q: Array | float = 0.0
     rows = zip(first.matrix, second.matrix, strict=True)
-    for i in range(AXES):
+    for i in range(PARAMETER_AXES):
         along: Array | float = 0.0
         for j in range(i + 1):
             entry, other = next(rows)

@@ -25,11 +25,11 @@ from stochlin.kernels.linearization.spectral_moments import bandwidth_of
 
 # Nodes of the integral for l1 over ln s [1/s], with errors e^(-pi^2/h) by their step, and of 2
 # e^-10 by their range for frequencies of 0.06 to 600 rad/s.
-STEP = 0.7
-NODES = np.exp(STEP * np.arange(-18, 24))[:, None]
+L1_STEP = 0.7
+L1_NODES = np.exp(L1_STEP * np.arange(-18, 24))[:, None]
 LEAST_EASE = 0.3  # factor of eq. (6) by which a correction of rho is divided at least
 LEAST_MEMORY = 1e-6  # correlation of the offset from an instant to the next
-EQUAL = 1e-10  # variance of a difference over those of both, below which it is 0
+LEAST_VARIANCE = 1e-10  # variance of a difference over those of both, below which it is 0
 MOST_BEHIND = 1e4  # squared level of a motion over that of the structures in it
 
 Polynomial = tuple[Any, Any, Any]  # coefficients of 1, s and s^2
@@ -76,7 +76,11 @@ def pair_rows(first: AtLevels, second: AtLevels, added: Array) -> PairRows:
     rows_2 = second.rows
     level = first.level
     shared = rows_1.slow_push * rows_2.slow_push / (rows_1.slow_rate + rows_2.slow_rate)
-    l1 = (2 / np.pi) * STEP * (NODES * decay(first, second, joint, ahead, velocity)).sum(axis=0)
+    l1 = (
+        (2 / np.pi)
+        * L1_STEP
+        * (L1_NODES * decay(first, second, joint, ahead, velocity)).sum(axis=0)
+    )
     l2 = first.own.v_v + second.own.v_v - 2 * velocity
     l0 = first.own.mu_mu + second.own.mu_mu - 2 * joint
     return PairRows(
@@ -121,10 +125,11 @@ def _integral(of_pair: Residues, p: Polynomial, q: Polynomial) -> Array:
 
 
 def decay(first: AtLevels, second: AtLevels, joint: Array, ahead: Array, velocity: Array) -> Array:
-    """``-Int_0^inf R'(tau) e^(-s tau) dtau`` at `NODES`; ``R`` is the correlation of ``u_1 - u_2``.
+    """``-Int_0^inf R'(tau) e^(-s tau) dtau`` at `L1_NODES`.
 
-    The covariances of both structures are ``joint``, ``E[u_1 v_2] = ahead`` and ``velocity``. It is
-    as in `spectral_moments`, for two structures whose states have covariances with ``u_1 - u_2``.
+    ``R`` is the correlation of ``u_1 - u_2``. The covariances of both structures are ``joint``,
+    ``E[u_1 v_2] = ahead`` and ``velocity``. It is as in `spectral_moments`, for two structures
+    whose states have covariances with ``u_1 - u_2``.
     """
     drive = first.later - second.later
     forcing = first.forcing.mu - second.forcing.mu
@@ -151,7 +156,7 @@ def _decay(
     now and later.
     """
     w2, d, h, p, k = system
-    s = NODES
+    s = L1_NODES
     slip = w2 * place + d * rate - forcing - rates  # h times the covariance of the slip
     right = (s + k) * (w2 * place - s * (drive + rate)) - (s * slip + h * k * place)
     decays: Array = right / ((s + k) * ((s + d) * s + w2) - h * (k + p * s))
@@ -226,7 +231,7 @@ def _stays(rows: StructureRows, step: float) -> Array:
 def _but_rounding(first: Array, second: Array, joint: Array) -> Array:
     """Variance of a difference; 0 where it is a rounding error of structures that move together."""
     variance = first + second - 2 * joint
-    return np.where(variance > EQUAL * (first + second), variance, 0.0)
+    return np.where(variance > LEAST_VARIANCE * (first + second), variance, 0.0)
 
 
 def _share(part: Array, whole: Array) -> Array:

@@ -21,12 +21,13 @@ from stochlin.kernels.correlation.errors import (
 from stochlin.kernels.linearization.covariance import Motion, pair_covariance
 from stochlin.kernels.linearization.drift import DriftingSide, drifting_correlation
 
-EQUAL = 1e-12  # difference of two correlations that is a rounding error
-ROUNDING = 1e-9  # by which |rho| may exceed 1 by rounding; beyond it the covariance is invalid
+EQUAL_CORRELATIONS = 1e-12  # difference of two correlations that is a rounding error
+# by which |rho| may exceed 1 by rounding; beyond it the covariance is invalid
+ROUNDING_OF_CORRELATION = 1e-9
 # Logarithm of the ratio of the periods from which the margin of eq. (13) counts in the caution. Of
 # pairs with more similar periods, the difference comes from strength, hardening and damping alone,
 # and its estimate is less certain.
-ALIKE = 0.015
+DISTINCT_PERIODS = 0.015
 
 
 class Linear(NamedTuple):
@@ -85,7 +86,7 @@ def drifting_pair(errors: Array, first: Drifting, second: Drifting) -> tuple[Arr
     )
     apart = np.where(error == 0, 0.0, where_finite(apart, error))
     lean = where_finite(lean, apart)
-    unlike = np.abs(first.period - second.period) >= ALIKE
+    unlike = np.abs(first.period - second.period) >= DISTINCT_PERIODS
     counted = apart - np.where(unlike, lean / 2, 0.0)
     return rho, error, std_of_difference(first.std, second.std, rho), apart, lean, counted
 
@@ -100,7 +101,7 @@ def compared_pair(errors: Array, first: Compared, second: Compared) -> tuple[Arr
     rho = linear_pair(first.linear, second.linear)
     true, error, _, _ = _drifting(errors, first.true, second.true)
     elastic = first.true.elastic & second.true.elastic
-    bias = np.where(elastic | (np.abs(rho - true) < EQUAL), 0.0, rho - true)
+    bias = np.where(elastic | (np.abs(rho - true) < EQUAL_CORRELATIONS), 0.0, rho - true)
     bias = where_finite(bias, rho, error)
     difference = std_of_difference(*stds, rho)
     off = bias_of_difference(difference, *stds, first.bias, second.bias, rho, bias)
@@ -125,7 +126,7 @@ def _drifting(errors: Array, first: Drifting, second: Drifting) -> tuple[Array, 
 def _bounded(rho: Array) -> Array:
     """``rho`` from -1 to 1, where it is so but for rounding errors, and otherwise NaN."""
     bounded = np.where(1 - rho < NONE_LEFT, 1.0, np.maximum(rho, -1.0))
-    return np.where(np.abs(rho) <= 1 + ROUNDING, bounded, np.nan)
+    return np.where(np.abs(rho) <= 1 + ROUNDING_OF_CORRELATION, bounded, np.nan)
 
 
 @np.errstate(all="ignore")  # pairs with extreme parameters are NaN

@@ -36,30 +36,30 @@ UNIVERSAL = (gaussian, clipped)  # closures of one law without parameters
 # Range of log sz: below it slip has no effect on the response in double precision, above it the
 # shaking is a thousand times too strong for the structure; and points between which the functions
 # are cubic.
-FIRST = float(np.log(0.04))
-LAST = float(np.log(400.0))
-POINTS = 4096
-WIDTH = (LAST - FIRST) / (POINTS - 1)
+LEAST_LOG_SZ = float(np.log(0.04))
+LARGEST_LOG_SZ = float(np.log(400.0))
+POINTS_OF_CUBICS = 4096
+SPACING = (LARGEST_LOG_SZ - LEAST_LOG_SZ) / (POINTS_OF_CUBICS - 1)
 SOLVING = 12  # Newton's steps for the correlations
 # The damping c, with which cells need 4 to 6 steps on average; and that after so many steps, for
 # cells whose steps overshoot again and again.
-DAMPING = 0.3
+BALANCE_DAMPING = 0.3
 LATER = 2.0
 ENOUGH = 6
 
 
 @cache
 def functions_of(closure: Closure) -> Array:
-    """Cubics (4, 4, POINTS - 1) in the distance from the point before, highest power first.
+    """Cubics (4, 4, points - 1) in the distance from the point before, highest power first.
 
     Their values are the logarithms of ``1 + c_e``, ``k_e/sv`` and ``Var z``, and ``atanh r``.
     """
-    places = np.linspace(FIRST, LAST, POINTS)
+    places = np.linspace(LEAST_LOG_SZ, LARGEST_LOG_SZ, POINTS_OF_CUBICS)
     sz = np.exp(places)
-    none = np.empty((0, POINTS))
+    none = np.empty((0, POINTS_OF_CUBICS))
 
     def excess(correlated: Array) -> Array:
-        latent = np.array([np.ones(POINTS), sz, np.tanh(correlated)])
+        latent = np.array([np.ones(POINTS_OF_CUBICS), sz, np.tanh(correlated)])
         (slip, relaxation), (_, z_z, v_z) = closure(latent, none)
         return (1 - slip) * v_z - relaxation * z_z
 
@@ -68,7 +68,7 @@ def functions_of(closure: Closure) -> Array:
         off = excess(correlated)
         slope = (excess(correlated + ALONG) - off) / ALONG
         correlated = correlated - np.clip(off / slope, -1, 1)
-    latent = np.array([np.ones(POINTS), sz, np.tanh(correlated)])
+    latent = np.array([np.ones(POINTS_OF_CUBICS), sz, np.tanh(correlated)])
     (slip, relaxation), (_, z_z, _) = closure(latent, none)
     values = np.array([*np.log([slip, relaxation, z_z]), correlated])
     return np.ascontiguousarray(CubicSpline(places, values, axis=1).c.swapaxes(1, 2))
@@ -76,8 +76,11 @@ def functions_of(closure: Closure) -> Array:
 
 def interpolated(functions: Array, place: Array) -> tuple[Array, Array]:
     """Values and slopes (k, n) of ``functions`` (4, k, m) at ``log sz``."""
-    piece = np.clip((place - FIRST) / WIDTH, 0, POINTS - 2).astype(np.intp)
-    return cubic(functions.take(piece, axis=2, mode="clip"), place - (FIRST + WIDTH * piece))
+    piece = np.clip((place - LEAST_LOG_SZ) / SPACING, 0, POINTS_OF_CUBICS - 2).astype(np.intp)
+    return cubic(
+        functions.take(piece, axis=2, mode="clip"),
+        place - (LEAST_LOG_SZ + SPACING * piece),
+    )
 
 
 def cubic(coefficients: Any, x: Any) -> tuple[Any, Any]:
@@ -91,10 +94,10 @@ def cubic(coefficients: Any, x: Any) -> tuple[Any, Any]:
 
 def interpolated_number(functions: Array, number: int, place: float) -> tuple[Any, Any]:
     """`interpolated` of one of the functions, at a number."""
-    piece = int(min(max((place - FIRST) / WIDTH, 0.0), POINTS - 2.0))
+    piece = int(min(max((place - LEAST_LOG_SZ) / SPACING, 0.0), POINTS_OF_CUBICS - 2.0))
     row = functions[:, number, piece]
     coefficients = float(row[0]), float(row[1]), float(row[2]), float(row[3])
-    return cubic(coefficients, place - (FIRST + WIDTH * piece))
+    return cubic(coefficients, place - (LEAST_LOG_SZ + SPACING * piece))
 
 
 def newton_step(
@@ -117,7 +120,7 @@ def newton_step(
     v_by_z = 0.5 / ALONG * (after_z.v_v / response.v_v - 1)
     z_by_z = 0.5 / ALONG * (after_z.z_z / response.z_z - 1)
     norm = np.sqrt(off_v * off_v + off_z * off_z)
-    push = (DAMPING if number <= ENOUGH else LATER) * norm
+    push = (BALANCE_DAMPING if number <= ENOUGH else LATER) * norm
     a = 1 + push - v_by_v
     d = 0.5 * z_z_by_z + push - z_by_z
     determinant = a * d - v_by_z * z_by_v
@@ -144,7 +147,7 @@ def settled(
     """
     norm = np.inf
     for number in range(1, most + 1):
-        if not (math.isfinite(v + z) and z < LAST):
+        if not (math.isfinite(v + z) and z < LARGEST_LOG_SZ):
             return v, z, number, norm, False
         slip, slip_by_z = interpolated_number(functions, 0, z)
         relaxation, relaxation_by_z = interpolated_number(functions, 1, z)
@@ -186,7 +189,7 @@ class BalancedStructures(NamedTuple):
         soil = Soil(tuple(self.ground), self.oscillators)
         step_v, step_z, change, norm = newton_step(v, z, number, closed, self.structure, soil)
         done = (change <= self.rtol) & (norm <= LARGEST_MISMATCH)
-        return np.array([step_v, step_z]), np.where(z < LAST, norm, np.nan), done
+        return np.array([step_v, step_z]), np.where(z < LARGEST_LOG_SZ, norm, np.nan), done
 
     def one_by_one(self, start: Array, most: int) -> FixedPoint:
         """Fixed points of a few cells by numbers, which take a tenth of the time of short arrays.

@@ -31,17 +31,17 @@ from stochlin.kernels.linearization.gaussian import SlipQuadrant, slip_quadrant
 from stochlin.kernels.linearization.grounds import followed
 
 ORDERS = 12  # orders of the Laguerre series; the rest counts as one more order
-NODES = 40  # nodes of the quadrature over amplitudes
+AMPLITUDE_NODES = 40  # nodes of the quadrature over amplitudes
 HALF_CYCLES = 40  # summed in eq. (3); even, so that with Bartlett's window (-1)^n has a zero sum
-MOTION = 1e6  # time over which the drift can grow from rest, in elastic periods
+PERIODS_OF_GROWTH = 1e6  # time over which the drift can grow from rest, in elastic periods
 DOUBLINGS = 3  # half-cycles are followed one by one up to 2^3, and then by steps of these
 TAYLOR = 1 / factorial(np.arange(13))  # coefficients of the series of an exponential
 LARGEST_MODE = 1e4  # over the variance of z, up to which modes are summed
-SMALL = 0.5  # largest rate of a matrix to which the series is applied
+SERIES_RATE = 0.5  # largest rate of a matrix to which the series is applied
 
-_EXCESS, _WEIGHT = laggauss(NODES)
-_POLYNOMIALS = _WEIGHT * lagvander(_EXCESS, ORDERS).T  # (orders + 1, nodes), times the weights
-_EXCESS = _EXCESS[:, None]
+_NODE, _WEIGHT = laggauss(AMPLITUDE_NODES)
+_POLYNOMIALS = _WEIGHT * lagvander(_NODE, ORDERS).T  # (orders + 1, nodes), times the weights
+_EXCESS = _NODE[:, None]
 
 
 class Drift(NamedTuple):
@@ -82,7 +82,7 @@ def drift_of(system: EquivalentSystem, latent: Array, ground: Filter) -> Drift:
     total = sum(orders)  # row by row, so that rounding does not depend on the number of cells
     intensity = total / cycles.time
     rate = _relaxation(system, latent, slip)
-    grown = -np.expm1(-2 * rate * MOTION * 2 * np.pi / np.sqrt(system.stiffness))
+    grown = -np.expm1(-2 * rate * PERIODS_OF_GROWTH * 2 * np.pi / np.sqrt(system.stiffness))
     variance = grown * (system.coupling / system.stiffness) ** 2 * intensity / (2 * rate)
     without_drift = variance == 0
     shares = np.where(without_drift, 0.0, orders / total)
@@ -278,7 +278,11 @@ def _exponentials(matrices: Array, rates: Array) -> Array:
 
     The Taylor series is summed by powers of the fourth power.
     """
-    halvings = np.where(np.isfinite(rates), np.ceil(np.log2(np.maximum(rates, SMALL) / SMALL)), 0.0)
+    halvings = np.where(
+        np.isfinite(rates),
+        np.ceil(np.log2(np.maximum(rates, SERIES_RATE) / SERIES_RATE)),
+        0.0,
+    )
     first = matrices * 0.5 ** halvings[:, None, None]
     second = first @ first
     third = second @ first

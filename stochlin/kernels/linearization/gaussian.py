@@ -14,11 +14,10 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import gamma, ndtr, owens_t
 
-from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.arrays import SQRT_2PI, Array
 
-SQRT_2PI = math.sqrt(2 * math.pi)
 # Series of E[x^2; |x| < h]/(h^3 phi(h)) in h^2/2 for h < 1, the highest term first.
-NARROW = tuple(math.gamma(2.5) / (1.5 * math.gamma(2.5 + n)) for n in range(14, -1, -1))
+NARROW_SERIES = tuple(math.gamma(2.5) / (1.5 * math.gamma(2.5 + n)) for n in range(14, -1, -1))
 
 
 class ClosureValue(NamedTuple):
@@ -94,7 +93,7 @@ def within_yield(h: Array) -> tuple[Array, Array, Array]:
     tail = ndtr(-h)
     between = 2 * h * np.exp(-half) / SQRT_2PI
     series = 0.0 * h
-    for coefficient in NARROW:
+    for coefficient in NARROW_SERIES:
         series = series * half + coefficient
     square = np.where(h < 1, half * between * series, 1 - 2 * tail - between)
     return square + between, square, 2 * tail

@@ -17,12 +17,12 @@ from stochlin.kernels.basics.arrays import Array
 LOADS = np.linspace(0.02, 6, 150)  # amplitudes of the load over its standard deviation
 RAYLEIGH = LOADS * np.exp(-0.5 * LOADS**2)
 SIZES = np.geomspace(1e-3, 3e3, 500)  # amplitudes of a structure over its yield displacement
-RISING = 1e-9  # share by which amplitudes increase at least from each to the next
-BEYOND = 0.5  # slope of the levels of the load above the largest amplitude of the load
-LEAST = 1e-3  # of a level
+LEAST_INCREASE = 1e-9  # share by which amplitudes increase at least from each to the next
+SLOPE_BEYOND_LOADS = 0.5  # slope of the levels of the load above the largest amplitude of the load
+LEAST_LOAD_LEVEL = 1e-3  # of a level
 # Shares of the load's level, over the damping ratio of the ground and over the smaller frequency of
 # the structures, over that of the ground.
-NARROW = (0.1, 0.2)
+NARROW_DAMPING = (0.1, 0.2)
 ABOVE = (1.0, 1.6)
 FAR_ABOVE = (1.5, 3.0)
 
@@ -57,7 +57,7 @@ class Harmonic(NamedTuple):
 def share_of_load(frequencies: Array, ground: float, damping: float) -> float:
     """Share of the load's level; the structures have these frequencies, the ground this damping."""
     ratio = float(np.min(frequencies)) / ground
-    rises = np.interp(ratio, ABOVE, (0, 1)) * np.interp(damping, NARROW, (1, 0))
+    rises = np.interp(ratio, ABOVE, (0, 1)) * np.interp(damping, NARROW_DAMPING, (1, 0))
     return float(max(rises, np.interp(ratio, FAR_ABOVE, (0, 1))))
 
 
@@ -71,13 +71,13 @@ def load_levels(structures: Sequence[Harmonic], std: float, share: float, levels
     first, *others = (structure.at(LOADS * std) for structure in structures)
     sizes = _rising(np.abs(first - sum(others)))
     sizes = sizes / np.sqrt((sizes**2 * RAYLEIGH).sum() / (2 * RAYLEIGH.sum()))
-    beyond = LOADS[-1] + BEYOND * (levels - sizes[-1])
+    beyond = LOADS[-1] + SLOPE_BEYOND_LOADS * (levels - sizes[-1])
     of_load = np.where(levels > sizes[-1], beyond, np.interp(levels, sizes, LOADS, left=0.0))
-    mixed: Array = levels ** (1 - share) * np.maximum(of_load, LEAST) ** share
+    mixed: Array = levels ** (1 - share) * np.maximum(of_load, LEAST_LOAD_LEVEL) ** share
     return mixed
 
 
 def _rising(values: Array) -> Array:
     """The values as far as they rise, and otherwise almost constant."""
-    rising: Array = np.maximum.accumulate(values) * (1 + RISING * np.arange(values.size))
+    rising: Array = np.maximum.accumulate(values) * (1 + LEAST_INCREASE * np.arange(values.size))
     return rising

@@ -21,7 +21,8 @@ import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
 
-WEAK = 0.3  # standard deviation of the elastic ductility at which hardly any structure yields
+# standard deviation of the elastic ductility at which hardly any structure yields
+WEAK_SHAKING = 0.3
 # rise of the logarithm of the shaking
 FIRST_RISE = 0.5
 LONGER = 2.0
@@ -31,7 +32,7 @@ ALONG = 1e-6  # step of the differences for slopes of the mismatch
 LARGEST_STEP = 1.0  # largest step in log(sigma) and atanh(corr)
 LARGEST_MISMATCH = 1e-7  # largest norm of the mismatch of a converged cell
 # largest distance of a solution from its extrapolation for the same branch of solutions
-NEAR = 0.05
+SAME_BRANCH = 0.05
 
 
 class FixedPoint(NamedTuple):
@@ -64,8 +65,8 @@ def follow(
 
     A level is the logarithm of the ratio of the shaking to the full one. It begins where hardly any
     spring yields. The solution at the next level is extrapolated linearly from the last two. A
-    solution that is farther than `NEAR` from its extrapolation belongs to another branch, and the
-    step is repeated with a lower level.
+    solution that is farther than `SAME_BRANCH` from its extrapolation belongs to another branch,
+    and the step is repeated with a lower level.
     """
     m = springs
     n = elastic.shape[1]
@@ -74,7 +75,7 @@ def follow(
     )  # of the unknowns by the level, first that of the elastic response
     slope[2 * m : 3 * m] = 0.0  # which keeps its correlations
     strongest = elastic[m : 2 * m].max(axis=0, initial=-np.inf)
-    level = np.minimum(0.0, np.log(WEAK) - strongest) - FIRST_RISE
+    level = np.minimum(0.0, np.log(WEAK_SHAKING) - strongest) - FIRST_RISE
     y = elastic + slope * level
     rise = np.full(n, FIRST_RISE)
     near = np.full(n, np.inf)  # the first solution may be anywhere
@@ -93,7 +94,7 @@ def follow(
         slope[:, on] = np.where(known, found_slope, slope[:, on])
         y[:, on] = reached[:, good]
         level[on] = at[good]
-        near[on] = NEAR
+        near[on] = SAME_BRANCH
         rise[cells] *= np.where(good, LONGER, SHORTER)
         cells = np.flatnonzero(~solution.converged & (rise > LEAST_RISE))
         if not cells.size:

@@ -24,15 +24,15 @@ from stochlin.kernels.linearization.covariance import (
 from stochlin.kernels.linearization.filters import Filter
 from stochlin.kernels.linearization.grounds import followed
 
-LEAST = 0.02  # lowest level for motions of one size
-STEPS = 15  # from it to 1
+LOWEST_LEVEL = 0.02  # lowest level for motions of one size
+STEPS_OF_LEVELS = 15  # from it to 1
 FINE = 8  # steps of a table between two levels
 AT_REST = 1e-12  # squared level of a motion that has not begun
 NEWTON = 5  # steps to a slow mode
 # The slow mode counts as part of the slow offset up to the first rate, over the frequency of the
 # structure, and as part of the fast response from the second one on.
-SLOW = 0.1
-FAST = 0.2
+SLOW_RATE = 0.1
+FAST_RATE = 0.2
 LARGEST_SLOW = 0.9  # share of the slow mode in the variance
 
 Rows = TypeVar("Rows", bound=tuple[Array, ...])
@@ -40,8 +40,8 @@ Rows = TypeVar("Rows", bound=tuple[Array, ...])
 
 def levels_for(spread: float) -> Array:
     """Levels up to 1 for motions of which the largest is so many times the smallest."""
-    steps = STEPS * np.log(spread / LEAST) / np.log(1 / LEAST)
-    return np.geomspace(LEAST / spread, 1.0, 1 + int(np.ceil(steps)))
+    steps = STEPS_OF_LEVELS * np.log(spread / LOWEST_LEVEL) / np.log(1 / LOWEST_LEVEL)
+    return np.geomspace(LOWEST_LEVEL / spread, 1.0, 1 + int(np.ceil(steps)))
 
 
 class Tables(NamedTuple):
@@ -150,7 +150,7 @@ def slow_mode(system: EquivalentSystem, soil: Filter, variance: Array) -> tuple[
         value = ((a2 - rate) * rate - a1) * rate + a0
         rate = rate - value / ((2 * a2 - 3 * rate) * rate - a1)
     residue = (system.relaxation - rate) / ((3 * rate - 2 * a2) * rate + a1)
-    weight = np.clip((FAST - rate / np.sqrt(system.stiffness)) / (FAST - SLOW), 0, 1)
+    weight = np.clip((FAST_RATE - rate / np.sqrt(system.stiffness)) / (FAST_RATE - SLOW_RATE), 0, 1)
     power = weight * residue**2 * 2 * np.pi * soil.intensity * soil.transmission(rate)
     slow = (rate > 0) & np.isfinite(power)
     power = np.minimum(power, LARGEST_SLOW * 2 * rate * variance)

@@ -16,11 +16,12 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import ndtr
 
-from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.linearization.gaussian import SQRT_2PI
+from stochlin.kernels.basics.arrays import SQRT_2PI, Array
 
-REACH = 12.0  # standard deviations that are integrated over; the density beyond is below 1e-31
-CELLS = 64  # cells computed together, so that their values at all nodes stay in the cache
+# standard deviations that are integrated over; the density beyond is below 1e-31
+DENSITY_REACH = 12.0
+# cells computed together, so that their values at all nodes stay in the cache
+CELLS_OF_EXPECTATIONS = 64
 # Kept, because a fixed point asks for the same nodes in every iteration.
 gauss_legendre = cache(np.polynomial.legendre.leggauss)
 GRADED = np.concatenate(
@@ -66,7 +67,7 @@ def even_expectation(function: SlipRate, latent: Array, parameters: Array, order
 def _moments(law: SlipRate, latent: Array, parameters: Array, order: int, powers: int) -> Array:
     """``M[a, b] = 2 E[w x^a t^b; x > 0]`` for ``x = v/sv``, ``t = z/sz``, (powers, powers, n)."""
     moments = np.empty((powers, powers, latent.shape[1]))
-    block = CELLS if law.rate_independent else 1 + CELLS // order
+    block = CELLS_OF_EXPECTATIONS if law.rate_independent else 1 + CELLS_OF_EXPECTATIONS // order
     for begin in range(0, latent.shape[1], block):
         cells = slice(begin, begin + block)
         of_block = law._replace(parameters=parameters[:, cells])
@@ -95,9 +96,15 @@ def _panels(
     Legendre in ``x`` with ``(3 x - x^3)/2`` as place in a panel. This makes a power of the distance
     to its end, such as that of ``|z|^1.5``, as smooth as twice the power.
     """
-    turn = np.minimum(6 * q / np.maximum(np.abs(r), 1e-3), REACH)
-    edges = [np.full_like(sz, -REACH), -turn, np.zeros_like(sz), turn, np.full_like(sz, REACH)]
-    edges += [np.clip(kink / sz, -REACH, REACH) for kink in kinks]
+    turn = np.minimum(6 * q / np.maximum(np.abs(r), 1e-3), DENSITY_REACH)
+    edges = [
+        np.full_like(sz, -DENSITY_REACH),
+        -turn,
+        np.zeros_like(sz),
+        turn,
+        np.full_like(sz, DENSITY_REACH),
+    ]
+    edges += [np.clip(kink / sz, -DENSITY_REACH, DENSITY_REACH) for kink in kinks]
     border = np.sort(np.concatenate(edges, axis=1), axis=1)
     x, weights = gauss_legendre(order)
     nodes = 0.5 * x * (3 - x * x)
@@ -129,7 +136,7 @@ def _inner_quadrature(
     small part of ``sv``.
     """
     nodes, weights = on_panels(GRADED, 2 * order // 5)
-    low, high = np.maximum(mean - REACH * q, 0), np.maximum(mean, 0) + REACH * q
+    low, high = np.maximum(mean - DENSITY_REACH * q, 0), np.maximum(mean, 0) + DENSITY_REACH * q
     width = (high - low)[..., None]
     x = low[..., None] + width * nodes
     weight = width * weights * np.exp(-0.5 * ((x - mean[..., None]) / q[..., None]) ** 2)

@@ -35,10 +35,10 @@ from stochlin.kernels.linearization.iteration import (
     nothing,
 )
 
-AT_LEVEL = 12  # iterations at one level of shaking
-STEPS = ALONG * np.eye(3, 4, 1)[..., None]  # no change, and one of each unknown
-DAMPING = 0.5  # c, with which the bilinear law needs 6 steps on average and at most 16
-FEW = 30  # steps in two unknowns, after which there are three
+ITERATIONS_AT_LEVEL = 12  # iterations at one level of shaking
+TRIAL_STEPS = ALONG * np.eye(3, 4, 1)[..., None]  # no change, and one of each unknown
+ITERATION_DAMPING = 0.5  # c, with which the bilinear law needs 6 steps on average and at most 16
+STEPS_IN_TWO_UNKNOWNS = 30  # steps in two unknowns, after which there are three
 FEW_CELLS = 4  # cells that are solved by numbers in place of arrays
 STUCK = 24  # steps after which a cell takes a largest one, out of a least mismatch that is not zero
 
@@ -84,11 +84,11 @@ class SingleStructures(NamedTuple):
 
     def step(self, unknowns: Array, number: int) -> tuple[Array, Array, Array]:
         """Step (3, n) from unknowns, norm of their mismatch, and whether they are a solution."""
-        mismatch = self.mismatch(unknowns[:, None] + STEPS)
+        mismatch = self.mismatch(unknowns[:, None] + TRIAL_STEPS)
         off = mismatch[:, 0]
         slopes = (mismatch[:, 1:] - mismatch[:, :1]) / ALONG
         norm = np.sqrt((off * off).sum(axis=0))
-        matrix: Any = DAMPING * norm * np.eye(3)[..., None] - slopes
+        matrix: Any = ITERATION_DAMPING * norm * np.eye(3)[..., None] - slopes
         step = np.array(solve_3x3(matrix, [*off]))
         step /= np.maximum(1.0, np.abs(step).max(axis=0) / LARGEST_STEP)
         change = np.abs([step[0], step[1], step[2] / np.cosh(unknowns[2]) ** 2]).max(axis=0)
@@ -128,7 +128,7 @@ def solve_structures(
         part = problem.at(cells)
 
         def settle(cells: Array, level: Array, guess: Array) -> FixedPoint:
-            return iterate(part.at(cells)._replace(level=level), guess, AT_LEVEL)
+            return iterate(part.at(cells)._replace(level=level), guess, ITERATIONS_AT_LEVEL)
 
         add(solution, cells, follow(settle, elastic[:, cells], 1, max_iterations))
     return solution
@@ -146,7 +146,7 @@ def balanced(problem: SingleStructures, start: Array, most: int) -> FixedPoint:
         problem.structure, ground, len(oscillators) // 2, functions, problem.rtol
     )
     solve = two.one_by_one if n <= FEW_CELLS else partial(iterate, two)
-    solution = solve(start[:2], min(most, FEW))
+    solution = solve(start[:2], min(most, STEPS_IN_TWO_UNKNOWNS))
     correlated, _ = interpolated(functions[:, 3:], solution.unknowns[1])
     return solution._replace(unknowns=np.concatenate([solution.unknowns, correlated]))
 

@@ -28,10 +28,13 @@ from stochlin.kernels.linearization.covariance import (
 )
 from stochlin.kernels.linearization.filters import Filter
 
-STEP = 0.33  # h of x, with an error of e^(-pi^2/h), about 5e-13
-REACH = 29.0  # range of x, with an error of 2 e^-reach, likewise
-NODES = np.exp(STEP * np.arange(-int(REACH / STEP), int(REACH / STEP) + 1))
-CELLS = 128  # cells computed together, so that their values at all nodes stay in the cache
+MOMENT_STEP = 0.33  # h of x, with an error of e^(-pi^2/h), about 5e-13
+MOMENT_REACH = 29.0  # range of x, with an error of 2 e^-reach, likewise
+MOMENT_NODES = np.exp(
+    MOMENT_STEP * np.arange(-int(MOMENT_REACH / MOMENT_STEP), int(MOMENT_REACH / MOMENT_STEP) + 1)
+)
+# cells computed together, so that their values at all nodes stay in the cache
+CELLS_OF_MOMENTS = 128
 
 
 class SpectralMoments(NamedTuple):
@@ -55,15 +58,17 @@ def displacement_moments(
     """Spectral moments of one structure's displacement, for cells (n,)."""
     own = own_covariance(system, forcing)
     l1 = np.empty_like(own.mu_mu)
-    for begin in range(0, l1.size, CELLS):
-        cells = slice(begin, begin + CELLS)
+    for begin in range(0, l1.size, CELLS_OF_MOMENTS):
+        cells = slice(begin, begin + CELLS_OF_MOMENTS)
         part = EquivalentSystem(*(row[cells, None] for row in system))
         mu = own.mu_mu[cells, None]
         mu_z = own.mu_z[cells, None]
         v_v = own.v_v[cells, None]
-        s = np.sqrt(v_v / mu) * NODES
+        s = np.sqrt(v_v / mu) * MOMENT_NODES
         drive = ground.at((cells, None)).later(part, s)
-        l1[cells] = (2 / np.pi) * STEP * (s * _decay(part, mu, mu - mu_z, drive, s)).sum(axis=1)
+        l1[cells] = (
+            (2 / np.pi) * MOMENT_STEP * (s * _decay(part, mu, mu - mu_z, drive, s)).sum(axis=1)
+        )
     return SpectralMoments(own.mu_mu, l1, own.v_v)
 
 

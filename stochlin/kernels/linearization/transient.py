@@ -27,7 +27,7 @@ from stochlin.kernels.linearization.systems.state_space import state_space
 
 PHASE = 0.25  # length of a step, as phase of the fastest motion that is followed [rad]
 FIRST_PHASE = 0.1  # the same while a motion begins
-FIRST = 30.0  # how long that is, as phase [rad]
+LENGTH_OF_BEGINNING = 30.0  # how long that is, as phase [rad]
 STABLE = 3.0  # ratio of the fastest oscillation or decay of all to the one that is followed
 LEAST_PHASE = 4e-3  # shortest step, as the same phase
 FIRST_STEPS = 0.5 ** np.arange(
@@ -150,7 +150,7 @@ class TransientSystems:
         steps = 2
         while steps > 1:
             at_begin, fastest = self.rates(time, state)
-            phase = PHASE if time * self.followed > FIRST else FIRST_PHASE
+            phase = PHASE if time * self.followed > LENGTH_OF_BEGINNING else FIRST_PHASE
             if not fastest * LEAST_PHASE < self.followed * PHASE:
                 raise ArithmeticError(
                     f"the covariance equations need steps of less than {PHASE / fastest:.2g} s at "

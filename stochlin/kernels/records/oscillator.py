@@ -3,7 +3,7 @@
 The ground acceleration is linear between its samples, the structure is linear on each of its
 branches, and changes of branch are located within a step: the response has no error of
 discretization. Each interval of the record is divided into sub-steps of ``h`` seconds, with ``w h``
-at most `LONGEST`. Their Taylor series gives the solution to rounding error, without the
+at most `LARGEST_PHASE_STEP`. Their Taylor series gives the solution to rounding error, without the
 cancellations of the closed form, and a cubic polynomial through the values and rates at both ends
 gives peaks with a relative error of a few 1e-4.
 """
@@ -26,7 +26,7 @@ HIGHEST, DISPLACEMENT, VELOCITY, ACCELERATION, RADIUS, RHO = range(PEAKS)
 STATE = 5
 INPUT = 3
 HYSTERETIC = 4
-LONGEST = 1 / 3  # largest w h [rad]; the damping 2 xi w h is then below 2/3
+LARGEST_PHASE_STEP = 1 / 3  # largest w h [rad]; the damping 2 xi w h is then below 2/3
 TERMS = 18  # of the Taylor series; those left out are below (2/3)^14 4! / 18!, 1e-17 of the first
 # error of the time of a change of branch, and least time between two, in sub-steps
 SMALLEST = 1e-12
@@ -201,7 +201,7 @@ def turning(length, value, rate, value1, rate1):
 def _oscillator(parameters, step):
     """The structure with parameters (4,) of `run`, and its number of sub-steps in a step [s]."""
     w, xi, alpha, uy = parameters
-    each = max(1, int(np.ceil(w * step / LONGEST)))
+    each = max(1, int(np.ceil(w * step / LARGEST_PHASE_STEP)))
     h = step / each
     damping = 2 * xi * w
     stiffness = (w * w, alpha * w * w)

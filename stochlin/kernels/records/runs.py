@@ -9,11 +9,11 @@ import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, in_order
-from stochlin.kernels.records.oscillator import LONGEST, PEAKS, STATE, run
+from stochlin.kernels.records.oscillator import LARGEST_PHASE_STEP, PEAKS, STATE, run
 
-PAIR = 2.0  # number of sub-steps of a pair over that of its stiffer structure alone
+FINER_FOR_PAIRS = 2.0  # number of sub-steps of a pair over that of its stiffer structure alone
 EACH = 20.0  # what a structure takes besides its sub-steps, in sub-steps
-BLOCK = 1e5  # least number of sub-steps of a task, some milliseconds
+LEAST_SUBSTEPS = 1e5  # least number of sub-steps of a task, some milliseconds
 MOST_TASKS = 1e4  # most tasks
 NO_PATH = np.empty((0, STATE))
 
@@ -28,8 +28,8 @@ class SampledMotion(NamedTuple):
 def sub_steps(ground: SampledMotion, *sides: Array) -> Array:
     """Number of sub-steps (n,) in an interval of the ground, of structures or of pairs of them."""
     stiffest = np.max([parameters[:, 0] for parameters in sides], axis=0)
-    finer = PAIR if len(sides) == 2 else 1.0
-    return np.maximum(1, np.ceil(finer * stiffest * ground.dt / LONGEST).astype(int))
+    finer = FINER_FOR_PAIRS if len(sides) == 2 else 1.0
+    return np.maximum(1, np.ceil(finer * stiffest * ground.dt / LARGEST_PHASE_STEP).astype(int))
 
 
 def work_of(ground: SampledMotion, *sides: Array) -> Array:
@@ -58,7 +58,7 @@ def peaks_on_records(
     cells = np.ascontiguousarray(np.stack(sides, axis=1))
     results = np.zeros((len(grounds), *cells.shape[:2], PEAKS + STATE))
     work = [work_of(ground, *sides) for ground in grounds]
-    least = max(BLOCK, sum(each.sum() for each in work) / MOST_TASKS)
+    least = max(LEAST_SUBSTEPS, sum(each.sum() for each in work) / MOST_TASKS)
     tasks = [
         (number, cells_of) for number, each in enumerate(work) for cells_of in _blocks(each, least)
     ]

@@ -44,8 +44,9 @@ class ForceLaw(NamedTuple):
     tension: bool = True
 
 
-_FIELDS = [(name, type(value)) for name, value in ForceLaw()._asdict().items()]
-LAW = np.dtype((np.record, np.dtype(_FIELDS, align=True)))  # a record: fields are also attributes
+_FIELDS_OF_LAW = [(name, type(value)) for name, value in ForceLaw()._asdict().items()]
+# a record: fields are also attributes
+LAW = np.dtype((np.record, np.dtype(_FIELDS_OF_LAW, align=True)))
 
 
 def law_table(laws: Iterable[ForceLaw]) -> Array:

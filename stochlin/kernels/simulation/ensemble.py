@@ -42,7 +42,7 @@ from stochlin.kernels.simulation.time_step import (
     system_block,
 )
 
-STRENGTHS = 1  # number of the stream, within that of a group, of the factors on the motions
+STRENGTH_STREAM = 1  # number of the stream, within that of a group, of the factors on the motions
 SAMPLES = 32  # default number of samples of a block, which then fits the second-level cache
 
 Block = Callable[..., None]
@@ -330,7 +330,7 @@ class MotionGroup:
 def strengths(plan: Plan, group: int) -> Array:
     """Random factors (LANES,) on the ground accelerations of the motions of a group."""
     normal = np.empty((1, LANES))
-    fill_normal(generator_state(plan.seed, group, LANES, STRENGTHS), normal)
+    fill_normal(generator_state(plan.seed, group, LANES, STRENGTH_STREAM), normal)
     factors: Array = np.exp(plan.scatter * normal[0])
     return factors
 

@@ -20,8 +20,8 @@ import numpy as np
 from stochlin.kernels.basics.compiled import by_pointer, called_often, compiled
 from stochlin.kernels.basics.powers import exponential, logarithm
 
-# Kinds of elements. Those from OTHER on have laws with rates or of straight branches.
-KINDS = LINEAR, BILINEAR, VISCOUS, OTHER = range(4)
+# Kinds of elements. Those from OTHER_LAW on have laws with rates or of straight branches.
+KINDS_OF_ELEMENTS = LINEAR, BILINEAR, VISCOUS, OTHER_LAW = range(4)
 ROUGH = 0.001  # difference of both rules in a state, over 1 + its size, that asks for substeps
 SIXTH = 1.0 / 6.0
 MOST_SUBSTEPS = 1024  # of a step
@@ -166,8 +166,8 @@ BOUC_WEN = rate_law(_of_any_power, 1, "Bouc-Wen")
 def by_number(laws: tuple[RateLaw, ...]) -> Any:
     """One function ``law(kind, lanes, v, w, own, dt, new, apart)`` for laws with rates or branches.
 
-    The ``laws`` have the kinds OTHER, OTHER + 1 and so on. The function is a C function, so that a
-    new law compiles no time step.
+    The ``laws`` have the kinds OTHER_LAW, OTHER_LAW + 1 and so on. The function is a C function, so
+    that a new law compiles no time step.
     """
     chosen = _no_law
     names = repr([(law.name, law.states) for law in laws])
@@ -186,8 +186,8 @@ def _no_law(kind, lanes, v, w, own, dt, new, apart):
 
 
 def _either(number: int, law: Any, others: Any, name: str) -> Any:
-    """Function that takes ``law`` for the kind OTHER + ``number``, ``others`` for other kinds."""
-    kind_of_law = OTHER + number
+    """Function that takes ``law`` for OTHER_LAW + ``number``, ``others`` for other kinds."""
+    kind_of_law = OTHER_LAW + number
 
     @compiled
     @partial(named, name)

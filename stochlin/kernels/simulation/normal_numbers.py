@@ -28,8 +28,8 @@ POLYNOMIAL = (
 )
 _C0, _C1, _C2, _C3 = POLYNOMIAL
 _MIDDLE = 2.0 * 65535.0
-_SCALE = 1.0 / np.sqrt((2.0**32 - 1) / 3.0)
-_FIELDS = np.uint64(0x0000FFFF0000FFFF)  # two of the four fields
+_INVERSE_STD = 1.0 / np.sqrt((2.0**32 - 1) / 3.0)
+_TWO_FIELDS = np.uint64(0x0000FFFF0000FFFF)  # two of the four fields
 _SUM = np.uint64(0x3FFFF)
 _S16, _S17, _S19, _S32, _S45 = (np.uint64(n) for n in (16, 17, 19, 32, 45))
 # The bits of the number 2^52, whose last bit counts 1. Put into its last bits, a smaller whole
@@ -72,9 +72,9 @@ def _fill_normal(state, words, out):
             d ^= b
             s0[lane], s1[lane] = a ^ d, b ^ c
             s2[lane], s3[lane] = c ^ shifted, (d << _S45) | (d >> _S19)
-            pairs = (bits & _FIELDS) + ((bits >> _S16) & _FIELDS)
+            pairs = (bits & _TWO_FIELDS) + ((bits >> _S16) & _TWO_FIELDS)
             words[step, lane] = ((pairs + (pairs >> _S32)) & _SUM) | _LARGE
         for lane in range(out.shape[1]):
-            x = (out[step, lane] - _LARGE_MIDDLE) * _SCALE
+            x = (out[step, lane] - _LARGE_MIDDLE) * _INVERSE_STD
             q = x * x
             out[step, lane] = x * (_C0 + q * (_C1 + q * (_C2 + q * _C3)))

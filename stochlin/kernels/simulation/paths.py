@@ -10,7 +10,7 @@ import numpy as np
 
 from stochlin.kernels.basics.compiled import called_often, compiled, entry
 from stochlin.kernels.basics.powers import exponential, logarithm
-from stochlin.kernels.simulation.laws import OTHER, RateLaw, advance
+from stochlin.kernels.simulation.laws import OTHER_LAW, RateLaw, advance
 
 
 @called_often
@@ -114,7 +114,7 @@ def follow(law, states, extension, own, z):
     z[0] = 0.0
     for point in range(1, extension.size):
         pace[0] = extension[point] - extension[point - 1]
-        advance(law, OTHER, 1, pace, w, own, 1.0, after)
+        advance(law, OTHER_LAW, 1, pace, w, own, 1.0, after)
         for k in range(states):
             w[k, 0] = after[k, 0]
         z[point] = w[0, 0]

@@ -31,7 +31,7 @@ class Elements(NamedTuple):
     """
 
     system: System  # its strength is infinite for a linear element
-    kind: Array  # (e,): one of `laws.KINDS`, or a larger number
+    kind: Array  # (e,): one of `laws.KINDS_OF_ELEMENTS`, or a larger number
     states: Array  # (e,): number of states of the law, of which the first is z
     parameters: Array  # (e, k): parameters of the law
 

@@ -30,11 +30,12 @@ if TYPE_CHECKING:
 STOREY = "storey"
 MODE = "mode"
 FLOOR = "floor"
-YIELDING = "yielding mode"
+YIELDING_MODE = "yielding mode"
 MOVES = "1", "displacement of the floor over that of the oscillator"
 MOST_STOREYS = 200
-MOST = {STOREY: MOST_STOREYS, FLOOR: MOST_STOREYS}
-MOST |= dict.fromkeys((MODE, YIELDING), 3 * MOST_STOREYS)  # as a rigid floor has three motions
+MOST_BY_DIMENSION = {STOREY: MOST_STOREYS, FLOOR: MOST_STOREYS}
+# as a rigid floor has three motions
+MOST_BY_DIMENSION |= dict.fromkeys((MODE, YIELDING_MODE), 3 * MOST_STOREYS)
 PERIOD_OFF = 0.1  # of the first period, by which a pushover curve may differ
 GRAVITY = scipy.constants.g
 
@@ -74,7 +75,7 @@ class MultistoreyBuilding(WithoutCells, AnyStructure, base=True):
                 raise ValueError(f"{what}; allowed: one for each {dimension} in both")
             object.__setattr__(self, field, array)
         for dimension, (size, field) in sizes.items():
-            if size > (most := MOST[dimension]):
+            if size > (most := MOST_BY_DIMENSION[dimension]):
                 what = f"{name}{field} has {size} values"
                 raise ValueError(f"{what}; allowed: at most {most} {dimension}s")
         super().__post_init__()

@@ -21,14 +21,14 @@ from stochlin.models.buildings.base import (
     MODE,
     MOVES,
     STOREY,
-    YIELDING,
+    YIELDING_MODE,
     MultistoreyBuilding,
     numbered,
 )
 from stochlin.models.buildings.shear import SHEAR
 from stochlin.models.parameters import PERIODS, POSITIVE, Parameter, Range, parameter
 from stochlin.models.plausible import PLAUSIBLE, implausible
-from stochlin.models.structures import DAMPING, HARDENING, Structure
+from stochlin.models.structures import DAMPING_RATIO, HARDENING, Structure
 from stochlin.models.uncertain import as_array, takes_uncertain
 
 if TYPE_CHECKING:
@@ -39,11 +39,12 @@ ORTHOGONAL = 0.02  # largest modal mass that two modes share, over the root of t
 LEAST_MASS = 1e-6  # share of the mass below which a mode does not move along the gap
 ENOUGH_MASS = 0.9  # share of the mass that codes ask of the modes together
 IN_ANOTHER_DIRECTION = 0.03  # share of the mass below which a mode may be one across the gap
-OFF = 0.25  # difference of two shares that are equal, but at the edge of a plan that turns
+# difference of two shares that are equal, but at the edge of a plan that turns
+TOLERANCE_OF_SHARES = 0.25
 SMALL_MOVE = 0.1  # part of the largest displacement of a mode below which its sign does not count
 DIMENSIONS = {
     **dict.fromkeys(("periods", "damping", "participation", "modal_masses"), MODE),
-    **dict.fromkeys(("hardening", "yield_displacements"), YIELDING),
+    **dict.fromkeys(("hardening", "yield_displacements"), YIELDING_MODE),
     "masses": FLOOR,
     "heights": STOREY,
 }
@@ -148,7 +149,7 @@ class ModalBuilding(MultistoreyBuilding):
     shapes: Parameter = parameter("1", "shape of the mode at the floor", ANY)
     masses: Parameter = parameter("kg", "mass of the floor", POSITIVE)
     heights: Parameter = parameter("m", "height of the storey", POSITIVE)
-    damping: Parameter = parameter("1", "damping ratio of the mode", DAMPING)
+    damping: Parameter = parameter("1", "damping ratio of the mode", DAMPING_RATIO)
     hardening: Parameter | None = parameter("1", "hardening ratio of the mode", HARDENING, None)
     yield_displacements: Parameter | None = parameter("m", "yield displacement", POSITIVE, None)
     _: KW_ONLY
@@ -252,7 +253,7 @@ class ModalBuilding(MultistoreyBuilding):
         if (count := as_array(self.yield_displacements).size) > modes[0]:
             what = f"{type(self).__name__}: yield_displacements has {count} values"
             raise ValueError(f"{what}; allowed: one for each of at most {modes[0]} modes")
-        return sizes | {YIELDING: (count, "yield_displacements")}
+        return sizes | {YIELDING_MODE: (count, "yield_displacements")}
 
     def _check(self, name: str) -> None:
         periods = self._numbers("periods")
@@ -366,7 +367,7 @@ class ModalBuilding(MultistoreyBuilding):
         yield from self.oscillator().doubts()
         masses = self._numbers("masses")
         moved = float(masses @ self.moves().sum(axis=1) / masses.sum())
-        if abs(moved - shares.sum()) > OFF:
+        if abs(moved - shares.sum()) > TOLERANCE_OF_SHARES:
             what = f"all modes together move its floors by {moved:.3g} of the ground, in the mean"
             share = f"their effective masses are {shares.sum():.3g} of the mass"
             yield f"{what}, and {share}; do participation factors and shapes belong together?"

@@ -37,14 +37,14 @@ from stochlin.models.parameters import (
     parameter,
 )
 from stochlin.models.plausible import PLAUSIBLE
-from stochlin.models.structures import DAMPING, HARDENING, Structure, doubt_of_strength
+from stochlin.models.structures import DAMPING_RATIO, HARDENING, Structure, doubt_of_strength
 from stochlin.models.uncertain import takes_uncertain
 
 if TYPE_CHECKING:
     import sympy
 
 OF_STOREYS = ("masses", "stiffnesses", "heights", "yield_drifts", "dampers")
-STOREYS = Whole(1, MOST_STOREYS)
+NUMBER_OF_STOREYS = Whole(1, MOST_STOREYS)
 SHEAR = Range(upper=100.0, include_upper=True, reason="of the weight; a stronger one is elastic")
 
 
@@ -149,7 +149,7 @@ class ShearBuilding(MultistoreyBuilding):
     masses: Parameter = parameter("kg", "mass of the floor", POSITIVE)
     stiffnesses: Parameter = parameter("N/m", "stiffness of the storey", POSITIVE)
     heights: Parameter = parameter("m", "height of the storey", POSITIVE)
-    damping: float = parameter("1", "damping ratio", DAMPING, scalar=True)
+    damping: float = parameter("1", "damping ratio", DAMPING_RATIO, scalar=True)
     hardening: float | None = parameter("1", "hardening ratio", HARDENING, None, scalar=True)
     yield_drifts: Parameter | None = parameter("m", "drift at yield", POSITIVE, None)
     _: KW_ONLY
@@ -231,7 +231,7 @@ class ShearBuilding(MultistoreyBuilding):
         0.8
         """
         known = RegularBuilding(period, storey_height, mass, base_shear_coefficient)
-        STOREYS("storeys", storeys)
+        NUMBER_OF_STOREYS("storeys", storeys)
         values = {name: np.asarray(value) for name, value in known.cells().items()}
         heights = values["storey_height"]
         if heights.ndim and heights.shape != (storeys,):

@@ -38,9 +38,9 @@ RESTITUTION = Range(
     include_upper=True,
     reason="the share of the approach velocity that remains; for 0 use Stereomechanical",
 )
-EXPONENT = Range(lower=1.0, include_lower=True, reason="1.5 for spheres")
+CONTACT_EXPONENT = Range(lower=1.0, include_lower=True, reason="1.5 for spheres")
 SPHERES = 1.5
-SHARE = Range(
+IMPACT_RESTITUTION = Range(
     upper=1.0,
     include_lower=True,
     include_upper=True,
@@ -374,7 +374,7 @@ class Hertz(Element):
 
     other_limits: ClassVar[Mapping[str, Plausible]] = {}
     stiffness: Parameter = parameter("N/m^n", "stiffness of the contact", POSITIVE)
-    exponent: Parameter = parameter("1", "exponent of the contact", EXPONENT, SPHERES)
+    exponent: Parameter = parameter("1", "exponent of the contact", CONTACT_EXPONENT, SPHERES)
 
 
 @CONTACTS.register("hertz_damp", 6)
@@ -417,7 +417,7 @@ class HertzDamp(Damped):
     other_limits: ClassVar[Mapping[str, Plausible]] = {"damping": ANY}
     stiffness: Parameter = parameter("N/m^n", "stiffness of the contact", POSITIVE)
     damping: Parameter = parameter("1", "damping factor of the contact", DAMPING)
-    exponent: Parameter = parameter("1", "exponent of the contact", EXPONENT, SPHERES)
+    exponent: Parameter = parameter("1", "exponent of the contact", CONTACT_EXPONENT, SPHERES)
 
     damping_name: ClassVar[str] = "damping_factor"
     relation: ClassVar[Relation] = HERTZ_DAMP
@@ -507,7 +507,7 @@ class Stereomechanical(Contact):
     0.5
     """
 
-    restitution: Parameter = parameter("1", "coefficient of restitution", SHARE)
+    restitution: Parameter = parameter("1", "coefficient of restitution", IMPACT_RESTITUTION)
 
     @property
     def e(self) -> Any:

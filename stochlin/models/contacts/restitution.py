@@ -33,8 +33,9 @@ class Relation(NamedTuple):
     damping: Form
 
 
-LEAST = 1e-100  # smaller values of a function are raised to it
-LARGEST = 700.0  # largest -log e: a restitution below 1e-304 is raised to it, else 1/e overflows
+LEAST_VALUE = 1e-100  # smaller values of a function are raised to it
+# largest -log e: a restitution below 1e-304 is raised to it, else 1/e overflows
+LARGEST_LOG = 700.0
 
 
 def inverse(function: Form, values: Array) -> Array:
@@ -43,8 +44,8 @@ def inverse(function: Form, values: Array) -> Array:
     The logarithm of an argument lies between that of the value less 1 and the larger of that plus 2
     and the value itself, for all functions of this module.
     """
-    log = np.log(np.maximum(values, LEAST))
-    ends = log - 1, np.maximum(log + 2, np.minimum(values, LARGEST))
+    log = np.log(np.maximum(values, LEAST_VALUE))
+    ends = log - 1, np.maximum(log + 2, np.minimum(values, LARGEST_LOG))
     root = find_root(lambda x, log: np.log(function(np.exp(x))) - log, ends, args=(log,))
     return np.where(values == 0, 0.0, np.exp(root.x))
 
@@ -90,12 +91,12 @@ def hertz_damp_restitution(a: Array) -> Array:
         return x * (1 + odds / (1 + odds))
 
     x = inverse(factor, a)
-    return np.where(a == 0, 1.0, 1 / (1 + 2 * langevin_odds(np.maximum(x, LEAST))))
+    return np.where(a == 0, 1.0, 1 / (1 + 2 * langevin_odds(np.maximum(x, LEAST_VALUE))))
 
 
 def hertz_damp_factor(e: Array) -> Array:
     """Damping factor ``a`` of a Hertz-damp force for ``e``; inverse of `hertz_damp_restitution`."""
-    e = np.maximum(e, np.exp(-LARGEST))
+    e = np.maximum(e, np.exp(-LARGEST_LOG))
     return 2 * inverse(langevin_odds, (1 - e) / (2 * e)) / (1 + e)
 
 
@@ -103,7 +104,7 @@ def _linear(power: float, scale: float = 1.0) -> Relation:
     """``e = exp(-power z A(z))`` with the damping ratio ``scale z``."""
     return Relation(
         lambda xi: np.exp(-power * log_loss(xi / scale)),
-        lambda e: scale * inverse(log_loss, np.minimum(np.abs(np.log(e)) / power, LARGEST)),
+        lambda e: scale * inverse(log_loss, np.minimum(np.abs(np.log(e)) / power, LARGEST_LOG)),
     )
 
 

@@ -3,7 +3,7 @@
 from stochlin.models.envelopes.amin_ang import AminAng
 from stochlin.models.envelopes.envelope import (
     ENVELOPES,
-    SHORTEST,
+    SHORTEST_STRONG_SHAKING,
     Envelope,
     envelope_at,
     strong_seconds,
@@ -13,7 +13,7 @@ from stochlin.models.envelopes.shinozuka_sato import ShinozukaSato
 
 __all__ = [
     "ENVELOPES",
-    "SHORTEST",
+    "SHORTEST_STRONG_SHAKING",
     "AminAng",
     "Envelope",
     "GammaEnvelope",

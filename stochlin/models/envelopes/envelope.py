@@ -10,8 +10,8 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.models.parameters import Model
 from stochlin.registry import Registry, expect_class
 
-SHORTEST = 2.0  # s, strong shaking
-LEAST_SHARE = 0.2  # of strong shaking in a motion
+SHORTEST_STRONG_SHAKING = 2.0  # s, strong shaking
+LEAST_STRONG_SHARE = 0.2  # of strong shaking in a motion
 _STEPS = 2000  # steps of the midpoint rule for the integral of the squared envelope
 ENVELOPES: Registry[type[Envelope]] = Registry(
     "envelope", "stochlin.models.envelopes", check=lambda kind: expect_class(kind, Envelope, "at")
@@ -39,7 +39,7 @@ class Envelope(Model, base=True):
             return "the motion ends in its strong part; usual are longer ones"
         strong = strong_seconds(duration, self)
         what = f"its strong shaking has {strong:.2g} s of it; usual are 5 to 60 s"
-        brief = strong < min(SHORTEST, LEAST_SHARE * duration)
+        brief = strong < min(SHORTEST_STRONG_SHAKING, LEAST_STRONG_SHARE * duration)
         return f"{what}; are the parameters of the envelope in order?" if brief else ""
 
 

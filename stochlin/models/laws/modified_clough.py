@@ -19,7 +19,7 @@ FALLS = Range(reason="above hardening/(1 - hardening), so that the force falls")
 UNLOADS = Range(upper=1.0, include_lower=True, reason="1 unloads to the origin, more makes energy")
 BELOW_CAP = Range(upper=1.0, include_lower=True, reason="z is 1 at the cap")
 # Parameters of which one means nothing without the other
-TOGETHER = [("cracking", "uncracked_stiffness"), ("cap_ductility", "softening")]
+DEPENDENT_PARAMETERS = [("cracking", "uncracked_stiffness"), ("cap_ductility", "softening")]
 
 
 @LAWS.register("modified_clough", place=5)
@@ -121,7 +121,7 @@ class ModifiedClough(Structure):
     def __post_init__(self) -> None:
         super().__post_init__()
         cells = self.cells()
-        for pair in TOGETHER:
+        for pair in DEPENDENT_PARAMETERS:
             alone = [name for name in pair if name in cells]
             if len(alone) == 1:
                 missing = pair[1 - pair.index(alone[0])]

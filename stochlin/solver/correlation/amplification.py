@@ -24,8 +24,8 @@ from stochlin.solver.tables.checks import check_duration
 from stochlin.solver.tables.labels import ELEMENT, FLOOR
 
 Amplified = Literal["std", "peak"]
-STD: Amplified = "std"
-PEAK: Amplified = "peak"
+AMPLIFIED_STD: Amplified = "std"
+AMPLIFIED_PEAK: Amplified = "peak"
 
 
 @checked
@@ -33,7 +33,7 @@ def amplification(
     structure: AnyStructure,
     ground: Ground,
     *,
-    of: Amplified = STD,
+    of: Amplified = AMPLIFIED_STD,
     closure: str = GAUSSIAN,
     duration: Duration | None = None,
     envelope: Envelope | None = None,
@@ -118,7 +118,7 @@ def amplification(
     True
     """
     models: dict[str, Any] = {"structure": structure, "ground": ground}
-    if of == PEAK:
+    if of == AMPLIFIED_PEAK:
         if brief(closure) != brief(GAUSSIAN):
             raise ValueError(f"closure = {brief(closure)} has no use with of='peak'; leave it out")
         motion = {"duration": duration, "envelope": envelope, "paths": paths, "seed": seed}
@@ -151,7 +151,7 @@ def _of_peaks(models: dict[str, Any], motion: dict[str, Any]) -> xr.Dataset:
     return labels.with_run_information(
         table,
         f"Amplification of the largest displacement by yielding, {models['ground'].name} ground",
-        f"amplification(of={PEAK!r}, duration={duration:g}, paths={motion['paths']}, "
+        f"amplification(of={AMPLIFIED_PEAK!r}, duration={duration:g}, paths={motion['paths']}, "
         f"seed={motion['seed']})",
         models,
     )

@@ -15,8 +15,13 @@ from stochlin.models.parameters import Model
 from stochlin.models.rules.effective_properties import EffectiveRule, effective_rule
 from stochlin.models.structures import DRIFT, Structure
 from stochlin.solver.correlation.equation_4 import EQ_4, by_eq_4, effective_pair
-from stochlin.solver.correlation.pairs import DIFFERENCE, SHOWN, difference, linearized_pairs
-from stochlin.solver.linearization.equivalent_systems import Solved, check_closure, solved_together
+from stochlin.solver.correlation.pairs import DIFFERENCE, difference, linearized_pairs
+from stochlin.solver.linearization.equivalent_systems import (
+    STRUCTURE_VARIABLES,
+    Solved,
+    check_closure,
+    solved_together,
+)
 from stochlin.solver.linearization.linearization import caution_in_words
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import Tolerance, check_table
@@ -204,7 +209,7 @@ class Query(NamedTuple):
 def _of_pairs(query: Query, first: Structure, second: Structure, ground: Ground) -> xr.Dataset:
     """Variables of `correlate`."""
     check_table(12, first, second, ground)
-    variables, attrs = METHODS[query.method](query, (first, second), ground)
+    variables, attrs = ANSWERS_BY_METHOD[query.method](query, (first, second), ground)
     if not (first.yields or second.yields):
         attrs.pop("comment", None)
     return xr.Dataset(variables | difference(variables), attrs=attrs)
@@ -241,7 +246,7 @@ def _by_simulation(query: Query, pair: Pair, ground: Ground) -> Answer:
 
 
 SIMULATION: Method = "simulation"
-METHODS: Mapping[Method, Callable[[Query, Pair, Ground], Answer]] = {
+ANSWERS_BY_METHOD: Mapping[Method, Callable[[Query, Pair, Ground], Answer]] = {
     "linearization": _by_linearization,
     "white_noise": _by_white_noise,
     "effective": _by_effective_properties,
@@ -251,7 +256,11 @@ METHODS: Mapping[Method, Callable[[Query, Pair, Ground], Answer]] = {
 
 def _shown(inputs: list[Cells], solved: Solved) -> dict[str, Cells]:
     """Correlation by eq. (4) of ``inputs``, and responses of both structures; NaN for failures."""
-    sides = [solved.labelled(n, (*SHOWN, "status")) for n in (0, 1)]
+    sides = [solved.labelled(n, (*STRUCTURE_VARIABLES, "status")) for n in (0, 1)]
     rho, status = by_eq_4(inputs, *(side["status"] for side in sides))
-    shown = {f"{name}_{n}": side[name] for name in SHOWN for n, side in enumerate(sides, start=1)}
+    shown = {
+        f"{name}_{n}": side[name]
+        for name in STRUCTURE_VARIABLES
+        for n, side in enumerate(sides, start=1)
+    }
     return {"rho": rho, **shown, "status": status}

@@ -11,7 +11,7 @@ import numpy as np
 from stochlin.kernels.basics.arrays import Array, on_arrays
 from stochlin.kernels.correlation.errors import BOUNDS
 from stochlin.kernels.correlation.levels import (
-    NODES,
+    L1_NODES,
     AtLevels,
     Difference,
     PairRows,
@@ -25,7 +25,7 @@ from stochlin.kernels.linearization.drift import drifting_correlation
 from stochlin.kernels.linearization.harmonic import Harmonic, load_levels, share_of_load
 from stochlin.kernels.linearization.levels import StructureInTime, Tables, levels_for
 from stochlin.kernels.linearization.spectral_moments import bandwidth_of, displacement_moments
-from stochlin.kernels.passage import CHAIN, LEVELS, Passage, required_gaps, survival
+from stochlin.kernels.passage import CHAIN, RELATIVE_LEVELS, Passage, required_gaps, survival
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import Structure
 from stochlin.solver.correlation.signatures import drifting
@@ -36,21 +36,21 @@ from stochlin.solver.linearization.levels import (
     structures_in_time,
     yielding,
 )
-from stochlin.solver.linearization.transient_systems import STRONG
+from stochlin.solver.linearization.transient_systems import STRONG_SHARE
 from stochlin.solver.tables.cells import flat
-from stochlin.solver.tables.checks import USUAL
+from stochlin.solver.tables.checks import USUAL_TOLERANCE
 
-LEAST_SHARE = 1e-6  # of the drift in a standard deviation
+LEAST_DRIFT_SHARE = 1e-6  # of the drift in a standard deviation
 # Kinds of pairs with larger errors: logarithm of the ratio of periods, damping of the ground,
 # smaller frequency over that of the ground, and strong shaking over the longer period.
-ALIKE = 0.08
-NARROW = 0.2
-STIFF = 1.2
+ALIKE_PERIODS = 0.08
+NARROW_GROUND_DAMPING = 0.2
+STIFF_FREQUENCY_RATIO = 1.2
 BRIEF = 0.7
-ROUNDING = 1e-9  # a damping of 0.2 counts as narrow
+ROUNDING_OF_DAMPING = 1e-9  # a damping of 0.2 counts as narrow
 # Mean absolute error of the gap for 90 % by kind, of 900 simulated pairs
 # (benchmarks/finite_drift.py).
-ERRORS = {
+GAP_ERRORS = {
     "usual": 0.05,
     "brief": 0.06,
     "alike": 0.075,
@@ -120,7 +120,7 @@ class PairsInTime(NamedTuple):
     def strong_rho(self) -> Array:
         """Correlation (n,) of both displacements while shaking is strong, by mean covariances."""
         assert self.second is not None
-        strong = self.course.envelope.max(axis=1) >= STRONG
+        strong = self.course.envelope.max(axis=1) >= STRONG_SHARE
         rows = self.joint, self.first.variance, self.second.variance
         joint, first, second = (self.means(row)[strong].sum(axis=0) for row in rows)
         rho: Array = joint / np.sqrt(first * second)
@@ -201,22 +201,22 @@ def expected_errors(
 ) -> ExpectedErrors:
     """Expected errors of pairs by their kind."""
     frequencies = np.array([2 * np.pi / each.period for each in cells])
-    alike = np.ptp(np.log(frequencies), axis=0) < ALIKE if len(cells) > 1 else False
+    alike = np.ptp(np.log(frequencies), axis=0) < ALIKE_PERIODS if len(cells) > 1 else False
     narrow: Array | bool = False
     stiff: Array | bool = False
     soil = ground.filter_of(cells[0].soil)
     if soil.oscillators:
         own = np.sqrt(soil.oscillators[0])
-        narrow = soil.oscillators[1] / (2 * own) < NARROW * (1 + ROUNDING)
-        stiff = frequencies.min(axis=0) > STIFF * own
+        narrow = soil.oscillators[1] / (2 * own) < NARROW_GROUND_DAMPING * (1 + ROUNDING_OF_DAMPING)
+        stiff = frequencies.min(axis=0) > STIFF_FREQUENCY_RATIO * own
     cycles = course.strong_seconds * frequencies.min(axis=0) / (2 * np.pi)
-    error = np.where(cycles < BRIEF, ERRORS["brief"], ERRORS["usual"])
-    error = np.where(alike, ERRORS["alike"], error)
-    error = np.where(stiff, ERRORS["stiff"], np.where(narrow, ERRORS["narrow"], error))
-    error = np.where(narrow & np.asarray(stiff), ERRORS["stiff on narrow"], error)
+    error = np.where(cycles < BRIEF, GAP_ERRORS["brief"], GAP_ERRORS["usual"])
+    error = np.where(alike, GAP_ERRORS["alike"], error)
+    error = np.where(stiff, GAP_ERRORS["stiff"], np.where(narrow, GAP_ERRORS["narrow"], error))
+    error = np.where(narrow & np.asarray(stiff), GAP_ERRORS["stiff on narrow"], error)
     if soil.states and not soil.oscillators:
         return ExpectedErrors(np.full_like(error, np.nan), np.full(error.size, 2, np.int8))
-    return ExpectedErrors(error, (error > ERRORS["usual"]).astype(np.int8))
+    return ExpectedErrors(error, (error > GAP_ERRORS["usual"]).astype(np.int8))
 
 
 def _bandwidth(solved: SolvedLevels) -> Array:
@@ -226,7 +226,7 @@ def _bandwidth(solved: SolvedLevels) -> Array:
 
 def _pair_rows(solved: SolvedLevels, first: Array, second: Array) -> PairRows:
     """Rows of pairs (n levels,) of structures with these numbers (n,)."""
-    both = drifting(solved.solved, USUAL)
+    both = drifting(solved.solved, USUAL_TOLERANCE)
     count = solved.levels.size
     frequency = np.sqrt(solved.system.stiffness)
     structures = AtLevels(
@@ -236,13 +236,17 @@ def _pair_rows(solved: SolvedLevels, first: Array, second: Array) -> PairRows:
         both.side,
         solved.rows,
         np.tile(solved.levels, frequency.size // count),
-        solved.soil.later(solved.system, np.broadcast_to(NODES, (len(NODES), frequency.size))),
+        solved.soil.later(
+            solved.system, np.broadcast_to(L1_NODES, (len(L1_NODES), frequency.size))
+        ),
     )
     places = [(side[:, None] * count + np.arange(count)).ravel() for side in (first, second)]
     unused = np.full(len(BOUNDS) + 1, np.nan)  # errors of rho
     rho = over_pairs(partial(drifting_pair, unused), both, both, places, 6)[0]
     derived = over_pairs(drifting_correlation, both.side, both.side, places)[0]
-    share = np.maximum(solved.solved.values["drift_std"] / np.sqrt(both.side.variance), LEAST_SHARE)
+    share = np.maximum(
+        solved.solved.values["drift_std"] / np.sqrt(both.side.variance), LEAST_DRIFT_SHARE
+    )
     added = (rho - derived) / (share[places[0]] * share[places[1]])
     of_first, of_second = (taken(structures, at) for at in places)
     return pair_rows(of_first, of_second, np.clip(np.nan_to_num(added), -1, 1))
@@ -264,8 +268,8 @@ def _levels_of_load(cells: Sequence[Oscillators], ground: Ground, course: Envelo
         return none
     count = shares.size
     instants, motions = course.envelope.shape
-    result = np.empty((count, motions, instants, LEVELS.size))
-    result[:] = LEVELS
+    result = np.empty((count, motions, instants, RELATIVE_LEVELS.size))
+    result[:] = RELATIVE_LEVELS
     std = course.scale * np.sqrt(
         np.pi * soil.intensity * frequency * (1 + 4 * damping**2) / (2 * damping)
     )
@@ -282,8 +286,11 @@ def _levels_of_load(cells: Sequence[Oscillators], ground: Ground, course: Envelo
             )
             for each in structures
         ]
-        rows = [load_levels(harmonics, std[cell] * level, shares[cell], LEVELS) for level in levels]
+        rows = [
+            load_levels(harmonics, std[cell] * level, shares[cell], RELATIVE_LEVELS)
+            for level in levels
+        ]
         of_level = Tables.of(levels, np.array(rows).T)
         at_instants = of_level.at(course.envelope**2, np.zeros(motions, int))
         result[cell] = at_instants.transpose(2, 1, 0)
-    return result.reshape(count * motions, instants, LEVELS.size)
+    return result.reshape(count * motions, instants, RELATIVE_LEVELS.size)

@@ -28,17 +28,21 @@ from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing,
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import DRIFT, Structure
 from stochlin.solver.correlation.signatures import drifting
-from stochlin.solver.linearization.equivalent_systems import BLANK, Solved, solved_together
-from stochlin.solver.linearization.linearization import EXPECTED, OFF, caution_of, judged
+from stochlin.solver.linearization.equivalent_systems import (
+    STRUCTURE_VARIABLES,
+    VALUES_IF_INVALID,
+    Solved,
+    solved_together,
+)
+from stochlin.solver.linearization.linearization import DOUBTFUL_BIAS, EXPECTED, caution_of, judged
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.cells import Flat, over_all
 from stochlin.solver.tables.checks import Tolerance
 from stochlin.solver.tables.lazy import Cells, cellwise
 
-SHOWN = ("displacement_std", "ductility_std", "yield_displacement")
 UNKNOWN = (np.nan,) * (BOUNDS.size + 1)  # errors of rho where no pairs were simulated
 DIFFERENCE = "relative_displacement"  # start of the names of variables
-COUNTED = "counted"  # error of the difference that counts in its caution
+COUNTED_ERROR = "counted"  # error of the difference that counts in its caution
 # Names of the results of `compared_pair` and `drifting_pair`
 COMPARED = ("rho", "bias", "bias_error", f"{DIFFERENCE}_std", f"{DIFFERENCE}_bias")
 DRIFTING = (
@@ -47,7 +51,7 @@ DRIFTING = (
     f"{DIFFERENCE}_std",
     f"{DIFFERENCE}_error",
     f"{DIFFERENCE}_bias",
-    COUNTED,
+    COUNTED_ERROR,
 )
 
 
@@ -66,21 +70,21 @@ def linearized_pairs(
     if closure == DRIFT:
         drifts = drifting(solved, tolerance)
         columns = pairs.columns(partial(drifting_pair, errors), drifts, DRIFTING)
-        counted = columns.pop(COUNTED)
+        counted = columns.pop(COUNTED_ERROR)
         columns["bias"] = np.where(np.isnan(columns["rho_error"]), np.nan, 0.0)
         columns["caution"] = pairs.worst("caution", caution_of(columns["rho_error"], EXPECTED))
         columns[f"{DIFFERENCE}_caution"] = caution_of(counted, EXPECTED)
-        return pairs.labelled(columns, (*SHOWN, "bias"))
+        return pairs.labelled(columns, (*STRUCTURE_VARIABLES, "bias"))
     system = EquivalentSystem(*solved.values["system"])
     forcing = Forcing(*solved.values["forcing"])
     linear = Linear.of(motion_of(system, forcing), solved.values["displacement_std"])
     if not bias:
-        return pairs.labelled(pairs.columns(linear_pair, linear, ("rho",)), SHOWN)
+        return pairs.labelled(pairs.columns(linear_pair, linear, ("rho",)), STRUCTURE_VARIABLES)
     compared = Compared(linear, solved.values["bias"], drifting(solved.by_drift, tolerance))
     columns = pairs.columns(partial(compared_pair, errors), compared, COMPARED)
     columns["caution"] = pairs.worst("caution", caution_of(columns["bias"]))
     columns[f"{DIFFERENCE}_caution"] = caution_of(columns[f"{DIFFERENCE}_bias"])
-    return pairs.labelled(columns, (*SHOWN, "bias", "bias_error"))
+    return pairs.labelled(columns, (*STRUCTURE_VARIABLES, "bias", "bias_error"))
 
 
 class _Pairs(NamedTuple):
@@ -126,7 +130,7 @@ class _Pairs(NamedTuple):
         pairs = Flat(self.table, np.flatnonzero(self.good), {})
         arrays = {
             name: pairs.array(
-                values.ravel(), BLANK.get(name.removeprefix(f"{DIFFERENCE}_"), np.nan)
+                values.ravel(), VALUES_IF_INVALID.get(name.removeprefix(f"{DIFFERENCE}_"), np.nan)
             )
             for name, values in columns.items()
         }
@@ -146,7 +150,7 @@ def difference(table: Mapping[Any, Cells]) -> dict[str, Cells]:
     (std,) = cellwise(std_of_difference, *values)
     bias = std * np.nan
     off = std * np.nan
-    most = OFF
+    most = DOUBTFUL_BIAS
     if "rho_standard_error" in table:
         shares = [table[f"displacement_std_standard_error_{n}"] / values[n - 1] for n in (1, 2)]
         rest = table["rho_standard_error"] / (1 - table["rho"])

@@ -19,7 +19,13 @@ import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.slabs import in_ranges
-from stochlin.kernels.correlation.corrections import AXES, ENTRIES, LEFT, Nearness, Signature
+from stochlin.kernels.correlation.corrections import (
+    ADDED_VARIANCE,
+    ENTRIES,
+    PARAMETER_AXES,
+    Nearness,
+    Signature,
+)
 from stochlin.kernels.correlation.errors import BOUNDS
 from stochlin.kernels.correlation.pairs import Drifting, over_pairs
 from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing, motion_of
@@ -32,9 +38,9 @@ from stochlin.models.grounds import Ground
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.structures import DRIFT
 from stochlin.solver.linearization.drift_map import (
-    ELASTIC,
+    DRIFT_REFERENCE,
+    ELASTIC_DEMAND,
     NEARNESS,
-    REFERENCE,
     SIGNATURE,
     STRENGTH_RATIO,
     drift_map,
@@ -50,15 +56,17 @@ from stochlin.solver.linearization.equivalent_systems import (
 )
 from stochlin.solver.tables.checks import Tolerance
 
-PAIRS = tuple((i, j) for i in range(AXES) for j in range(i))  # off the diagonal of a matrix
+# off the diagonal of a matrix
+PAIRS = tuple((i, j) for i in range(PARAMETER_AXES) for j in range(i))
 # The map of `Nearness` has R/p from the first value up, and hardening up to the second.
 KNOWN_NEARNESS = (0.5, 0.5)
 # T/Tg for which a Kanai-Tajimi ground of damping 1 acts on the structure like white noise.
 AS_ON_WHITE_NOISE = 5.0
-GROUNDS = 64  # number of grounds with scalar parameters whose solved references are kept
+CACHED_GROUNDS = 64  # number of grounds with scalar parameters whose solved references are kept
 BLUR = 0.1  # share of the square of a correction, over which the limit of eq. (10) is rounded
-OWN = 0.01  # share of the unit matrix in the correlations of references, against ill-conditioning
-TOGETHER = 512  # signatures that are computed together
+# share of the unit matrix in the correlations of references, against ill-conditioning
+UNIT_SHARE = 0.01
+SIGNATURES_AT_ONCE = 512  # signatures that are computed together
 
 
 class References(NamedTuple):
@@ -90,13 +98,13 @@ def solved_references(
     of_soil, _ = ground.calibration.soil
     names = "period", "damping", "hardening", "elastic_ductility_std"
     rows = [np.tile(table[f"reference_{name}"].values, soil.shape[1]) for name in names]
-    each = np.repeat(soil, table.sizes[REFERENCE], axis=1)
+    each = np.repeat(soil, table.sizes[DRIFT_REFERENCE], axis=1)
     period = rows[0] * dict(zip(ground.cells(), each, strict=True))[of_soil]
     ones = np.ones_like(period)
     cells = Oscillators(period, rows[1], rows[2], rows[3], ones, ones, each)
     law = LawOfCells.bilinear(period.size, DRIFT)
     sides = drifting_side(solve_oscillators(cells, law, ground, tolerance))
-    count = table.sizes[REFERENCE]
+    count = table.sizes[DRIFT_REFERENCE]
     gram = _with_references(sides, sides, np.repeat(np.arange(soil.shape[1]), count), count)
     return References(sides, basis_of(_definite(gram.reshape(-1, count, count))))
 
@@ -117,18 +125,18 @@ def basis_of(gram: Array) -> Array:
     """
     good = np.isfinite(gram).all(axis=(-2, -1), keepdims=True)
     size = np.eye(gram.shape[-1])
-    factor = np.linalg.cholesky((1 - OWN) * np.where(good, gram, size) + OWN * size)
-    return np.where(good, np.sqrt(1 - OWN) * np.linalg.inv(factor), np.nan)
+    factor = np.linalg.cholesky((1 - UNIT_SHARE) * np.where(good, gram, size) + UNIT_SHARE * size)
+    return np.where(good, np.sqrt(1 - UNIT_SHARE) * np.linalg.inv(factor), np.nan)
 
 
 def _definite(gram: Array) -> Array:
     """Correlations of the references; NaN where rounding errors dominate them."""
     finite = np.isfinite(gram).all(axis=(-2, -1), keepdims=True)
     least = np.linalg.eigvalsh(np.where(finite, gram, np.eye(gram.shape[-1])))[..., :1, None]
-    return np.where(finite & (least > -OWN / 2), gram, np.nan)
+    return np.where(finite & (least > -UNIT_SHARE / 2), gram, np.nan)
 
 
-@lru_cache(maxsize=GROUNDS)
+@lru_cache(maxsize=CACHED_GROUNDS)
 def _solved_once(ground: Ground, tolerance: Tolerance) -> References:
     soil = in_columns([*ground.cells().values()], 1)
     return solved_references(ground, soil, tolerance, drift_map())
@@ -141,7 +149,7 @@ def derived_signatures(side: DriftingSide, known: References, ground: Array) -> 
     def part(cells: slice) -> Array:
         return np.einsum("nij,nj->in", known.basis[ground[cells]], rho[cells])
 
-    return np.hstack(in_ranges(part, ground.size, TOGETHER))
+    return np.hstack(in_ranges(part, ground.size, SIGNATURES_AT_ONCE))
 
 
 def drifting(solved: Solved, tolerance: Tolerance) -> Drifting:
@@ -185,7 +193,7 @@ def _corrections(
     signature = Signature(nothing, nothing, ones, ones)
     yields = any(each.yields and isinstance(each, Bilinear) for each in solved.structures)
     if calibration is None or not yields:
-        return signature, Nearness(nothing[:AXES], nothing, np.zeros_like(ones))
+        return signature, Nearness(nothing[:PARAMETER_AXES], nothing, np.zeros_like(ones))
     if calibration.soil is None:
         point = np.stack([*point, ones, AS_ON_WHITE_NOISE * ones])
     else:
@@ -202,7 +210,7 @@ def _corrections(
         derived = derived_signatures(side, known, number.ravel())
         signature = corrected(derived, hold_at_ends(SIGNATURE, ground, point))
     least, most = KNOWN_NEARNESS
-    trust = np.log(point[0] / ELASTIC) / np.log(least / ELASTIC)
+    trust = np.log(point[0] / ELASTIC_DEMAND) / np.log(least / ELASTIC_DEMAND)
     trust = eased(trust) * eased(np.log(point[1]) / np.log(most))
     place = np.log([solved.oscillators.period, *point[:3]])
     return signature, Nearness(place, matrix_of(hold_at_ends(NEARNESS, ground, point)), trust)
@@ -217,15 +225,15 @@ def corrected(derived: Array, correction: Array) -> Signature:
     known = known / np.sqrt((square + 1 + np.hypot(square - 1, 2 * blur)) / 2)
     left = np.maximum(1 - (known**2).sum(axis=0), 0)
     left_derived = np.maximum(1 - (derived**2).sum(axis=0), 0)
-    ratio = np.sqrt((left + LEFT) / (left_derived + LEFT))
+    ratio = np.sqrt((left + ADDED_VARIANCE) / (left_derived + ADDED_VARIANCE))
     return Signature(known, ratio * derived, ratio, np.sqrt(left))
 
 
 def matrix_of(form: Array) -> Array:
     """Lower triangles (ENTRIES, n) of matrices G, whose slopes and correlations the map has."""
-    slopes = np.exp(form[:AXES])
-    across = dict(zip(PAIRS, form[AXES:], strict=True))
-    triangle = [(i, j) for i in range(AXES) for j in range(i + 1)]
+    slopes = np.exp(form[:PARAMETER_AXES])
+    across = dict(zip(PAIRS, form[PARAMETER_AXES:], strict=True))
+    triangle = [(i, j) for i in range(PARAMETER_AXES) for j in range(i + 1)]
     return np.stack([slopes[i] * slopes[j] * across.get((i, j), 1.0) for i, j in triangle])
 
 

@@ -16,11 +16,11 @@ from stochlin.solver.simulation.simulation import simulate
 from stochlin.solver.simulation.stationary_motions import expected_seconds
 from stochlin.solver.simulation.structures_in_motion import structures_in_motion
 from stochlin.solver.tables import labels
-from stochlin.solver.tables.cells import CELL, NONE_VALID, flat, over_all, over_cells
+from stochlin.solver.tables.cells import CELL_DIMENSION, NONE_VALID, flat, over_all, over_cells
 from stochlin.solver.tables.checks import check_work, count_cells
 from stochlin.solver.tables.lazy import computed
 
-SHOWN = "displacement_std", "displacement_std_standard_error", "drift", "drift_memory"
+MOTION_VARIABLES = "displacement_std", "displacement_std_standard_error", "drift", "drift_memory"
 
 
 def simulate_pairs(
@@ -43,7 +43,9 @@ def _on_one_ground(
     if not all(side.where.size for side in sides):
         raise ValueError(NONE_VALID)
     structures = [
-        side.models["structure"].isel({CELL: n}) for side in sides for n in range(side.where.size)
+        side.models["structure"].isel({CELL_DIMENSION: n})
+        for side in sides
+        for n in range(side.where.size)
     ]
     if grounds > 1:
         _check_grounds(structures, ground, options, grounds)
@@ -55,7 +57,9 @@ def _on_one_ground(
     for n, (side, part, structure) in enumerate(
         zip(sides, parts, (first, second), strict=True), start=1
     ):
-        own = {name: xr.DataArray(side.array(motions[name].values[part])) for name in SHOWN}
+        own = {
+            name: xr.DataArray(side.array(motions[name].values[part])) for name in MOTION_VARIABLES
+        }
         strength = solve_elastic(structure, ground).yield_displacement
         own |= {"yield_displacement": strength, "ductility_std": own["displacement_std"] / strength}
         table = table.assign({f"{name}_{n}": values for name, values in own.items()})

@@ -31,38 +31,38 @@ from stochlin.models.grounds import Ground
 from stochlin.models.structures import DRIFT, GAUSSIAN, Structure
 from stochlin.solver.tables.interpolation import Grid, linear
 
-FILE = "drift_map.nc"
+MAP_FILE = "drift_map.nc"
 # R/p is the standard deviation of the elastic displacement over the yield displacement. Below this
 # value no drift grows within a million periods.
-ELASTIC = 0.15
-DISPLACEMENT = "displacement_correction"
-DISPLACEMENT_WHITE = "displacement_correction_white_noise"
+ELASTIC_DEMAND = 0.15
+DISPLACEMENT_CORRECTION = "displacement_correction"
+DISPLACEMENT_CORRECTION_WHITE = "displacement_correction_white_noise"
 SIGNATURE = "signature_correction"
-REFERENCE = "drift_reference"
+DRIFT_REFERENCE = "drift_reference"
 # R/p: standard deviation of the elastic displacement over uy
 STRENGTH_RATIO = "elastic_ductility_std"
 NEARNESS = "nearness"
 ENTRY = "nearness_entry"
 # Along these dimensions there is no parameter to interpolate in: each entry is a map of its own.
-COLUMNS = (REFERENCE, ENTRY)
+DIMENSIONS_OF_MAPS = (DRIFT_REFERENCE, ENTRY)
 # Ranges that were simulated: of R/p, of the hardening ratio and of the damping ratio of the
 # structure, of the damping ratio of the ground, and of the period of the structure over that of the
 # ground.
-GROUND_DAMPING = (0.03, 1.0)
-PERIOD = (0.1, 10.0)
-SIMULATED = (0.0, 4.0), (0.01, 1.0), (0.005, 0.3), GROUND_DAMPING, PERIOD
+GROUND_DAMPING_RANGE = (0.03, 1.0)
+PERIOD_RATIO_RANGE = (0.1, 10.0)
+SIMULATED_RANGES = (0.0, 4.0), (0.01, 1.0), (0.005, 0.3), GROUND_DAMPING_RANGE, PERIOD_RATIO_RANGE
 # Ranges of the map itself: of the hardening ratio and of the damping ratio of the structure.
 MAP_HARDENING = (0.02, 1.0)
 MAP_DAMPING = (0.01, 0.1)
 # Largest period after yield, T/sqrt(alpha), over the period of the high-pass filter. Where it is
 # larger, corrected standard deviations are too large by 10 % and more.
-BEYOND = 2.0
+LONGEST_PERIOD_RATIO = 2.0
 # The expected relative error of a corrected standard deviation combines two parts: one that is
 # always there, that of the ground, or at least this one where the hardening or the damping ratio is
 # beyond the map, and this share of the scatter of the points around.
 LEAST_BEYOND = 0.03
 BY_SPREAD = 0.45
-ROUNDING = 1e-9
+ROUNDING_OF_RANGES = 1e-9
 DAMPING_AXIS = 3  # of the map: the damping ratio of the ground
 OTHER_AXES = [0, 1, 2, 4]  # and the others
 SECTIONS = 64  # number of sections of the map at one damping ratio of the ground that are kept
@@ -71,7 +71,7 @@ SECTIONS = 64  # number of sections of the map at one damping ratio of the groun
 @cache
 def drift_map() -> xr.Dataset:
     """The map that the package contains; its attributes say how it was computed."""
-    with files("stochlin.solver.linearization").joinpath(FILE).open("rb") as stream:
+    with files("stochlin.solver.linearization").joinpath(MAP_FILE).open("rb") as stream:
         return xr.load_dataset(stream, engine="scipy")
 
 
@@ -88,7 +88,7 @@ def with_correction(
     factor: Array | float = 1.0
     error: Array | float = np.nan
     if (calibration := ground.calibration) is not None:
-        name = DISPLACEMENT if calibration.soil else DISPLACEMENT_WHITE
+        name = DISPLACEMENT_CORRECTION if calibration.soil else DISPLACEMENT_CORRECTION_WHITE
         logarithm, spread = _held_with_spread(name, ground, point)
         factor = np.exp(logarithm)
         mapped = within(point[1], MAP_HARDENING) & within(point[2], MAP_DAMPING)
@@ -109,7 +109,7 @@ def simulated(ground: Ground, point: Array, soil: Array) -> Array:
     if calibration is None:
         return np.zeros(point.shape[1], bool)
     inside = np.ones(point.shape[1], bool)
-    for row, ends in zip(point, SIMULATED, strict=False):
+    for row, ends in zip(point, SIMULATED_RANGES, strict=False):
         inside &= within(row, ends)
     if calibration.soil is None:
         return inside
@@ -118,14 +118,16 @@ def simulated(ground: Ground, point: Array, soil: Array) -> Array:
     for name, ends in calibration.ranges.items():
         inside &= within(named[name] / period if ground.units(name) == "s" else named[name], ends)
     if calibration.high_pass:
-        longest = BEYOND * (named[calibration.high_pass] / period)
+        longest = LONGEST_PERIOD_RATIO * (named[calibration.high_pass] / period)
         inside &= point[4] / np.sqrt(point[1]) <= longest
     return inside
 
 
 def within(value: Array, ends: tuple[float, float]) -> Array:
     """Whether each value lies in a range; rounding errors beyond its ends are allowed."""
-    return (value >= ends[0] * (1 - ROUNDING)) & (value <= ends[1] * (1 + ROUNDING))
+    return (value >= ends[0] * (1 - ROUNDING_OF_RANGES)) & (
+        value <= ends[1] * (1 + ROUNDING_OF_RANGES)
+    )
 
 
 def calibrated_closure(structure: Structure, ground: Ground) -> str:
@@ -166,11 +168,15 @@ def _grid(name: str) -> Grid:
     whole = drift_map()[name]
     if name != NEARNESS:
         strength, hardening = whole.dims[:2]
-        for dim, value, before in ((strength, ELASTIC, True), (hardening, 1.0, False)):
+        for dim, value, before in ((strength, ELASTIC_DEMAND, True), (hardening, 1.0, False)):
             exact = xr.zeros_like(whole.isel({dim: [0]})).assign_coords({dim: [value]})
             order = (exact, whole) if before else (whole, exact)
             whole = xr.concat(order, dim).transpose(*whole.dims)
-    axes = [np.log(whole[dim].values.astype(float)) for dim in whole.dims if dim not in COLUMNS]
+    axes = [
+        np.log(whole[dim].values.astype(float))
+        for dim in whole.dims
+        if dim not in DIMENSIONS_OF_MAPS
+    ]
     return Grid.of(axes, whole.values)
 
 

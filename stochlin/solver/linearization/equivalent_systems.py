@@ -13,6 +13,7 @@ import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array, choose
 from stochlin.kernels.basics.slabs import in_ranges
+from stochlin.kernels.correlation.pairs import ROUNDING_OF_CORRELATION
 from stochlin.kernels.linearization.covariance import (
     EquivalentSystem,
     linear_system,
@@ -34,15 +35,15 @@ from stochlin.models.structures import DRIFT, GAUSSIAN, Structure
 from stochlin.solver.linearization.drift_map import STRENGTH_RATIO, with_correction
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.cells import Flat, flat
-from stochlin.solver.tables.checks import USUAL, Tolerance, check_table
+from stochlin.solver.tables.checks import USUAL_TOLERANCE, Tolerance, check_table
 from stochlin.solver.tables.lazy import Cells, in_blocks
 
-ROUNDING = 1e-9  # by which a correlation may exceed 1
 # Slip 1 + c_eq and relaxation k_eq/w below which z has no effect on the response in double
 # precision.
-ELASTIC = 1e-18
-STRONG = 1e3  # R/p above which a cell that does not converge has the status of too strong shaking
-SHOWN = (
+NEGLIGIBLE_SLIP = 1e-18
+# R/p above which a cell that does not converge has the status of too strong shaking
+TOO_STRONG_DEMAND = 1e3
+SYSTEM_VARIABLES = (
     "displacement_std",
     "velocity_std",
     "ductility_std",
@@ -52,11 +53,13 @@ SHOWN = (
     "k_eq",
     "yield_displacement",
 )
-PUBLIC = (*SHOWN, "iterations", "residual", "status")
+# those that tables of pairs and of strengths show of each structure
+STRUCTURE_VARIABLES = ("displacement_std", "ductility_std", "yield_displacement")
+PUBLIC = (*SYSTEM_VARIABLES, "iterations", "residual", "status")
 OF_DRIFT = ("drift_std", "drift_rate")
 JUDGED = ("bias", "bias_error", "caution")
 # Values of invalid cells; the others are NaN.
-BLANK = {
+VALUES_IF_INVALID = {
     "iterations": 0,
     "status": labels.INVALID_INPUT,
     "caution": len(labels.CAUTION_MEANINGS) - 1,
@@ -166,7 +169,8 @@ class Solved(NamedTuple):
         table = self.tables[number]
         part = self.parts[number]
         return {
-            name: table.array(self.values[name][part], BLANK.get(name, np.nan)) for name in names
+            name: table.array(self.values[name][part], VALUES_IF_INVALID.get(name, np.nan))
+            for name in names
         }
 
     def dataset(self) -> xr.Dataset:
@@ -231,7 +235,7 @@ def solved_together(
     structures: Sequence[Structure],
     ground: Ground,
     closure: str | None = None,
-    tolerance: Tolerance = USUAL,
+    tolerance: Tolerance = USUAL_TOLERANCE,
 ) -> Solved:
     """Responses of structures on one ground, which stay elastic without a ``closure``.
 
@@ -303,15 +307,15 @@ def _solved(
         yielding = EquivalentSystem(
             *problem.structure, *law.closure(latent, law.parameters).coefficients
         )
-        elastic_cells = np.abs(yielding.slip) < ELASTIC
-        elastic_cells &= np.abs(yielding.relaxation) < ELASTIC * w
+        elastic_cells = np.abs(yielding.slip) < NEGLIGIBLE_SLIP
+        elastic_cells &= np.abs(yielding.relaxation) < NEGLIGIBLE_SLIP * w
         system = choose(elastic_cells, elastic, yielding)
         if law.drifts:
             drift = choose(elastic_cells, drift, drift_of(yielding, latent, soil))
     values, physical = _response(system, elastic_cells, drift, soil, uy)
     status = np.where(elastic_cells, labels.ELASTIC_LIMIT, labels.CONVERGED)
     status = np.where(physical, status, labels.NOT_PHYSICAL)
-    lost = np.where(ratio > STRONG, labels.TOO_STRONG, labels.NOT_CONVERGED)
+    lost = np.where(ratio > TOO_STRONG_DEMAND, labels.TOO_STRONG, labels.NOT_CONVERGED)
     status = np.where(ended.converged, status, lost).astype(np.int8)
     if (failed := status >= labels.NOT_CONVERGED).any():
         for row in values.values():
@@ -360,7 +364,7 @@ def _response(
         "drift_shares": drift.shares.copy(),
     }
     physical = (own.mu_mu > 0) & (own.v_v > 0)
-    for name in SHOWN[:3]:
+    for name in SYSTEM_VARIABLES[:3]:
         physical &= np.isfinite(values[name])
     correlated = np.maximum(np.abs(values["velocity_z_corr"]), np.abs(share))
-    return values, physical & (elastic | ((z > 0) & (correlated <= 1 + ROUNDING)))
+    return values, physical & (elastic | ((z > 0) & (correlated <= 1 + ROUNDING_OF_CORRELATION)))

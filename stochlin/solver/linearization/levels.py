@@ -28,29 +28,30 @@ from stochlin.solver.linearization.equivalent_systems import LawOfCells, Oscilla
 from stochlin.solver.linearization.strength import strength_in_metres
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.cells import ONE, Flat
-from stochlin.solver.tables.checks import USUAL
+from stochlin.solver.tables.checks import USUAL_TOLERANCE
 
 INSTANTS = 65  # of a motion, at least
-STEPS = 2  # of the lag of a structure from one instant to the next
+STEPS_OF_LAG = 2  # of the lag of a structure from one instant to the next
 LEAST_ENVELOPE = 1e-6
 GROWTH = StructureRows._fields.index("growth")
 # Range [standard deviations], step of the logarithm, and least number of steps on each side, of the
 # strengths of motions with a scatter. The peaks scatter by a logarithmic standard deviation of 0.15
 # or more for one strength, so that probabilities are smooth in the strength; the error of the mean
 # is about 0.001.
-REACH = 3.2
-STEP = 0.25
-FEWEST = 4
+STRENGTH_REACH = 3.2
+STRENGTH_STEP = 0.25
+FEWEST_STRENGTH_STEPS = 4
 ELASTIC_STRENGTH = 1.0  # yield displacement [m] of elastic structures, which have the hardening 1
-YIELDING = Bilinear(1.0, 0.05, 0.05, reduction_factor=1.0)  # a structure of the law of all
+# a structure of the law of all
+YIELDING_STRUCTURE = Bilinear(1.0, 0.05, 0.05, reduction_factor=1.0)
 
 
 def strengths(scatter: float) -> tuple[Array, Array]:
     """Factors on the motion, over which formulas are averaged, and their weights with the sum 1."""
     if not scatter:
         return np.ones(1), np.ones(1)
-    each = max(FEWEST, int(np.ceil(REACH * scatter / STEP)))
-    normal = np.linspace(-REACH, REACH, 2 * each + 1)
+    each = max(FEWEST_STRENGTH_STEPS, int(np.ceil(STRENGTH_REACH * scatter / STRENGTH_STEP)))
+    normal = np.linspace(-STRENGTH_REACH, STRENGTH_REACH, 2 * each + 1)
     weights = np.exp(-0.5 * normal**2)
     return np.exp(scatter * normal), weights / weights.sum()
 
@@ -77,7 +78,7 @@ class EnvelopesInTime(NamedTuple):
     ) -> EnvelopesInTime:
         """The course of motions of these sizes (m,)."""
         times = np.linspace(0, duration, instants)
-        steps = (instants - 1) * STEPS
+        steps = (instants - 1) * STEPS_OF_LAG
         middle = (np.arange(steps) + 0.5) * duration / steps
         within = envelope_at(envelope, middle)[:, None] * sizes
         scale = float(within.max())
@@ -154,8 +155,8 @@ def solve_levels(columns: Array, ground: Ground, levels: Array) -> SolvedLevels:
         period, damping, hardening, strength, np.zeros_like(ones), ones, np.array(soil)
     )
     table = Flat(ONE, np.arange(period.size), {})
-    own = Solved((YIELDING,), ground, (table,), (slice(0, period.size),), cells, {})
-    solved = own.by_laws([LawOfCells.bilinear(period.size, DRIFT)], DRIFT, USUAL)
+    own = Solved((YIELDING_STRUCTURE,), ground, (table,), (slice(0, period.size),), cells, {})
+    solved = own.by_laws([LawOfCells.bilinear(period.size, DRIFT)], DRIFT, USUAL_TOLERANCE)
     values = solved.values
     filters = ground.filter_of(cells.soil)
     system = EquivalentSystem(*values["system"])
@@ -195,7 +196,9 @@ def structures_in_time(
     """Structures of cells with strengths in metres, from rest on."""
     columns, number = distinct(cells.stronger(ground, course.scale**2))
     solved = solve_levels(columns, ground, levels_for(course.spread))
-    behind = lagged(solved.tables, GROWTH, course.squares, course.step / STEPS)[::STEPS]
+    behind = lagged(solved.tables, GROWTH, course.squares, course.step / STEPS_OF_LAG)[
+        ::STEPS_OF_LAG
+    ]
     instants, structures, motions = behind.shape
     at_levels = solved.tables.at(
         behind.reshape(instants, -1), np.repeat(np.arange(structures), motions)

@@ -27,12 +27,12 @@ from stochlin.solver.linearization.equivalent_systems import (
     solved_together,
 )
 from stochlin.solver.tables import labels
-from stochlin.solver.tables.checks import USUAL, Tolerance
+from stochlin.solver.tables.checks import USUAL_TOLERANCE, Tolerance
 from stochlin.solver.tables.lazy import in_blocks
 
-STD = "displacement_std"
-OFF = 0.1  # bias from which the caution of a cell is 1
-EXPECTED = 0.05  # expected error above which an error of more than OFF is not rare
+DISPLACEMENT_STD = "displacement_std"
+DOUBTFUL_BIAS = 0.1  # bias from which the caution of a cell is 1
+EXPECTED = 0.05  # expected error above which an error of more than DOUBTFUL_BIAS is not rare
 UNCALIBRATED = (
     "No nonlinear simulations calibrate linearization on {} ground: its bias is unknown, and "
     "results of the drift closure are as derived."
@@ -40,7 +40,10 @@ UNCALIBRATED = (
 
 
 def judged(
-    structures: Sequence[Structure], ground: Ground, closure: str, tolerance: Tolerance = USUAL
+    structures: Sequence[Structure],
+    ground: Ground,
+    closure: str,
+    tolerance: Tolerance = USUAL_TOLERANCE,
 ) -> Solved:
     """The responses by a closure with ``bias``, its expected error ``bias_error``, and ``caution``.
 
@@ -74,8 +77,8 @@ def _by_drift(solved: Solved, tolerance: Tolerance) -> Solved:
 @np.errstate(all="ignore")  # failed cells are NaN
 def _relative_bias(solved: Solved, by_drift: Solved) -> dict[str, Array]:
     """Relative error of displacements; unknown where that of the drift closure is, 0 if elastic."""
-    std = solved.values[STD]
-    truth = by_drift.values[STD]
+    std = solved.values[DISPLACEMENT_STD]
+    truth = by_drift.values[DISPLACEMENT_STD]
     error = by_drift.values["displacement_error"]
     bias = where_finite(np.where(error == 0, 0.0, std / truth - 1), error, std)
     for structure, part in zip(solved.structures, solved.parts, strict=True):
@@ -84,7 +87,7 @@ def _relative_bias(solved: Solved, by_drift: Solved) -> dict[str, Array]:
     return {"bias": bias, "bias_error": where_finite(error, bias), "caution": caution_of(bias)}
 
 
-def caution_of(off: Array, most: float = OFF) -> Array:
+def caution_of(off: Array, most: float = DOUBTFUL_BIAS) -> Array:
     """Flag (int8) of a bias or of an expected error: 0 up to ``most``, 1 above, 2 unknown."""
     return np.asarray(np.int8(2) * np.isnan(off) + (np.abs(off) > most), np.int8)
 

@@ -17,7 +17,7 @@ from stochlin.solver.linearization.linearization import caution_in_words, judged
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.lazy import cellwise
 
-STIFF = 0.5  # T/Tg below which peaks of yielding structures are too small
+STIFF_PERIOD_RATIO = 0.5  # T/Tg below which peaks of yielding structures are too small
 PACE = 1.0  # rate at which the variance of the drift grows in the peaks, over 1/drift_time
 
 
@@ -156,7 +156,7 @@ def _caution(
     if ground.calibration is None or ground.calibration.soil is None:
         return judged
     period, _ = ground.calibration.soil
-    stiff = structure.arrays()["period"] < STIFF * ground.arrays()[period]
+    stiff = structure.arrays()["period"] < STIFF_PERIOD_RATIO * ground.arrays()[period]
     stiff = stiff & np.isfinite(solved.yield_displacement)
     caution = np.maximum(judged, stiff.astype(np.int8))
     return caution.assign_attrs(judged.attrs)

@@ -19,6 +19,7 @@ from stochlin.models.structures import DRIFT, GAUSSIAN, AnyStructure, Structure
 from stochlin.solver.linearization.drift_map import STRENGTH_RATIO, with_correction
 from stochlin.solver.linearization.equivalent_systems import (
     JUDGED,
+    STRUCTURE_VARIABLES,
     LawOfCells,
     Oscillators,
     Solved,
@@ -38,7 +39,6 @@ TOLERANCE = Tolerance(1e-12, 200)
 # Largest relative error of the ductility that is found. Where the ductility jumps with R, a search
 # ends at the jump, with a larger error.
 REACHED = 1e-6
-SHOWN = ("displacement_std", "ductility_std", "yield_displacement")
 
 
 @dataclass(frozen=True)
@@ -167,7 +167,9 @@ def _with_strength(
     reached = np.abs(peak / target.arrays()["ductility"] - 1) < REACHED
     status = solved.status.where(reached, labels.NOT_CONVERGED).where(valid, labels.INVALID_INPUT)
     table = (
-        solved[list(SHOWN)].assign(reduction_factor=reduction, ductility_peak=peak).where(reached)
+        solved[list(STRUCTURE_VARIABLES)]
+        .assign(reduction_factor=reduction, ductility_peak=peak)
+        .where(reached)
     )
     table["status"] = status.astype(np.int8)
     return table.assign(solved[list(JUDGED)]).assign(bias=solved.bias.where(reached))

@@ -16,10 +16,10 @@ from stochlin.models.systems import Assembly
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_duration, check_work
 
-STEPS_PER_PERIOD = 16  # instants in the shortest period, for integrals over time
-STRONG = 0.5  # share of the envelope's maximum below which shaking is no longer strong
+INSTANTS_PER_PERIOD = 16  # instants in the shortest period, for integrals over time
+STRONG_SHARE = 0.5  # share of the envelope's maximum below which shaking is no longer strong
 SCANNED = 4096  # instants at which an envelope is evaluated for checks
-COLUMNS = 4  # numbers that are stored for each sum or element of a cell at an instant
+NUMBERS_PER_INSTANT = 4  # numbers that are stored for each sum or element of a cell at an instant
 POINTS = 101  # instants of a result
 TIME = "time"
 
@@ -58,11 +58,11 @@ def check_course(duration: float | None, envelope: Envelope | None) -> float:
 def course_of(envelope: Envelope | None, duration: float, shortest: float, points: int) -> TimeGrid:
     """Instants of a motion, close enough for integrals over time with the shortest period."""
     stretches = points - 1
-    instants = duration * STEPS_PER_PERIOD / shortest
+    instants = duration * INSTANTS_PER_PERIOD / shortest
     check_work(
         f"duration = {duration:g} s, with a shortest period of {shortest:.3g} s, would take",
         "shorten it, or leave out the shortest period",
-        numbers=COLUMNS * instants,
+        numbers=NUMBERS_PER_INSTANT * instants,
         seconds=1e-4 * instants,
     )
     each = max(1, int(np.ceil(instants / stretches)))
@@ -70,7 +70,7 @@ def course_of(envelope: Envelope | None, duration: float, shortest: float, point
     shown = np.arange(points) * each
     scan = np.linspace(0, duration, SCANNED)
     values = envelope_at(envelope, scan)
-    strong = np.flatnonzero(values >= STRONG * values.max())
+    strong = np.flatnonzero(values >= STRONG_SHARE * values.max())
     last = duration if strong[-1] == SCANNED - 1 else float(scan[strong[-1] + 1])
     return TimeGrid(envelope, float(duration), times, shown, last)
 
@@ -100,7 +100,7 @@ def solve_course(
     check_work(
         f"{cells} systems at {course.times.size} instants, with {states} states, would take",
         "take fewer cells at a time, storeys together, or a shorter motion",
-        numbers=COLUMNS * course.times.size * cells * (len(rows) + len(system.springs)),
+        numbers=NUMBERS_PER_INSTANT * course.times.size * cells * (len(rows) + len(system.springs)),
         seconds=8e-11 * 4 / PHASE * course.duration * systems.followed * cells * states**3,
     )
     kinks = () if course.envelope is None else course.envelope.kinks()
@@ -114,7 +114,7 @@ def over_time(table: xr.Dataset, course: TimeGrid, *, drifts: bool = False) -> x
     """
     time = labels.axis(TIME, "time", course.times[course.shown], "s")
     flag = {
-        "long_name": f"envelope finally below {STRONG:g} of its maximum",
+        "long_name": f"envelope finally below {STRONG_SHARE:g} of its maximum",
         "flag_values": np.arange(2, dtype=np.int8),
         "flag_meanings": "strong_shaking permanent_set_is_left_out",
     }

@@ -18,7 +18,7 @@ from stochlin.kernels.simulation.ensemble import SteppedOscillators, SteppedStru
 from stochlin.kernels.simulation.laws import (
     BILINEAR,
     LINEAR,
-    OTHER,
+    OTHER_LAW,
     VISCOUS,
     RateLaw,
     by_number,
@@ -29,10 +29,10 @@ from stochlin.models.systems import Assembly, StickModel
 
 # Least share of the mass in a mode that determines the time step. Higher modes are integrated
 # stably.
-LEAST_SHARE = 0.01
+LEAST_MASS_SHARE = 0.01
 # Least static displacement of a mode that stays elastic, over the largest of a mode.
 LEAST_DISPLACEMENT = 1e-3
-ROUNDING = 1e-9  # of the strain of an element in a mode, relative to the largest
+ROUNDING_OF_STRAINS = 1e-9  # of the strain of an element in a mode, relative to the largest
 
 
 class SteppedGroup(NamedTuple):
@@ -224,13 +224,13 @@ def shortest_mode(system: System, of_displacements: bool = False) -> float:
     strains no element that can yield also needs a share of the static displacement.
     """
     periods, shares, shapes = modes_of(system)
-    matter = shares >= LEAST_SHARE
+    matter = shares >= LEAST_MASS_SHARE
     if of_displacements:
         static = shares * periods**2
         strained = np.abs(system.extensions @ shapes)
-        yields = strained[system.couple > 0].max(axis=0, initial=0.0) > ROUNDING * strained.max(
-            axis=0
-        )
+        yields = strained[system.couple > 0].max(
+            axis=0, initial=0.0
+        ) > ROUNDING_OF_STRAINS * strained.max(axis=0)
         matter &= yields | (static >= LEAST_DISPLACEMENT * static.max())
     return float(periods[matter].min())
 
@@ -241,7 +241,7 @@ def laws_of(steps: Sequence[int | RateLaw]) -> tuple[Array, Array, Any]:
     Each law is what `Structure.step` gives.
     """
     of_users = list(dict.fromkeys(law for law in steps if isinstance(law, RateLaw)))
-    kinds = [OTHER + of_users.index(law) if isinstance(law, RateLaw) else law for law in steps]
+    kinds = [OTHER_LAW + of_users.index(law) if isinstance(law, RateLaw) else law for law in steps]
     states = [law.states if isinstance(law, RateLaw) else 1 for law in steps]
     return np.array(kinds), np.array(states), by_number(tuple(of_users))
 

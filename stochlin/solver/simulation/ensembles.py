@@ -21,7 +21,7 @@ from stochlin.kernels.simulation.ensemble import (
     SteppedStructures,
     UncertainGround,
 )
-from stochlin.kernels.simulation.laws import BILINEAR, OTHER, VISCOUS
+from stochlin.kernels.simulation.laws import BILINEAR, OTHER_LAW, VISCOUS
 from stochlin.kernels.simulation.row_products import rows_of
 from stochlin.kernels.simulation.stepping import LANES, FilterSteps, filter_steps
 from stochlin.models.grounds import Ground
@@ -172,7 +172,7 @@ def seconds_of(run: SimulationRun, steps: float, distances: float = 0.0) -> floa
         8e-9  # of the ground
         + 1.2e-9 * float((all_kinds < VISCOUS).sum())
         + 2.4e-7 * float((all_kinds == VISCOUS).sum())  # whose force is a power of the velocity
-        + 6e-8 * float((all_kinds >= OTHER).sum())
+        + 6e-8 * float((all_kinds >= OTHER_LAW).sum())
         + 2e-9 * sum(kind.size**2 for kind in kinds)  # pairs of storeys of one building
         + 1e-9 * distances
     )

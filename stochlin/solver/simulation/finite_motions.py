@@ -33,10 +33,10 @@ from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_duration, check_work
 from stochlin.solver.tables.labels import ELEMENT, link_coordinates
 
-BLOCK = 256  # time steps that are computed at once
+STEPS_AT_ONCE = 256  # time steps that are computed at once
 # numbers that are in memory at once for each step, and for each peak
-OF_STEPS = 6
-OF_PEAKS = 6
+NUMBERS_PER_STEP = 6
+NUMBERS_PER_PEAK = 6
 
 
 def check_motion(
@@ -69,7 +69,7 @@ def check_finite(run: SimulationRun, duration: float, functions: int, times: int
         f"duration = {duration:g} s, in steps of {run.plan.dt:.2g} s "
         f"and on {paths} paths, would take",
         "shorten it, lower paths, or leave out the shortest period",
-        numbers=OF_STEPS * steps + OF_PEAKS * 2.0 * paths * functions,
+        numbers=NUMBERS_PER_STEP * steps + NUMBERS_PER_PEAK * 2.0 * paths * functions,
         seconds=seconds_of(run, times * steps, 2.0 * functions),
         cores=cores(),
     )
@@ -161,7 +161,7 @@ def extremes_of(
     check_finite(run, duration, len(matrix))
     extensions, parameters = links or (np.zeros((0, 1)), np.zeros((0, 5)))
     middle = run.plan.dt * (np.arange(int(np.ceil(duration / run.plan.dt))) + 0.5)  # of the steps
-    ensemble = run.with_plan(every=1, samples=BLOCK).ensemble
+    ensemble = run.with_plan(every=1, samples=STEPS_AT_ONCE).ensemble
     watched = Links(run.rows(extensions), parameters)
     return finite_extremes(
         ensemble, run.rows(matrix), envelope_at(envelope, middle), progress, watched

@@ -16,12 +16,12 @@ from stochlin.models.envelopes import Envelope, envelope_at
 from stochlin.models.grounds import Ground, scatter_of
 from stochlin.models.parameters import POSITIVE
 from stochlin.solver.simulation.ensembles import ground_steps
-from stochlin.solver.simulation.finite_motions import BLOCK
+from stochlin.solver.simulation.finite_motions import STEPS_AT_ONCE
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_scalars, check_work
 
 USUAL_STEP = 0.01  # default time step [s]
-STEP = Number(POSITIVE, "0 < step <= duration, in seconds")
+STEP_IN_SECONDS = Number(POSITIVE, "0 < step <= duration, in seconds")
 
 
 @checked(in_metres=True)
@@ -32,7 +32,7 @@ def simulated_motions(
     *,
     paths: Paths = 32,
     seed: Seed = 0,
-    step: Annotated[float, STEP] = USUAL_STEP,
+    step: Annotated[float, STEP_IN_SECONDS] = USUAL_STEP,
     scatter: Scatter | None = None,
     progress: Progress | None = None,
 ) -> xr.DataArray:
@@ -86,7 +86,7 @@ def simulated_motions(
     check_scalars(ground, "ground", "numbers")
     scatter = scatter_of(ground, scatter)
     if step > duration:
-        raise ValueError(f"step = {brief(step)} is out of range; allowed: {STEP.words}")
+        raise ValueError(f"step = {brief(step)} is out of range; allowed: {STEP_IN_SECONDS.words}")
     steps = int(np.ceil(duration / step * (1 - 1e-12))) + 1
     check_work(
         f"{paths} motions of {duration:g} s in steps of {step:g} s would take",
@@ -96,7 +96,7 @@ def simulated_motions(
     soil = ground.lone_filter()
     time = step * np.arange(steps)
     groups = -(-paths // LANES)
-    plan = Plan(step, 1, 0, 0, groups, seed, BLOCK, scatter=scatter)
+    plan = Plan(step, 1, 0, 0, groups, seed, STEPS_AT_ONCE, scatter=scatter)
     made, root = ground_steps(soil, step)
     if soil.states:  # the value at the beginning of each step, in place of its mean
         made = made._replace(row=soil.arrays.output, direct=0.0)

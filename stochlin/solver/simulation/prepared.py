@@ -25,8 +25,8 @@ from stochlin.solver.simulation.statistics import required_gaps
 from stochlin.solver.simulation.structures_in_motion import checked_structures
 from stochlin.solver.tables.checks import check_duration
 
-SHORT = 0.5  # [s] of a simulation whose number of motions is open
-FEWEST = 256  # motions of such a simulation
+SHORT_SIMULATION = 0.5  # [s] of a simulation whose number of motions is open
+FEWEST_MOTIONS = 256  # motions of such a simulation
 MOST = 2048
 PRECISION = 0.1  # half of an interval over a gap
 MARGIN = 1.2  # motions over those that the precision needs
@@ -84,7 +84,7 @@ class PreparedStructures:
         if fewest is None:
             steps = motion.duration / moving.run.plan.dt
             of_motion = seconds_of(moving.run, steps, 2.0 * functions) / LANES
-            fewest = whole_groups(int(np.clip(SHORT / of_motion, FEWEST, MOST)))
+            fewest = whole_groups(int(np.clip(SHORT_SIMULATION / of_motion, FEWEST_MOTIONS, MOST)))
         return cls(
             structures=tuple(in_metres),
             ground=ground,

@@ -14,8 +14,8 @@ from stochlin.models.start import Start
 from stochlin.models.systems import Assembly
 
 END_STATE = "end_state"
-STATE = "state"
-ROUNDING = 1e-9  # of extensions at yield
+STATE_DIMENSION = "state"
+ROUNDING_OF_EXTENSIONS = 1e-9  # of extensions at yield
 
 
 def check_start(name: str, start: object) -> None:
@@ -34,7 +34,7 @@ def start_values(system: Assembly, start: Start) -> Array:
     links = [placed.link.parts[2] for placed in system.placed_links]
     strength = np.concatenate([system.storeys.strength, links])
     extension = np.abs(system.extensions @ values[0])
-    beyond = np.flatnonzero(extension > strength * (1 + ROUNDING))
+    beyond = np.flatnonzero(extension > strength * (1 + ROUNDING_OF_EXTENSIONS))
     if beyond.size:
         element = beyond[0]
         what = f"start: the drift of {system.springs[element]} is {extension[element]:g} m"
@@ -55,12 +55,12 @@ def first_block(row: BuildingRow, values: Array, ground_velocity: float) -> Arra
 
 def as_end_state(values: Array) -> xr.DataArray:
     """The state at the end of a motion, as a result has it."""
-    return xr.DataArray(values, dims=STATE)
+    return xr.DataArray(values, dims=STATE_DIMENSION)
 
 
 def checked_end_state(start: xr.DataArray, size: int) -> Array:
     """So many numbers of the end of a motion; raises a ValueError unless they are those of one."""
-    if start.dims != (STATE,) or start.size != size or start.dtype.kind != "f":
+    if start.dims != (STATE_DIMENSION,) or start.size != size or start.dtype.kind != "f":
         what = f"start is an array {dict(start.sizes)} of {start.dtype}"
         allowed = f"the {END_STATE}, {size} numbers, of a motion of the same structures"
         raise ValueError(f"{what}; allowed: {allowed}, or a Start")

@@ -29,21 +29,23 @@ from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_work
 from stochlin.solver.tables.labels import ELEMENT
 
-ROUNDING = 1e-13  # relative size of a sum, over its terms, below which it is a rounding error
+# relative size of a sum, over its terms, below which it is a rounding error
+ROUNDING_OF_SUMS = 1e-13
 # change of a variance, in standard errors, above which a run is not stationary
 NOT_STATIONARY = 5.0
 # A drift is waited for if each motion then has at most this number of time steps. With 256 motions
 # of one structure this takes some ten seconds.
-MOST_STEPS = 1e7
+MOST_STEPS_FOR_DRIFT = 1e7
 BURN_IN = 5.0  # burn-in over memory
 # Measurement of the time constant: groups of motions, burn-in and duration in time constants by
 # linearization, and instants at which the plastic displacements are sampled.
-GROUPS = 4
-INSTANTS = 256
+MEASURED_GROUPS = 4
+MEASURED_INSTANTS = 256
 SETTLING = 1.0
 LENGTH = 2.0
-FALLEN = 0.6  # autocorrelation below which the time constant is evaluated
-ERRORS = 2.0  # standard errors that are added to the autocorrelation, on the safe side
+LARGEST_AUTOCORRELATION = 0.6  # autocorrelation below which the time constant is evaluated
+# standard errors that are added to the autocorrelation, on the safe side
+ADDED_STANDARD_ERRORS = 2.0
 
 
 class MomentEstimates(NamedTuple):
@@ -61,7 +63,7 @@ def stationary_moments(
     moving: StructuresInMotion, relaxation_times: float, progress: Progress | None
 ) -> xr.Dataset:
     """Stationary second moments of all floors, and of the drifts of storeys."""
-    too_slow = MOST_STEPS * moving.run.plan.dt / (BURN_IN + relaxation_times)
+    too_slow = MOST_STEPS_FOR_DRIFT * moving.run.plan.dt / (BURN_IN + relaxation_times)
     expected = moving.run.drift_time
     rare = expected > too_slow
     run = with_length(
@@ -134,7 +136,7 @@ def expected_seconds(run: SimulationRun, relaxation_times: float) -> float:
     dt = run.plan.dt
     measured = (SETTLING + LENGTH) * slowest / dt if slowest > run.memory else 0.0
     steps = (BURN_IN + relaxation_times) * max(run.memory, slowest) / dt
-    pilot = seconds_of(run.with_plan(groups=GROUPS), measured)
+    pilot = seconds_of(run.with_plan(groups=MEASURED_GROUPS), measured)
     return pilot + seconds_of(run, steps, run.ensemble.size**2 / (2 * run.plan.every))
 
 
@@ -145,12 +147,12 @@ def _measure(run: SimulationRun, expected: float) -> Array:
     does not decay within the measurement. The motions are independent of those of the run.
     """
     block = run.plan.block
-    stride = max(1, int(LENGTH * expected / block / INSTANTS))
+    stride = max(1, int(LENGTH * expected / block / MEASURED_INSTANTS))
     pilot = run.with_plan(
         burn_in=int(np.ceil(SETTLING * expected / block)),
         recorded=stride * max(2, int(np.ceil(LENGTH * expected / block / stride))),
         first_group=run.plan.groups,
-        groups=GROUPS,
+        groups=MEASURED_GROUPS,
     )
     plastic = plastic_displacements(pilot.ensemble, stride)
     steps = [_time_constant(plastic[:, n]) for n in range(run.ensemble.size)]
@@ -166,8 +168,10 @@ def _time_constant(history: Array) -> float:
     for lag in range(1, count):
         correlation = max(float(np.mean(history[lag:] * history[:-lag]) / variance), 0.0)
         independent = motions * max(1.0, count / (2 * lag))
-        correlation += ERRORS * np.sqrt((1 - min(correlation, 1.0) ** 2) / independent)
-        if correlation < FALLEN:
+        correlation += ADDED_STANDARD_ERRORS * np.sqrt(
+            (1 - min(correlation, 1.0) ** 2) / independent
+        )
+        if correlation < LARGEST_AUTOCORRELATION:
             return float(-lag / np.log(correlation))
     return np.inf
 
@@ -200,7 +204,7 @@ def _estimates(sums: Sums, paths: int) -> MomentEstimates:
         - rho * (share_1 + share_2)
         + 0.25 * rho**2 * (diagonal[:, None] + diagonal + 2 * sums.diagonal / unit**2)
     )
-    spread = np.where(spread > ROUNDING * sums.squares / unit**2, spread, 0.0)
+    spread = np.where(spread > ROUNDING_OF_SUMS * sums.squares / unit**2, spread, 0.0)
     rho_error = np.sqrt(spread / (paths * (paths - 1)))
     variance_error = np.sqrt((np.diag(sums.diagonal) - paths * variance**2) / (paths * (paths - 1)))
     change = sums.change / paths

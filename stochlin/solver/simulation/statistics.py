@@ -23,7 +23,8 @@ from stochlin.solver.tables import labels
 from stochlin.solver.tables.lazy import check_names
 
 TAIL = (1 - 0.95) / 2  # probability on each side of a 95 % interval
-FAR = 1e200  # [m], in place of infinity, between which and a number no quantile can be
+# [m], in place of infinity, between which and a number no quantile can be
+IN_PLACE_OF_INFINITY = 1e200
 ABOVE_GROUND = "height above the ground"
 Columns = dict[str, Column]
 
@@ -184,8 +185,8 @@ def mean_columns(name: str, over: Sequence[Any], samples: Array) -> Columns:
 
 def quantiles_of(samples: Array, levels: Array) -> Array:
     """Quantiles along the first axis of samples that may be infinite."""
-    quantiles = np.quantile(np.minimum(samples, FAR), levels, axis=0)
-    return np.where(quantiles > np.sqrt(FAR), np.inf, quantiles)
+    quantiles = np.quantile(np.minimum(samples, IN_PLACE_OF_INFINITY), levels, axis=0)
+    return np.where(quantiles > np.sqrt(IN_PLACE_OF_INFINITY), np.inf, quantiles)
 
 
 def quantile_intervals(samples: Array, levels: Array) -> tuple[Array, Array, Array]:

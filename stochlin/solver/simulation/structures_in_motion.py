@@ -53,9 +53,9 @@ PATH = "path"
 INPUT = "input"
 GROUND = "ground"
 HEIGHT = "height"
-SCALARS = "scalars, one structure an entry; correlate(method='simulation') takes arrays"
+SCALARS_ONLY = "scalars, one structure an entry; correlate(method='simulation') takes arrays"
 Samples = Mapping[str, Sequence[Any]]  # by uncertain model: stacks or grounds, one for each motion
-NONE: Samples = {}
+NO_SAMPLES: Samples = {}
 STREAM = 2  # stream of random numbers, different from those of the motions with the same seed
 
 
@@ -204,8 +204,8 @@ def checked_structures(
     roles = {f"structures[{number}]": median_of(each) for number, each in enumerate(structures)}
     for role, structure in roles.items():
         expect(structure, AnyStructure, role)
-        check_scalars(structure, role, SCALARS)
-    check_scalars(median_of(ground), "ground", SCALARS)
+        check_scalars(structure, role, SCALARS_ONLY)
+    check_scalars(median_of(ground), "ground", SCALARS_ONLY)
     return roles
 
 
@@ -217,7 +217,7 @@ def structures_in_motion(
     *,
     paths: int,
     seed: int,
-    made: Samples = NONE,
+    made: Samples = NO_SAMPLES,
     **options: Any,
 ) -> StructuresInMotion:
     """Structures of a simulation; for a stationary one with relaxation times by linearization.

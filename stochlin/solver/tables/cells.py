@@ -17,20 +17,20 @@ from stochlin.models.structures import Structure
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.lazy import arrays_of, check_names, computed, in_blocks, is_lazy, row_of
 
-CELL = "_cell"  # temporary dimension; no dimension of a model has this name
+CELL_DIMENSION = "_cell"  # temporary dimension; no dimension of a model has this name
 USABLE = "usable"
 NONE_VALID = "no cell has valid parameters; correct those that are out of range"
 OfCell = Callable[..., xr.Dataset]
-ALL = xr.DataArray(True)  # usable cells
-NOTHING = dict[str, Model]()  # models beside those of a table
+ALL_USABLE = xr.DataArray(True)  # usable cells
+NO_MODELS = dict[str, Model]()  # models beside those of a table
 ONE = xr.DataArray(0.0)  # the shape of a single cell
 
 
 def over_cells(
     function: OfCell,
     models: Mapping[str, Model],
-    usable: xr.DataArray = ALL,
-    beside: Mapping[str, Model] = NOTHING,
+    usable: xr.DataArray = ALL_USABLE,
+    beside: Mapping[str, Model] = NO_MODELS,
 ) -> xr.Dataset:
     """Table of a ``function`` of scalar models, for every cell of models with arrays.
 
@@ -112,12 +112,14 @@ def flat(models: Mapping[str, Model], settled: bool = True) -> Flat:
         return Flat(ONE, np.zeros(1, int), dict(models))
     shape = over_all(*arrays.values())
     settles = [m.settles() for m in models.values() if settled and isinstance(m, Structure)]
-    where = np.flatnonzero(row_of(_good(models, reduce(and_, settles, ALL)), shape))
+    where = np.flatnonzero(row_of(_good(models, reduce(and_, settles, ALL_USABLE)), shape))
 
     def row(model: Model) -> Model:
         arrays = ((name, array) for name, array in model.over_cells().items() if array.ndim)
         rows = {name: row_of(array, shape)[where] for name, array in arrays}
-        return model.with_arrays({name: xr.DataArray(row, dims=CELL) for name, row in rows.items()})
+        return model.with_arrays(
+            {name: xr.DataArray(row, dims=CELL_DIMENSION) for name, row in rows.items()}
+        )
 
     return Flat(shape, where, {role: row(model) for role, model in models.items()})
 
@@ -161,15 +163,19 @@ def _one_by_one(
     )
     stacked = xr.concat(
         tables,
-        CELL,
+        CELL_DIMENSION,
         data_vars="all",
         coords="minimal",
         compat="override",
         combine_attrs="override",
         join="outer",
     )
-    coordinates = xr.Coordinates.from_pandas_multiindex(index, CELL)
-    table = stacked.assign_coords(coordinates).unstack(CELL).drop_vars(list(map(str, shape.dims)))
+    coordinates = xr.Coordinates.from_pandas_multiindex(index, CELL_DIMENSION)
+    table = (
+        stacked.assign_coords(coordinates)
+        .unstack(CELL_DIMENSION)
+        .drop_vars(list(map(str, shape.dims)))
+    )
     return table.assign_coords({name: shape.coords[name] for name in shape.coords})
 
 

@@ -11,7 +11,7 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from stochlin.models.arguments import DURATION, Number, Whole, check_fields
+from stochlin.models.arguments import DURATION_IN_SECONDS, Number, Whole, check_fields
 from stochlin.models.parameters import Model, Range
 from stochlin.models.structures import AnyStructure
 
@@ -28,7 +28,7 @@ def check_duration(duration: Any, structures: Mapping[str, AnyStructure] | None 
     It must be at least the period of each of the ``structures``, which are by their roles. Arrays
     of periods are not checked.
     """
-    DURATION("duration", duration)
+    DURATION_IN_SECONDS("duration", duration)
     for role, structure in (structures or {}).items():
         period = structure.first_period()
         if period.ndim == 0 and float(period) > duration:
@@ -57,9 +57,9 @@ def needed(module: str, what: str, extra: str, otherwise: str = "") -> Any:
         raise ImportError(f"{what} needs {module}: {cure}") from error
 
 
-SHARE = 0.5  # share of the memory of the machine that one calculation may take
+SHARE_OF_MEMORY = 0.5  # share of the memory of the machine that one calculation may take
 BYTES = 8  # of a number
-MEMORY = 8e9  # assumed memory [bytes] if the system does not state it
+ASSUMED_MEMORY = 8e9  # assumed memory [bytes] if the system does not state it
 MOST_SECONDS = 900.0  # longest estimated time [s]
 
 
@@ -74,7 +74,7 @@ def check_work(
     over ``cores``.
     """
     gigabytes = BYTES * numbers / 1e9
-    most = SHARE * _installed() / 1e9
+    most = SHARE_OF_MEMORY * _installed() / 1e9
     if not gigabytes <= most:
         raise ValueError(f"{what} {gigabytes:.1f} GB; allowed: {most:.0f} GB; {cure}")
     if not seconds:
@@ -110,22 +110,22 @@ def _installed() -> float:
     try:
         return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
     except (AttributeError, ValueError, OSError):
-        return MEMORY
+        return ASSUMED_MEMORY
 
 
 EPSILON = float(np.finfo(float).eps)
-AT_LEAST = Range(EPSILON, include_lower=True)
+RANGE_OF_RTOL = Range(EPSILON, include_lower=True)
 
 
 @dataclass(frozen=True)
 class Tolerance:
     """Stop rule of an iteration, checked; `linearize` describes its parameters."""
 
-    rtol: Annotated[float, Number(AT_LEAST, f"a finite number of at least {EPSILON:.2g}")]
+    rtol: Annotated[float, Number(RANGE_OF_RTOL, f"a finite number of at least {EPSILON:.2g}")]
     max_iterations: Annotated[int, Whole(1)]
 
     def __post_init__(self) -> None:
         check_fields(self)
 
 
-USUAL = Tolerance(1e-10, 200)  # the defaults of `linearize`
+USUAL_TOLERANCE = Tolerance(1e-10, 200)  # the defaults of `linearize`

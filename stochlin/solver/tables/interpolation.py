@@ -11,8 +11,9 @@ from scipy.interpolate import CubicHermiteSpline
 
 from stochlin.kernels.basics.arrays import Array
 
-ROUNDING = 1e-9  # distance beyond the end of an axis at which a point still counts as inside
-TOGETHER = 1024  # points interpolated together
+# distance beyond the end of an axis at which a point still counts as inside
+ROUNDING_OF_AXES = 1e-9
+POINTS_AT_ONCE = 1024  # points interpolated together
 
 
 class Axis(NamedTuple):
@@ -90,7 +91,9 @@ class Grid(NamedTuple):
         Points in the same intervals of all axes but the last are interpolated together.
         """
         low, high = self.ends
-        inside = ((points >= low - ROUNDING) & (points <= high + ROUNDING)).all(axis=0)
+        inside = ((points >= low - ROUNDING_OF_AXES) & (points <= high + ROUNDING_OF_AXES)).all(
+            axis=0
+        )
         out = np.full((self.values.shape[-1], inside.size), np.nan)
         cells = np.flatnonzero(inside)
         if not cells.size:
@@ -105,7 +108,7 @@ class Grid(NamedTuple):
         near = [axis.around(x[order], interval[order]) for axis, x, interval in rows]
         together = together[order]
         new = together[1:] != together[:-1]
-        new[TOGETHER - 1 :: TOGETHER] = True
+        new[POINTS_AT_ONCE - 1 :: POINTS_AT_ONCE] = True
         for begin, end in pairwise([0, *(1 + np.flatnonzero(new)), cells.size]):
             part = [(first[begin:end], weights[:, begin:end]) for first, weights in near]
             out[:, cells[order[begin:end]]] = _sums(self.values, part)

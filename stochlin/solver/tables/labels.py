@@ -12,7 +12,7 @@ from stochlin._version import __version__
 from stochlin.models.parameters import Model
 from stochlin.models.systems import Assembly
 from stochlin.solver.tables.lazy import cellwise
-from stochlin.solver.variables import NONE, Variables, unit_and_long_name
+from stochlin.solver.variables import NO_VARIABLES, Variables, unit_and_long_name
 
 PAPER = (
     "Valles-Mattox, R. E. and Reinhorn, A. M. (1996). Evaluation, prevention and mitigation of "
@@ -62,7 +62,7 @@ STATUS_MEANINGS = (
 ENDS = "lower", "upper"
 # endings of the names of a number and its interval
 VALUE_AND_ENDS = ("", *(f"_{end}" for end in ENDS))
-CAUTION = "caution"  # end of the names of the caution flags
+CAUTION_ENDING = "caution"  # end of the names of the caution flags
 CAUTION_MEANINGS = ("within_10_percent", "off_by_more_than_10_percent", "outside_of_the_map")
 CURES = {
     NOT_CONVERGED: "raise max_iterations; in a simulation, relaxation_times",
@@ -81,7 +81,9 @@ def axis(name: str, long_name: str, values: Any, units: str | None = "1") -> xr.
     return xr.DataArray(values, dims=name, coords={name: (name, values, attrs)}, attrs=attrs)
 
 
-def label(dataset: xr.Dataset, special: Variables = NONE, last: int = TOO_STRONG) -> xr.Dataset:
+def label(
+    dataset: xr.Dataset, special: Variables = NO_VARIABLES, last: int = TOO_STRONG
+) -> xr.Dataset:
     """Add units and long names to the variables, and flags to ``status`` and the cautions.
 
     They are those of `variables`, but for ``special`` names. ``last`` is the last status that there
@@ -94,7 +96,7 @@ def label(dataset: xr.Dataset, special: Variables = NONE, last: int = TOO_STRONG
             continue
         if "flag_values" in every[name].attrs:
             continue
-        if name.rpartition("_")[2] == CAUTION:
+        if name.rpartition("_")[2] == CAUTION_ENDING:
             every[name].attrs = _flags("caution flag of the linearization", CAUTION_MEANINGS)
         if described := unit_and_long_name(name, special):
             every[name].attrs.update(zip(("units", "long_name"), described, strict=True))

@@ -15,11 +15,12 @@ from scipy.linalg import lapack
 from stochlin.kernels.basics.arrays import Array
 
 REFINEMENTS = 20  # largest number of solutions for a residual
-STILL = 1e-11  # correction of a correlation after which the error that is left is rounding
+# correction of a correlation after which the error that is left is rounding
+LEAST_CORRECTION = 1e-11
 WORSE = 0.5  # ratio of a correction to the last one above which it is rounding error
 # largest last correction over the largest covariance; above it the result is refused
 ACCURATE = 1e-8
-BLOCK = 32  # columns that LAPACK reduces together
+LAPACK_BLOCK = 32  # columns that LAPACK reduces together
 
 UNSTABLE = "the state matrix is not stable; allowed: eigenvalues with negative real parts"
 INACCURATE = "the system is too near to one without a stationary covariance"
@@ -34,7 +35,7 @@ def stationary_covariance(matrix: Array, noise: Array, intensity: Array) -> tupl
     covariance = np.full(matrix.shape, np.nan)
     stable = np.zeros(len(matrix), bool)
     drives = np.sqrt(intensity)[:, None] * noise
-    lwork = (3 + BLOCK) * noise.shape[1]
+    lwork = (3 + LAPACK_BLOCK) * noise.shape[1]
     # With rates whose squares overflow, variances would be too small for a number.
     for cell in np.flatnonzero(np.isfinite(matrix * matrix).all(axis=(1, 2))).tolist():
         balanced, _, _, scale, _ = lapack.dgebal(matrix[cell], scale=1)
@@ -63,7 +64,7 @@ def _refined(matrix: Array, triangle: Array, vectors: Array, drive: Array) -> Ar
         std = np.sqrt(np.abs(x.diagonal()))
         std[std == 0] = 1.0
         change = np.abs(step / np.outer(std, std)).max()
-        if not STILL < change <= WORSE * before:
+        if not LEAST_CORRECTION < change <= WORSE * before:
             break
         before = change
     accurate = np.abs(step).max() < ACCURATE * np.abs(x).max()

@@ -16,13 +16,19 @@ import numpy as np
 import scipy.linalg
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.linearization.spectral_moments import NODES, STEP, SpectralMoments
+from stochlin.kernels.linearization.spectral_moments import (
+    MOMENT_NODES,
+    MOMENT_STEP,
+    SpectralMoments,
+)
 from stochlin.kernels.linearization.systems.lyapunov import stationary_covariance
 from stochlin.kernels.linearization.systems.state_space import StateSpace
 
 Q, V, Z = 1, 2, 3  # blocks of states
-SLOW = 1e-13  # relaxation over the largest frequency below which z is proportional to the extension
-FAST = 1e-2  # relaxation over the largest frequency from which z is a state in place of y
+# relaxation over the largest frequency below which z is proportional to the extension
+SLOW_RELAXATION = 1e-13
+# relaxation over the largest frequency from which z is a state in place of y
+FAST_RELAXATION = 1e-2
 
 
 class StationaryResponse:
@@ -90,9 +96,9 @@ class StationaryResponse:
         identity = np.eye(c.shape[-1])
         scale = np.sqrt(l2 / l0).max(axis=1)[:, None, None]
         decay = 0.0
-        for s in (scale * node for node in NODES):
+        for s in (scale * node for node in MOMENT_NODES):
             decay = decay - s * rates @ np.linalg.solve(s * identity - self._matrix, with_c)
-        l1 = (2 / np.pi) * STEP * np.diagonal(decay, axis1=1, axis2=2)
+        l1 = (2 / np.pi) * MOMENT_STEP * np.diagonal(decay, axis1=1, axis2=2)
         return SpectralMoments(l0, l1, l2)
 
     def _std(self, rows: Array) -> Array:
@@ -120,8 +126,8 @@ def _in_extensions(system: StateSpace) -> tuple[Array, Array, Array]:
     fastest = np.sqrt(np.abs(matrix[:, v, q]).max(axis=(1, 2)))[:, None]
     diagonal = np.arange(z.start, z.stop)
     relaxation = -matrix[:, diagonal, diagonal]
-    slow = np.abs(relaxation) <= SLOW * fastest
-    slips = relaxation < FAST * fastest
+    slow = np.abs(relaxation) <= SLOW_RELAXATION * fastest
+    slips = relaxation < FAST_RELAXATION * fastest
     c_eq = -(matrix[:, z, v] * yielding).sum(axis=2) / (yielding**2).sum(axis=1)
     sign = np.where(slips & ~slow, -1.0, 1.0)
     of_drift = np.where(slow, -c_eq, slips)[..., None]

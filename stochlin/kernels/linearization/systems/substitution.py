@@ -22,18 +22,24 @@ import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.gaussian import equivalent_dashpot
-from stochlin.kernels.linearization.iteration import FixedPoint, add, elastic_limit, follow, nothing
+from stochlin.kernels.linearization.iteration import (
+    LARGEST_STEP,
+    FixedPoint,
+    add,
+    elastic_limit,
+    follow,
+    nothing,
+)
 from stochlin.kernels.linearization.systems.response import StationaryResponse
 from stochlin.kernels.linearization.systems.springs import Springs, coefficients_of
 from stochlin.kernels.linearization.systems.state_space import state_space
 
 DEPTH = 10  # rounds that are mixed
-LARGEST_STEP = 1.0  # in the logarithms of standard deviations and atanh of correlations
 # square of the share of a round that others do not determine, below which it is left
 DEPENDENT = 1e-12
 BACK = 0.25  # share of a step that is tried again where it led to no response
-AT_LEVEL = 30  # rounds at one level of shaking, where a solution is followed
-HARDLY = 2.0  # by which log sigma_z of a system that hardly yields is smaller
+ROUNDS_AT_LEVEL = 30  # rounds at one level of shaking, where a solution is followed
+HARDLY_YIELDING = 2.0  # by which log sigma_z of a system that hardly yields is smaller
 SOLVED = 1e-7  # largest mismatch of a solution; rounding leaves this much in stiff equations
 IDLE = np.log(
     1e-6
@@ -159,7 +165,7 @@ def fixed_points(
     changes = []
     before = None
     tried = np.tile(unknowns, (depth + 1, 1, 1))  # those with a response
-    tried[:, m : 2 * m] -= HARDLY
+    tried[:, m : 2 * m] -= HARDLY_YIELDING
     mismatches = np.full_like(tried, np.nan)
     for _ in range(most):
         linear = linear_for(part, unknowns)
@@ -224,7 +230,9 @@ def solve_springs(
         part = problem.at(cells)
 
         def settle(cells: Array, level: Array, guess: Array) -> FixedPoint:
-            return fixed_points(part.at(cells)._replace(level=level), guess, AT_LEVEL, rtol)[0]
+            return fixed_points(part.at(cells)._replace(level=level), guess, ROUNDS_AT_LEVEL, rtol)[
+                0
+            ]
 
         branch = follow(settle, elastic[:, cells], m, most)
         solution.iterations[cells] += branch.iterations

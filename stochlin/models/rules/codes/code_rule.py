@@ -17,18 +17,18 @@ from stochlin.registry import Registry
 Zone = Literal["I", "II", "III"]  # of Mexico City
 ZONES: Mapping[Zone, float] = {"I": 0.001, "II": 0.003, "III": 0.006}  # share of the height
 # families of rules that use no peaks
-HEIGHT = "height"
+BY_HEIGHT = "height"
 FIXED = "fixed"
-FAMILIES = ("", "SRSS", "sum", HEIGHT, FIXED)
+FAMILIES = ("", "SRSS", "sum", BY_HEIGHT, FIXED)
 INELASTIC = "peaks are largest displacements, inelastic where the structure yields"
-TWO = "a second building: what it says of a property line is not known here"
+SECOND_UNKNOWN = "a second building: what it says of a property line is not known here"
 
 
 def _check_formula(rule: CodeRule) -> None:
     """Raise a ValueError for a rule whose formula fails with what the rule says that it needs."""
     tried = replace(rule, value=1.0) if rule.lacks_number else rule
     try:
-        site = Site(0.1, 0.1, **{name: TRIED.get(name, 1.0) for name in rule.needs})
+        site = Site(0.1, 0.1, **{name: TRIAL_BUILDINGS.get(name, 1.0) for name in rule.needs})
         for pair in (site, replace(site, same_property=True)):
             float(tried.gap_of_displaced(pair))
     except (TypeError, AttributeError) as error:
@@ -43,7 +43,7 @@ CODE_RULES: Registry[CodeRule] = Registry(
     "code rule", "stochlin.models.rules.codes", check=_check_formula
 )
 # Buildings with which formulas are tried; of other needs 1 in SI units is a value.
-TRIED: Mapping[str, Any] = {
+TRIAL_BUILDINGS: Mapping[str, Any] = {
     "zone": "I",
     "height_1": 10.0,
     "height_2": 10.0,
@@ -51,19 +51,19 @@ TRIED: Mapping[str, Any] = {
     "storeys_2": 3.0,
 }
 # Factors of codes on displacements under design forces, as `stochlin.code_gaps` names them.
-FACTORS = BEHAVIOUR, DEFLECTION, IMPORTANCE = "behaviour", "deflection", "importance"
+FACTORS_OF_CODES = BEHAVIOUR, DEFLECTION, IMPORTANCE = "behaviour", "deflection", "importance"
 AT_LEAST_1 = Range(
     1.0, include_lower=True, reason="it multiplies displacements under design forces"
 )
 OF_IMPORTANCE = Range(0.5, 2.0, True, True, "codes have 0.8 to 1.5")
-STOREYS = Range(1.0, include_lower=True, reason="storeys above the ground")
+STOREYS_ABOVE_GROUND = Range(1.0, include_lower=True, reason="storeys above the ground")
 MULTIPLIED = (
     "displacements that are multiplied already: it has no factor on those under design forces"
 )
 BOTH = ("floors_align", "same_property", "same_system")  # facts of two buildings
 # Assumptions on two buildings that several codes have.
 ALIGNED = "the factor for floors that align accepts contact at slab level"
-BETWEEN = "between two properties the gap is the sum of both distances from the line"
+SUM_OF_DISTANCES = "between two properties the gap is the sum of both distances from the line"
 
 
 @dataclass(frozen=True)
@@ -84,8 +84,8 @@ class Site(Model):
     zone: Zone | None = None
     same_property: Truth = False
     same_system: Truth = False
-    storeys_1: Any = parameter("1", "number of storeys, structure 1", STOREYS, None)
-    storeys_2: Any = parameter("1", "number of storeys, structure 2", STOREYS, None)
+    storeys_1: Any = parameter("1", "number of storeys, structure 1", STOREYS_ABOVE_GROUND, None)
+    storeys_2: Any = parameter("1", "number of storeys, structure 2", STOREYS_ABOVE_GROUND, None)
     importance_1: Any = parameter("1", "importance, structure 1", OF_IMPORTANCE, None)
     importance_2: Any = parameter("1", "importance, structure 2", OF_IMPORTANCE, None)
     design_pga: Any = parameter("m/s^2", "peak acceleration of the design", POSITIVE, None)
@@ -185,7 +185,8 @@ class CodeRule(Published):
     share: float = 1.0
     over_importance: bool = False
     larger_factor: bool = False  # of both buildings, for both, where floors do not align
-    called: Mapping[str, str] = field(default_factory=dict, hash=False)  # by name in FACTORS
+    # by name in FACTORS_OF_CODES
+    called: Mapping[str, str] = field(default_factory=dict, hash=False)
     countries: Sequence[str] = ()  # in which the code is in use
     number: CodeNumber | None = None
     value: float | None = None  # of its number, in place of the usual one
@@ -206,7 +207,7 @@ class CodeRule(Published):
             "between": ({self.between}, FAMILIES),
             "needs": (self.needs, Site.__dataclass_fields__),
             "multiplies": ({self.multiplies}, ("", BEHAVIOUR, DEFLECTION)),
-            "called": (self.called, FACTORS),
+            "called": (self.called, FACTORS_OF_CODES),
         }
         for what, (names, allowed) in words.items():
             for name in names:
@@ -230,7 +231,7 @@ class CodeRule(Published):
 
     def takes_peaks(self) -> bool:
         """Whether the rule uses displacements at all."""
-        return self.family not in (HEIGHT, FIXED)
+        return self.family not in (BY_HEIGHT, FIXED)
 
     def displaced(self, site: Site) -> Site:
         """The pair with the displacements of the code [m], for those under design forces.
@@ -286,7 +287,7 @@ class CodeRule(Published):
     def missing(self, site: Site) -> list[str]:
         """What the rule requires and is not given, a factor with the code's name for it."""
         if site.alone and not self.line:
-            return [TWO]
+            return [SECOND_UNKNOWN]
         needed = [name for name in self.needs if not (site.alone and name.endswith("_2"))]
         lacking = [name for name in needed if name not in site.known]
         if not (site.of_design and self.takes_peaks()):

@@ -11,7 +11,7 @@ from __future__ import annotations
 from typing import Any
 
 from stochlin.models.rules import publish
-from stochlin.models.rules.codes import ALIGNED, BETWEEN, CODE_RULES, CodeRule, Site
+from stochlin.models.rules.codes import ALIGNED, CODE_RULES, SUM_OF_DISTANCES, CodeRule, Site
 from stochlin.models.rules.codes.families import root_of_squares
 
 
@@ -29,7 +29,7 @@ EUROCODE_8 = CodeRule(
     family="SRSS",
     between="sum",
     assumptions="peaks are design displacements, behaviour factor times elastic",
-    of_pairs=(BETWEEN, ALIGNED),
+    of_pairs=(SUM_OF_DISTANCES, ALIGNED),
     line="from a property line a building keeps its own displacement",
     multiplies="behaviour",
     countries=(

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from stochlin.models.rules import publish
-from stochlin.models.rules.codes import BETWEEN, CODE_RULES, CodeRule, Site
+from stochlin.models.rules.codes import CODE_RULES, SUM_OF_DISTANCES, CodeRule, Site
 
 
 def iran_line(site: Site) -> Any:
@@ -31,7 +31,7 @@ IRAN_2800 = CodeRule(
     line_of=iran_line,
     family="sum",
     assumptions="peaks are nonlinear displacements with P-delta, Cd times elastic",
-    of_pairs=(BETWEEN,),
+    of_pairs=(SUM_OF_DISTANCES,),
     needs=("height_1", "height_2", "storeys_1", "storeys_2"),
     line=(
         "0.005 of the height; above 8 storeys, or if important, its displacement if that is larger"

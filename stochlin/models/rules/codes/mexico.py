@@ -16,7 +16,7 @@ from stochlin.models.rules import publish
 from stochlin.models.rules.codes import CODE_RULES, ZONES, CodeRule, Site
 
 SIMPLIFIED = {"I": 0.007, "II": 0.009, "III": 0.012}  # share of the height by zone
-ALIKE = (
+HALF_IF_SIMILAR = (
     "half for the same height, structural system and slab levels, which accepts contact of slabs"
 )
 
@@ -40,7 +40,7 @@ MEXICO_CITY = CodeRule(
     line_of=mexico_city_line,
     family="sum",
     half_if_alike=True,
-    of_pairs=(ALIKE,),
+    of_pairs=(HALF_IF_SIMILAR,),
     needs=("height_1", "height_2", "zone"),
     line=(
         "a building keeps its displacement and a share of its height from its own "
@@ -61,7 +61,7 @@ MEXICO_CITY_SIMPLIFIED = CodeRule(
     family="height",
     half_if_alike=True,
     assumptions="the peaks are not used: the simplified method has none",
-    of_pairs=(ALIKE,),
+    of_pairs=(HALF_IF_SIMILAR,),
     needs=("height_1", "height_2", "zone"),
     line="a building keeps a share of its height from its own boundary, 50 mm at least",
 )

@@ -8,7 +8,7 @@ properties is the sum of the peaks; it is also taken within one property.
 from __future__ import annotations
 
 from stochlin.models.rules import publish
-from stochlin.models.rules.codes import BETWEEN, CODE_RULES, CodeRule
+from stochlin.models.rules.codes import CODE_RULES, SUM_OF_DISTANCES, CodeRule
 from stochlin.models.rules.codes.families import total
 
 NZS_1170_5 = CodeRule(
@@ -19,7 +19,7 @@ NZS_1170_5 = CodeRule(
     gap_of=total,
     family="sum",
     assumptions="peaks are those of the ultimate limit state, mu times elastic",
-    of_pairs=(BETWEEN,),
+    of_pairs=(SUM_OF_DISTANCES,),
     line="from the boundary a building keeps its own displacement",
     multiplies="deflection",
     countries=("New Zealand",),

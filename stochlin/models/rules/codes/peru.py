@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from stochlin.models.rules import publish
-from stochlin.models.rules.codes import BETWEEN, CODE_RULES, CodeNumber, CodeRule, Site
+from stochlin.models.rules.codes import CODE_RULES, SUM_OF_DISTANCES, CodeNumber, CodeRule, Site
 from stochlin.models.rules.codes.families import total
 
 
@@ -47,7 +47,7 @@ E030 = CodeRule(
     line_of=peru_line,
     family="sum",
     between="sum",
-    of_pairs=(BETWEEN,),
+    of_pairs=(SUM_OF_DISTANCES,),
     needs=("height_1", "height_2"),
     line="a building keeps 2/3 of its own displacement and half of the joint for its own height",
     multiplies="deflection",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from stochlin.models.rules import publish
-from stochlin.models.rules.codes import BETWEEN, CODE_RULES, CodeNumber, CodeRule
+from stochlin.models.rules.codes import CODE_RULES, SUM_OF_DISTANCES, CodeNumber, CodeRule
 from stochlin.models.rules.codes.families import root_of_squares, share_of_height
 
 # "Adjacent buildings on the same property" are separated by the root of squares; a structure is set
@@ -20,7 +20,7 @@ ASCE_7 = CodeRule(
     family="SRSS",
     between="sum",
     assumptions="peaks are maximum inelastic displacements, Cd times elastic over Ie",
-    of_pairs=(BETWEEN,),
+    of_pairs=(SUM_OF_DISTANCES,),
     line="from a property line not common to a public way a building keeps its own displacement",
     multiplies="deflection",
     over_importance=True,
@@ -45,7 +45,7 @@ UBC_97 = CodeRule(
     family="SRSS",
     between="sum",
     assumptions="peaks are maximum inelastic displacements, 0.7 R times those of design",
-    of_pairs=(BETWEEN,),
+    of_pairs=(SUM_OF_DISTANCES,),
     line="from a property line not common to a public way a building keeps its own displacement",
     multiplies="behaviour",
     share=0.7,

@@ -17,13 +17,16 @@ from stochlin.registry import Registry
 
 PEAK_FACTORS: Registry[PeakFactor] = Registry("peak factor", "stochlin.models.rules.peak_factors")
 EULER = float(np.euler_gamma)
-RISING = float(np.exp(EULER / 2))  # smallest N from which L + 0.5772/L grows with N
+FEWEST_PEAKS = float(np.exp(EULER / 2))  # smallest N from which L + 0.5772/L grows with N
 # mean and std are exact to 1e-10 up to N = 1e8, compared with mpmath
 PANELS = 28
-ORDER = 12
+NODES_PER_PANEL = 12
 # Panels shrink towards 0, since F rises from 0 within x ~ N delta^1.2 where this is small.
-_NODES, _WEIGHTS = on_panels(np.union1d(0.25 ** np.arange(2, 9), np.linspace(0, 1, PANELS)), ORDER)
-CELLS = 256  # cells evaluated at a time, so that nodes times cells fit into the processor cache
+_NODES, _WEIGHTS = on_panels(
+    np.union1d(0.25 ** np.arange(2, 9), np.linspace(0, 1, PANELS)), NODES_PER_PANEL
+)
+# cells evaluated at a time, so that nodes times cells fit into the processor cache
+CELLS_OF_PEAKS = 256
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -178,8 +181,8 @@ def vanmarcke(n: Array, delta: Array) -> tuple[Array, Array]:
     are equal.
     """
     moments = np.empty((2, n.size))
-    for begin in range(0, n.size, CELLS):
-        cells = slice(begin, begin + CELLS)
+    for begin in range(0, n.size, CELLS_OF_PEAKS):
+        cells = slice(begin, begin + CELLS_OF_PEAKS)
         moments[:, cells] = _survival_moments(n[cells, None], delta[cells, None])
     mean, square = moments
     return mean, np.sqrt(np.maximum(square - mean**2, 0))
@@ -187,8 +190,8 @@ def vanmarcke(n: Array, delta: Array) -> tuple[Array, Array]:
 
 def _extreme_value(n: Array) -> Array:
     """Mean peak factor ``L + 0.5772/L``, ``L = sqrt(2 ln N)``; NaN where it decreases with N."""
-    level = np.sqrt(2 * np.log(np.maximum(n, RISING)))
-    return np.where(n >= RISING, level + EULER / level, np.nan)
+    level = np.sqrt(2 * np.log(np.maximum(n, FEWEST_PEAKS)))
+    return np.where(n >= FEWEST_PEAKS, level + EULER / level, np.nan)
 
 
 @np.errstate(over="ignore")  # of the rate, where the exceedance is 0 or 1
@@ -211,14 +214,14 @@ MODELS = (
         name="Davenport1964",
         reference="Davenport, A. G. (1964), Proc. Inst. Civil Eng. 28, 187-196",
         formula=davenport,
-        fewest=RISING,
+        fewest=FEWEST_PEAKS,
     ),
     PeakFactor(
         name="DerKiureghian1980",
         reference="Der Kiureghian, A. (1980), J. Eng. Mech. Div. ASCE 106, 1195-1213",
         formula=der_kiureghian,
         spread=2.0,
-        needs=f"{OF_BAND}, and Ne >= {RISING:.3g} independent ones",
+        needs=f"{OF_BAND}, and Ne >= {FEWEST_PEAKS:.3g} independent ones",
     ),
     PeakFactor(
         name="Vanmarcke1975",

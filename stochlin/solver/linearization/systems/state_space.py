@@ -30,7 +30,7 @@ from stochlin.solver.linearization.strength import strength_in_metres
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_scalars
 
-LINK = "link_"
+LINK_PREFIX = "link_"
 ONE_SYSTEM = "a scalar, since this describes one system"
 
 
@@ -44,8 +44,10 @@ def problem_of(models: Mapping[str, Any], *, in_time: bool = False) -> tuple[Ass
     structures = [
         strength_in_metres(m, ground) for m in models.values() if isinstance(m, AnyStructure)
     ]
-    numbers = [int(role.removeprefix(LINK)) for role in models if role.startswith(LINK)]
-    placed_links = [models.get(f"{LINK}{n}") for n in range(1, 1 + max(numbers, default=0))]
+    numbers = [
+        int(role.removeprefix(LINK_PREFIX)) for role in models if role.startswith(LINK_PREFIX)
+    ]
+    placed_links = [models.get(f"{LINK_PREFIX}{n}") for n in range(1, 1 + max(numbers, default=0))]
     system = assembly_of(structures, placed_links)
     links = [placed.link.parts for placed in system.placed_links]
     shapes = [stick.system.mass.shape[:-1] for stick in system.sticks]

@@ -28,7 +28,7 @@ from stochlin.models.links import Link
 from stochlin.models.parameters import Range
 from stochlin.models.structures import AnyStructure
 from stochlin.models.systems import Assembly, check_stationary
-from stochlin.solver.linearization.equivalent_systems import ELASTIC, STRONG
+from stochlin.solver.linearization.equivalent_systems import NEGLIGIBLE_SLIP, TOO_STRONG_DEMAND
 from stochlin.solver.linearization.systems.state_space import (
     in_elements,
     models_of,
@@ -37,7 +37,7 @@ from stochlin.solver.linearization.systems.state_space import (
 )
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.cells import NONE_VALID, Flat, flat
-from stochlin.solver.tables.checks import USUAL, Tolerance, check_work
+from stochlin.solver.tables.checks import USUAL_TOLERANCE, Tolerance, check_work
 from stochlin.solver.tables.labels import element_coordinates, floor_coordinates
 from stochlin.solver.tables.lazy import check_names
 
@@ -56,7 +56,7 @@ DIMS = {
     **dict.fromkeys(("link_force_std", "equivalent_damping_constant"), ("link",)),
 }
 CHANGES = "covariance_change", "coefficient_change"
-OWN = {"iteration", "iterations", "status", *CHANGES, *DIMS, *sum(DIMS.values(), ())}
+RESERVED_NAMES = {"iteration", "iterations", "status", *CHANGES, *DIMS, *sum(DIMS.values(), ())}
 
 
 @checked
@@ -67,8 +67,8 @@ def linearize_system(
     *,
     iteration: Iteration = "anderson",
     relaxation: Annotated[float, Number(Range(0, 1, include_upper=True))] = 1.0,
-    rtol: float = USUAL.rtol,
-    max_iterations: int = USUAL.max_iterations,
+    rtol: float = USUAL_TOLERANCE.rtol,
+    max_iterations: int = USUAL_TOLERANCE.max_iterations,
 ) -> xr.Dataset:
     """Stationary response of structures on one ground in each storey, by statistical linearization.
 
@@ -170,7 +170,7 @@ def linearize_system(
     depth = ITERATIONS[iteration]
     cells = flat(models)
     _check_iteration(cells.where.size, structures)
-    check_names((*cells.shape.dims, *cells.shape.coords), OWN)
+    check_names((*cells.shape.dims, *cells.shape.coords), RESERVED_NAMES)
     if not cells.where.size:
         raise ValueError(NONE_VALID)
     system, problem = problem_of(cells.models)
@@ -218,10 +218,10 @@ def solve_system(
     rule = tolerance.max_iterations, tolerance.rtol
     solved, changes = solve_springs(problem, elastic, one_solution, *rule, depth, relaxation)
     slip, k, dashpots = linear_for(problem, solved.unknowns)
-    idle = (np.abs(slip) < ELASTIC) & (np.abs(k) < ELASTIC * problem.frequency)
+    idle = (np.abs(slip) < NEGLIGIBLE_SLIP) & (np.abs(k) < NEGLIGIBLE_SLIP * problem.frequency)
     linear = EquivalentCoefficients(np.where(idle, 0.0, slip), np.where(idle, 0.0, k), dashpots)
     demand = np.exp(elastic[m : 2 * m].max(axis=0, initial=-np.inf))
-    failed = np.where(demand > STRONG, labels.TOO_STRONG, labels.NOT_CONVERGED)
+    failed = np.where(demand > TOO_STRONG_DEMAND, labels.TOO_STRONG, labels.NOT_CONVERGED)
     failed = np.where(np.isnan(demand), labels.NOT_PHYSICAL, failed)
     solved_status = np.where(idle.all(axis=1), labels.ELASTIC_LIMIT, labels.CONVERGED)
     status = np.where(solved.converged, solved_status, failed).astype(np.int8)
@@ -244,7 +244,7 @@ def linearized_motion(
 ) -> StationaryResponse:
     """Response of the equivalent linear system, with covariance; an ArithmeticError if it fails."""
     system, problem = problem_of(models_of(structures, ground, links))
-    solution = solve_system(system, problem, USUAL)
+    solution = solve_system(system, problem, USUAL_TOLERANCE)
     if solution.status[0] >= labels.NOT_CONVERGED:
         meaning = labels.STATUS_MEANINGS[solution.status[0]].replace("_", " ")
         raise ArithmeticError(f"linearization of {len(structures)} structures: {meaning}")

@@ -9,7 +9,7 @@ from stochlin.solver.simulation.results import EndedMotions, register_result
 from stochlin.solver.simulation.structures_in_motion import HEIGHT, STRUCTURE
 from stochlin.solver.tables.labels import ELEMENT, FLOOR, LINK
 
-PAIR = STRUCTURE, f"{STRUCTURE}_2"
+STRUCTURE_PAIR = STRUCTURE, f"{STRUCTURE}_2"
 LINK_PEAKS = "peak_link_force", "peak_link_stroke", "link_energy"
 
 
@@ -31,14 +31,14 @@ def peak(motions: EndedMotions) -> Array:
     return motions.either("floors")
 
 
-@register_result("separation", PAIR, mean=True, place=4)
+@register_result("separation", STRUCTURE_PAIR, mean=True, place=4)
 def separation(motions: EndedMotions) -> Array:
     """Peak relative displacements, over all heights."""
     largest: Array = np.fmax.reduce(motions.separations, axis=-1, initial=0.0)
     return largest
 
 
-@register_result("separation_at_height", [*PAIR, HEIGHT], place=5)
+@register_result("separation_at_height", [*STRUCTURE_PAIR, HEIGHT], place=5)
 def separation_at_height(motions: EndedMotions) -> Array | None:
     """Peak relative displacements at each height, of buildings with storeys."""
     count = motions.moving.heights.size
