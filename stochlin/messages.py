@@ -114,44 +114,46 @@ def sentence(error: BaseException, longest: int = 160) -> str:
     return plain(" ".join(text.split()), longest)
 
 
-def nearest(written: str, known: Iterable[str]) -> str:
+def nearest(written: str, names: Iterable[str]) -> str:
     """The known name that was probably meant, or an empty text: begun, or spelled alike."""
     mine = _letters(written[:LONGEST])
-    names = [*known]
-    letters = {_letters(name): name for name in reversed(names)}
-    begun = [each for each in map(_letters, names) if mine and each.startswith(mine)]
+    candidates = [*names]
+    letters = {_letters(name): name for name in reversed(candidates)}
+    begun = [form for form in map(_letters, candidates) if mine and form.startswith(mine)]
     if len(mine) < 3 and len(begun) > 1:  # of several names none was meant
         begun = []
     alike = difflib.get_close_matches(mine, letters, 1, LEAST_SHARED_LETTERS)
-    return next((letters[each] for each in (mine, *begun, *alike) if each in letters), "")
+    return next((letters[form] for form in (mine, *begun, *alike) if form in letters), "")
 
 
-def hint(written: str, known: Iterable[str]) -> str:
+def hint(written: str, names: Iterable[str]) -> str:
     """Words before a list of known names: what replaces a removed one, or the likely one."""
-    near = nearest(written, known) if len(written) > 2 else ""  # shorter texts are like all others
+    near = nearest(written, names) if len(written) > 2 else ""  # shorter texts are like all others
     return instead_of(written) or (f"did you mean {near!r}? " if near else "")
 
 
-def missing(owner: str, name: str, known: Iterable[str] = ()) -> AttributeError:
+def missing(owner: str, name: str, names: Iterable[str] = ()) -> AttributeError:
     """The error of a name that is none of the known names of a module or class, or no longer."""
-    return AttributeError(f"{owner} has no attribute {name!r}; {hint(name, known)}".rstrip("; "))
+    return AttributeError(f"{owner} has no attribute {name!r}; {hint(name, names)}".rstrip("; "))
 
 
 def missing_in(module: str, name: str) -> AttributeError:
     """The error of a name that the module of this name does not have; it suggests the nearest."""
-    public = [each for each in dir(sys.modules[module]) if not each.startswith("_")]
+    public = [attribute for attribute in dir(sys.modules[module]) if not attribute.startswith("_")]
     return missing(f"module {module!r}", name, public)
 
 
-def check_names(owner: str, written: Iterable[str], known: Mapping[str, inspect.Parameter]) -> None:
+def check_names(
+    owner: str, written: Iterable[str], parameters: Mapping[str, inspect.Parameter]
+) -> None:
     """Raise a TypeError, which suggests the nearest one, for a keyword that is no argument."""
-    if any(each.kind is each.VAR_KEYWORD for each in known.values()):
+    if any(parameter.kind is parameter.VAR_KEYWORD for parameter in parameters.values()):
         return
     for name in written:
-        if name not in known:
-            allowed = ", ".join(known)
+        if name not in parameters:
+            allowed = ", ".join(parameters)
             raise TypeError(
-                f"{owner}: {name} is no argument; {hint(name, known)}allowed: {allowed}"
+                f"{owner}: {name} is no argument; {hint(name, parameters)}allowed: {allowed}"
             )
 
 
@@ -159,12 +161,12 @@ def check_call(
     owner: str, signature: inspect.Signature, args: Sequence[object], kwargs: Mapping[str, object]
 ) -> None:
     """Raise a TypeError, in the name of ``owner``, for arguments with which it cannot be called."""
-    known = signature.parameters
-    check_names(owner, kwargs, known)
+    parameters = signature.parameters
+    check_names(owner, kwargs, parameters)
     try:
         signature.bind(*args, **kwargs)
     except TypeError as error:
-        raise TypeError(f"{owner}: {error}; allowed: {', '.join(known)}") from None
+        raise TypeError(f"{owner}: {error}; allowed: {', '.join(parameters)}") from None
 
 
 def as_written(
@@ -177,8 +179,8 @@ def as_written(
     """
 
     def replaced(match: re.Match[str]) -> str:
-        known = names.get(match[1])
-        return match[0] if known is None else written(known, match[2])
+        user_name = names.get(match[1])
+        return match[0] if user_name is None else written(user_name, match[2])
 
     return _ARGUMENT.sub(replaced, text)
 
@@ -216,9 +218,9 @@ def _letters(name: str) -> str:
 
 def listed(names: Iterable[object], most: int = 12) -> str:
     """Names that a user has given, as a list in words."""
-    known = list(names)
-    more = f" and {len(known) - most} more" if len(known) > most else ""
-    return ", ".join(plain(name, 40) for name in known[:most]) + more
+    texts = list(names)
+    more = f" and {len(texts) - most} more" if len(texts) > most else ""
+    return ", ".join(plain(name, 40) for name in texts[:most]) + more
 
 
 def hyphenated(name: str) -> str:

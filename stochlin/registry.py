@@ -116,7 +116,7 @@ class Registry(Mapping[str, Thing], Generic[Thing]):
             names = [module.name for module in pkgutil.iter_modules(package.__path__)]
         else:
             files = [
-                each for path in package.__path__ for each in Path(path).glob(f"*/{self.module}.py")
+                file for path in package.__path__ for file in Path(path).glob(f"*/{self.module}.py")
             ]
             names = sorted(f"{file.parent.name}.{self.module}" for file in files)
         return (f"{self.folder}.{name}" for name in names)

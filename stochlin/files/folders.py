@@ -122,7 +122,7 @@ def _is_sticky(status: os.stat_result) -> bool:
 
 def _folders(place: Path, prefix: str) -> Iterator[Path]:
     with os.scandir(place) as entries:
-        names = [each.name for each in entries if each.name.startswith(prefix)]
+        names = [entry.name for entry in entries if entry.name.startswith(prefix)]
     return (place / name for name in names)
 
 

@@ -44,8 +44,8 @@ InMetres = bool | Callable[[Mapping[str, Any]], bool]
 
 def is_number(value: object) -> TypeGuard[float]:
     """Whether ``value`` is a real number in the range of floats, or NaN; True and False are not."""
-    known = isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
-    return known and not (isinstance(value, int) and abs(value) > LARGEST_NUMBER)
+    real = isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
+    return real and not (isinstance(value, int) and abs(value) > LARGEST_NUMBER)
 
 
 def is_whole(value: object) -> TypeGuard[int]:
@@ -133,8 +133,8 @@ class OneOf:
         """Raise a ValueError with the nearest name, unless the value is one of the names."""
         if not isinstance(value, str) or value not in self.names:
             said = hint(value, self.names) if isinstance(value, str) else ""
-            known = ", ".join(self.names)
-            raise ValueError(f"{name} = {brief(value)} is not known; {said}allowed: {known}")
+            allowed = ", ".join(self.names)
+            raise ValueError(f"{name} = {brief(value)} is not known; {said}allowed: {allowed}")
 
 
 @dataclass(frozen=True)
@@ -223,7 +223,7 @@ def checked(function: Any = None, *, uncertain: bool = False, in_metres: InMetre
     if function is None:
         return partial(checked, uncertain=uncertain, in_metres=in_metres)
     parameters = inspect.signature(function).parameters
-    by_place = [n for n, each in parameters.items() if each.kind == each.POSITIONAL_OR_KEYWORD]
+    by_place = [n for n, p in parameters.items() if p.kind == p.POSITIONAL_OR_KEYWORD]
 
     @functools.wraps(function)
     def call(*args: Any, **kwargs: Any) -> Any:
@@ -257,15 +257,16 @@ def _doubts(values: dict[str, Any], in_metres: InMetres) -> Iterator[str]:
     of_ground = getattr(median_of(values.get("ground")), "intensity", 0)
     of_motion = in_metres(values) if callable(in_metres) else in_metres
     yield from implausible(values | {"intensity": of_ground if of_motion else 0})
-    for each in (each for each in values.values() if isinstance(each, Mapping)):  # facts for codes
-        yield from implausible(each)
+    for value in values.values():
+        if isinstance(value, Mapping):  # facts for codes
+            yield from implausible(value)
     first = values.get("first")
     second = values.get("second")
     if of_motion and isinstance(first, Model) and first.moves_as(second):
         yield "first and second are the same building, which need no gap; usual are two that differ"
     several = values.get("structures")
-    for each in (*values.values(), *(several if isinstance(several, (list, tuple)) else ())):
-        structure = median_of(each)
+    for value in (*values.values(), *(several if isinstance(several, (list, tuple)) else ())):
+        structure = median_of(value)
         idle = "ductility" not in values and not getattr(structure, "yields", True)
         if idle and np.any(structure.cells().get("hardening", 1.0) != 1):
             strength = structure.strength_name
@@ -284,10 +285,10 @@ def _longest_period(values: dict[str, Any]) -> float:
     """The longest first period [s] of the structures among arguments; 0 without any."""
     several = values.get("structures")
     row = several if isinstance(several, (list, tuple)) else ()
-    known = [median_of(each) for each in (values.get("first"), values.get("second"), *row)]
+    models = [median_of(argument) for argument in (values.get("first"), values.get("second"), *row)]
     periods = [
-        each.mode_periods()[0] if hasattr(each, "mode_periods") else getattr(each, "period", 0.0)
-        for each in known
+        model.mode_periods()[0] if hasattr(model, "mode_periods") else getattr(model, "period", 0.0)
+        for model in models
     ]
     return max((float(np.max(period)) for period in periods), default=0.0)
 
@@ -323,11 +324,11 @@ def with_doubts(called: Callable[..., Any]) -> list[tuple[str, Any]]:
     """Name and annotation of the arguments of a function whose type has a method ``doubts``."""
     declared = typing.get_type_hints(called, include_extras=True)
     return [
-        (name, each)
+        (name, annotation)
         for name in inspect.signature(called).parameters
         for kind in (declared.get(name), *typing.get_args(declared.get(name)))
-        for each in getattr(kind, "__metadata__", ())
-        if hasattr(each, "doubts")
+        for annotation in getattr(kind, "__metadata__", ())
+        if hasattr(annotation, "doubts")
     ]
 
 
@@ -339,8 +340,10 @@ def _checks(declared: Any, uncertain: bool) -> list[Check]:
     union = typing.get_origin(declared) in (typing.Union, types.UnionType)
     options = list(typing.get_args(declared)) if union else [declared]
     kinds = [option for option in options if option is not types.NoneType]
-    declared_with = [each for kind in kinds for each in getattr(kind, "__metadata__", ())]
-    checks: list[Check] = [each for each in declared_with if callable(each)]
+    declared_with = [
+        annotation for kind in kinds for annotation in getattr(kind, "__metadata__", ())
+    ]
+    checks: list[Check] = [annotation for annotation in declared_with if callable(annotation)]
     checks += [OneOf(typing.get_args(kind)) for kind in kinds if typing.get_origin(kind) is Literal]
     if all(isinstance(kind, type) and issubclass(kind, Model) for kind in kinds):
         checks = [OfClass(tuple(kinds), uncertain)]

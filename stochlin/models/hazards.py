@@ -193,8 +193,8 @@ class HazardCurve(Hazard):
 
     def often(self, years: float) -> float:
         """Intensity, in the measure's unit, with a short return period; NaN beyond the curve."""
-        known = self.frequencies[-1] <= 1 / years <= self.frequencies[0]
-        return float(self.intensity(years)) if known else float("nan")
+        within = self.frequencies[-1] <= 1 / years <= self.frequencies[0]
+        return float(self.intensity(years)) if within else float("nan")
 
     def describe(self) -> str:
         """The curve with its points in one line; long tables are shortened."""

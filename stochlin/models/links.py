@@ -144,8 +144,11 @@ class Link(Model):
     @property
     def ends(self) -> str:
         """The floors that the link ties, in words; empty if they are not named."""
-        low, high = (floor or "ground" for floor in self.floors or (0, 0))
-        return f"floors {low} and {high}" if self.floors else ""
+        if not self.floors:
+            return ""
+        low = self.floors[0] or "ground"
+        high = self.floors[1] or "ground"
+        return f"floors {low} and {high}"
 
     @property
     def parts(self) -> tuple[Any, ...]:

@@ -68,16 +68,16 @@ class Measure(Model):
             raise TypeError(
                 f"Measure: link = {brief(self.link)}; allowed: a Link, or a list of them"
             )
-        for number, each in enumerate(listed, start=1):
-            expect(each, Link, f"Measure: link, number {number}")
-            _ = each.numbers  # raises an error for an array
+        for number, link in enumerate(listed, start=1):
+            expect(link, Link, f"Measure: link, number {number}")
+            _ = link.numbers  # raises an error for an array
         object.__setattr__(self, "link", tuple(listed))
 
     @property
     def links(self) -> tuple[Link, ...]:
         """All links of the measure, each with the numbers of the two structures that it ties."""
         return tuple(
-            replace(each, structures=each.structures or TIED_STRUCTURES) for each in self._listed()
+            replace(link, structures=link.structures or TIED_STRUCTURES) for link in self._listed()
         )
 
     def _listed(self) -> Sequence[Link]:

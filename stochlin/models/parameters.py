@@ -170,7 +170,7 @@ class Model(ByValue, metaclass=_ModelType):
     def kinds(cls) -> Collection[type[Model]]:
         """What messages list as allowed: this class, or of a base the classes derived from it."""
         return (
-            {kind for each in cls.__subclasses__() for kind in each.kinds()}
+            {kind for subclass in cls.__subclasses__() for kind in subclass.kinds()}
             if cls.is_base
             else {cls}
         )
@@ -273,7 +273,7 @@ def expect(value: object, kind: type[Model] | tuple[type[Model], ...], role: str
     """Raise a TypeError unless ``value``, the argument ``role``, is of a class in ``kind``."""
     if not isinstance(value, kind):
         kinds = kind if isinstance(kind, tuple) else (kind,)
-        names = ", ".join(sorted(c.__name__ for each in kinds for c in each.kinds()))
+        names = ", ".join(sorted(c.__name__ for model in kinds for c in model.kinds()))
         instead = f"; {value.instead}" if isinstance(value, Model) and value.instead else ""
         if isinstance(value, UncertainModel):
             instead = f", without uncertain parameters, so give its median(); {TAKERS}"

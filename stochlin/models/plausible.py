@@ -81,13 +81,15 @@ def implausible(
     numbers must be implausible, unless they are ``of_one`` building; numbers of numpy are computed.
     """
     for name, number in values.items():
-        known = limits_of(name) if limits is None else limits.get(name, ANY)
+        limit = limits_of(name) if limits is None else limits.get(name, ANY)
         median = getattr(number, "median", number)  # of an uncertain parameter
         value = number if callable(median) else median  # which arrays have as a method
         judged = (of_one or name == OF_A_ROW) and not isinstance(value, Mapping)
-        each = np.array(value, object).ravel() if judged else [_nearest(value, known)]
-        if odd := [n for n in each if _is_number(n) and not known.holds(n) and n < LARGEST_NUMBER]:
-            yield f"{name} = {odd[0]:g}: {known.doubt(odd[0])}"
+        numbers = np.array(value, object).ravel() if judged else [_nearest(value, limit)]
+        if odd := [
+            n for n in numbers if _is_number(n) and not limit.holds(n) and n < LARGEST_NUMBER
+        ]:
+            yield f"{name} = {odd[0]:g}: {limit.doubt(odd[0])}"
     for end in ("", "_1", "_2"):
         height = values.get(f"height{end}")
         storeys = values.get(f"storeys{end}")
@@ -103,11 +105,11 @@ def implausible(
             yield from doubts_of_factors(behaviour, deflection)
 
 
-def _nearest(value: object, known: Plausible) -> object:
+def _nearest(value: object, limit: Plausible) -> object:
     """A number as it is; of an array in memory the number, or limit, nearest to usual ones."""
     data = value.data if isinstance(value, xr.DataArray) else value
     if (
-        known is ANY
+        limit is ANY
         or not isinstance(data, np.ndarray)
         or not data.size
         or data.dtype.kind not in "iuf"
@@ -115,7 +117,7 @@ def _nearest(value: object, known: Plausible) -> object:
         return value
     least = float(data.min())  # NaN if any is
     most = float(data.max())  # likewise
-    return least if least > known.high else min(most, known.low)
+    return least if least > limit.high else min(most, limit.low)
 
 
 def doubt_of_storeys(height: float, storeys: float) -> str:
@@ -140,10 +142,10 @@ def doubts_of_size(period: float, height: float | None, storeys: float | None) -
     """Texts on first period [s], height [m] and number of storeys of a building, where known."""
     if height and storeys and (text := doubt_of_storeys(height, storeys)):
         yield text
-    if known := height or USUAL_STOREY_HEIGHT * (storeys or 0.0):
-        ratio = period / (0.05 * known**0.75)  # EN 1998-1, 4.3.3.2.2(3)
+    if assumed_height := height or USUAL_STOREY_HEIGHT * (storeys or 0.0):
+        ratio = period / (0.05 * assumed_height**0.75)  # EN 1998-1, 4.3.3.2.2(3)
         if text := PLAUSIBLE["period over 0.05 h^0.75"].doubt(ratio):
-            times = f"{ratio:.2g} times 0.05 h^0.75 of a height of {known:.3g} m"
+            times = f"{ratio:.2g} times 0.05 h^0.75 of a height of {assumed_height:.3g} m"
             yield f"a first period of {period:.3g} s is {times}; {text}"
 
 

@@ -151,8 +151,8 @@ class Structure(AnyStructure, base=True):
         displacement = numbers.get("yield_displacement")
         if not (isinstance(period, float) and isinstance(displacement, float)):
             return
-        each = {"period": period, "yield_displacement": displacement}
-        if all(PLAUSIBLE[name].holds(value) for name, value in each.items()):
+        values = {"period": period, "yield_displacement": displacement}
+        if all(PLAUSIBLE[name].holds(value) for name, value in values.items()):
             acceleration = (2 * np.pi / period) ** 2 * displacement
             if text := doubt_of_strength(acceleration):
                 both = f"{displacement:.3g} m with a period of {period:.3g} s"

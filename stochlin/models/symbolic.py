@@ -175,16 +175,16 @@ class SymbolicLaw:
         from stochlin.kernels.simulation.laws import rate_law
 
         w = sympy.IndexedBase("w")
-        own = sympy.IndexedBase("own")
+        parameters = sympy.IndexedBase("own")
         lane = sympy.Symbol("lane", integer=True)
         to = sympy.Symbol("rates")
-        values = {n: own[i, lane] for i, n in enumerate(self.parameters)}
+        values = {n: parameters[i, lane] for i, n in enumerate(self.parameters)}
         values |= {name: w[i, lane] for i, (name, _) in enumerate(self.rates)}
         numbers = {sympy.Symbol(name, real=True): value for name, value in values.items()}
         rates = [_for_lanes(rate).subs(numbers) for _, rate in self.rates]
         writes = sympy.Tuple(*(_WRITE(to, (i, lane), rate) for i, rate in enumerate(rates)))
         of_rates = sympy.lambdify(
-            (lane, _V, w, own, to), writes, [_VECTOR_FUNCTIONS, "math"], cse=True
+            (lane, _V, w, parameters, to), writes, [_VECTOR_FUNCTIONS, "math"], cse=True
         )
         # sympy counts functions in the names of their files: numba would never find compiled code
         # again.
@@ -194,7 +194,7 @@ class SymbolicLaw:
     def _function(self, *expressions: sympy.Expr) -> Callable[[Array, Any, Any], Array]:
         """The expressions (k, ...) as a function of ``v``, the states and parameters as rows."""
         names = [name for name, _ in self.rates], self.parameters
-        rows = [tuple(sympy.Symbol(name, real=True) for name in each) for each in names]
+        rows = [tuple(sympy.Symbol(name, real=True) for name in group) for group in names]
         function = sympy.lambdify((_V, *rows), expressions, "numpy", cse=True)
 
         def broadcast(v: Array, states: Any, parameters: Any) -> Array:
@@ -293,13 +293,15 @@ def _plain(
     if not isinstance(expression, sympy.Expr):
         raise TypeError(f"law = {brief(expression)} is not allowed; {GIVE}")
     names = {symbol.name for symbol in expression.free_symbols}
-    known = ["v", *states]
-    if (state == "z" and "v" not in names) or not names <= {*known, *parameters}:
-        quoted = ", ".join(f"'{name}'" for name in known)
-        own = f"its parameters {', '.join(parameters)}" if parameters else "numbers as parameters"
+    symbols = ["v", *states]
+    if (state == "z" and "v" not in names) or not names <= {*symbols, *parameters}:
+        quoted = ", ".join(f"'{name}'" for name in symbols)
+        others = (
+            f"its parameters {', '.join(parameters)}" if parameters else "numbers as parameters"
+        )
         of_state = f" of {state}" if len(states) > 1 else ""
         what = f"law{of_state} = {expression} has the symbols {sorted(names)}"
-        raise ValueError(f"{what}; allowed: {quoted} and {own}; 'v' is required for z")
+        raise ValueError(f"{what}; allowed: {quoted} and {others}; 'v' is required for z")
     _check_parts(expression)
     return expression.subs({s: sympy.Symbol(s.name, real=True) for s in expression.free_symbols})
 
@@ -343,9 +345,10 @@ def _kinks(expression: sympy.Expr) -> set[sympy.Expr]:
     expression = expression.subs(_V, _FORWARD)
     arguments = [node.args[0] for node in expression.atoms(sympy.Heaviside, sympy.sign, sympy.Abs)]
     compared = [node.args for node in expression.atoms(sympy.Max, sympy.Min, Relational)]
-    arguments += [a - b for each in compared for a, b in combinations(each, 2)]
+    arguments += [a - b for quantities in compared for a, b in combinations(quantities, 2)]
     kinks: set[sympy.Expr] = set()
-    for factor in {f for each in arguments for f in sympy.Mul.make_args(sympy.factor(each))}:
+    factored = [sympy.factor(argument) for argument in arguments]
+    for factor in {f for product in factored for f in sympy.Mul.make_args(product)}:
         if _Z in factor.free_symbols and _FORWARD not in factor.free_symbols:
             with contextlib.suppress(NotImplementedError):  # no formula for the zeros
                 kinks.update(sympy.solve(factor, _Z))

@@ -147,8 +147,8 @@ class Assembly(NamedTuple):
     @property
     def yielding_modes(self) -> Array:
         """Numbers of the coordinates that are modes which can yield."""
-        own = [stick.yields & stick.by_modes for stick in self.sticks]
-        return np.flatnonzero(np.concatenate(own))
+        can_yield = [stick.yields & stick.by_modes for stick in self.sticks]
+        return np.flatnonzero(np.concatenate(can_yield))
 
     @property
     def watched(self) -> list[str]:
@@ -207,8 +207,8 @@ class Assembly(NamedTuple):
     def fallen(self, drifts: Array, limits: Array) -> Array:
         """Whether each structure has fallen (..., s), by drifts of the `watched` (..., w) [m]."""
         beyond = np.isfinite(limits) & ~(np.abs(drifts) <= limits)
-        own = (self.owners == n for n in range(len(self.sticks)))
-        return np.stack([beyond[..., watched].any(axis=-1) for watched in own], axis=-1)
+        of_structures = (self.owners == n for n in range(len(self.sticks)))
+        return np.stack([beyond[..., watched].any(axis=-1) for watched in of_structures], axis=-1)
 
     @property
     def watched_strength(self) -> Array:
@@ -288,18 +288,18 @@ def stick_model_of(structure: AnyStructure) -> StickModel:
         )
     shape = np.broadcast_shapes(*(np.shape(value) for value in (*values.values(), *columns)))
     wide = (np.broadcast_to(column, shape).astype(float)[..., None] for column in columns)
-    own, post, couple, limit, damping = wide
+    elastic, post, couple, limit, damping = wide
     unit = np.ones((1, 1))
-    storey = System(own, damping[..., None], unit, unit, post, couple, limit)
+    storey = System(elastic, damping[..., None], unit, unit, post, couple, limit)
     return StickModel(storey, np.full(1, np.nan), structure, np.ones((1, 1)))
 
 
 def stick_models_of(oscillators: Structure, dimension: str, count: int) -> list[StickModel]:
     """Stick models of ``count`` oscillators with parameters along ``dimension``."""
     whole = stick_model_of(oscillators)
-    own = bool(oscillators.own_parameters())
+    varies = bool(oscillators.own_parameters())
     wide = whole.system.over_cells(count)
-    laws = (oscillators.isel({dimension: n}) if own else oscillators for n in range(count))
+    laws = (oscillators.isel({dimension: n}) if varies else oscillators for n in range(count))
     return [whole._replace(system=wide.at(n), law=law) for n, law in enumerate(laws)]
 
 
@@ -354,14 +354,14 @@ def assembly_of(structures: Sequence[AnyStructure], links: Sequence[Link | None]
         if max(left, right) > len(sticks):
             what = f"link {number}: ties the structures {left} and {right} of {len(sticks)}"
             raise ValueError(f"{what}; allowed: structures = two of 1 to {len(sticks)}")
-        for each in (left, right):
-            check_mass(structures[each - 1], f"structure {each}")
+        for side in (left, right):
+            check_mass(structures[side - 1], f"structure {side}")
         floors = link.floors or common_floors(sticks[left - 1], sticks[right - 1], number)
-        for each, floor in zip((left, right), floors, strict=True):
-            highest = sticks[each - 1].levels.size
+        for side, floor in zip((left, right), floors, strict=True):
+            highest = sticks[side - 1].levels.size
             if floor > highest:
                 lowest = NUMBER_OF_GROUND if link.within_one else 1
-                what = f"link {number}: floors = {link.floors}, structure {each} has {highest}"
+                what = f"link {number}: floors = {link.floors}, structure {side} has {highest}"
                 raise ValueError(f"{what}; allowed: {lowest} to {highest}")
         on = int(first[left - 1]) + floors[0] - 1
         other = -1 if floors[1] == NUMBER_OF_GROUND else int(first[right - 1]) + floors[1] - 1
@@ -393,8 +393,8 @@ def slabs_on_columns(first: Array, second: Array) -> list[tuple[int, int]]:
     """
     slabs = [
         (float(level), side, floor)
-        for side, (own, other) in enumerate(((first, second), (second, first)))
-        for floor, level in enumerate(own, start=1)
+        for side, (levels, other) in enumerate(((first, second), (second, first)))
+        for floor, level in enumerate(levels, start=1)
         if level < other[-1] and np.abs(other - level).min() >= LEVEL
     ]
     return [(side, floor) for _, side, floor in sorted(slabs)]

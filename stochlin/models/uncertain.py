@@ -242,13 +242,15 @@ def applied(change: Callable[[Any], Any], model: Any) -> Any:
 
 def takes_uncertain(build: Callable[..., One]) -> Callable[..., One]:
     """Decorate what becomes a classmethod; of `Uncertain` arguments it makes an UncertainModel."""
-    own = {
+    parameters = {
         n: p for n, p in inspect.signature(build).parameters.items() if n not in ("cls", "others")
     }
 
     @wraps(build)
     def either(*args: Any, **kwargs: Any) -> Any:
-        check_names(build.__qualname__, kwargs, own | dict(inspect.signature(args[0]).parameters))
+        check_names(
+            build.__qualname__, kwargs, parameters | dict(inspect.signature(args[0]).parameters)
+        )
         kind, *values = args
         with unquestioned():
             if any(isinstance(value, Uncertain) for value in (*values, *kwargs.values())):

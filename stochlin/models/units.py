@@ -81,8 +81,8 @@ def size_of(unit: str, quantity: str) -> float | None:
     programs of structural analysis have it. The case of letters does not matter but in a prefix:
     ``"mN"`` and ``"Ms"`` are unknown, and ``"mg"``, a thousandth of g, is no mass.
     """
-    known = "t" if quantity == "kg" and _TON.fullmatch(unit) else unit
-    stated = parsed(known)
+    spelled = "t" if quantity == "kg" and _TON.fullmatch(unit) else unit
+    stated = parsed(spelled)
     wanted = parsed("s/s" if quantity == "1" else quantity)
     return stated[0] / wanted[0] if stated and wanted and stated[1] == wanted[1] else None
 
@@ -98,7 +98,7 @@ def likely_unit(unit: str, quantity: str) -> str:
         " ".join(prefixed.replace(PERCENT, "").split()),
         PERCENT * (PERCENT in unit),
     )
-    near = next((each for each in likely if size_of(each, quantity) is not None), "")
+    near = next((text for text in likely if size_of(text, quantity) is not None), "")
     return f"did you mean {brief(near)}? " if near else ""
 
 
@@ -124,14 +124,16 @@ def stated_size(
         raise ValueError(f"{what}give {name}=, allowed: {allowed}")
     if not isinstance(wanted, str):
         raise TypeError(f"{name} = {brief(wanted)}; allowed: a text, such as {allowed}")
-    known = size_of(wanted, of)
-    if known is None:
+    wanted_size = size_of(wanted, of)
+    if wanted_size is None:
         what = f"{name} = {brief(wanted)} is not a known unit; {likely_unit(wanted, of)}"
         raise ValueError(f"{what}allowed: {allowed}")
-    if size not in (None, known) or any(size_of(stated, other) for other in {"m", "m/s"} - {of}):
+    if size not in (None, wanted_size) or any(
+        size_of(stated, other) for other in {"m", "m/s"} - {of}
+    ):
         what = f"{name} = {brief(wanted)} contradicts {where}, which states {brief(stated)}"
         raise ValueError(f"{what}; correct it, or leave it out")
-    return known
+    return wanted_size
 
 
 def parsed(unit: str) -> tuple[float, tuple[float, ...]] | None:
@@ -149,11 +151,13 @@ def parsed(unit: str) -> tuple[float, tuple[float, ...]] | None:
     size = 1.0
     powers = [0.0] * 4
     for over, name, power in factors:
-        known = _KNOWN.get(name if name.lower() in _WITH_CASE else name.lower())
-        if known is None:
+        entry = _KNOWN.get(name if name.lower() in _WITH_CASE else name.lower())
+        if entry is None:
             return None
         exponent = float(power or 1) * (-1 if over else 1)
-        own, its = known
-        size *= own**exponent
-        powers = [before + exponent * each for before, each in zip(powers, its, strict=True)]
-    return size, tuple(round(each, 6) for each in powers)
+        in_si, its = entry
+        size *= in_si**exponent
+        powers = [
+            before + exponent * dimension for before, dimension in zip(powers, its, strict=True)
+        ]
+    return size, tuple(round(dimension, 6) for dimension in powers)

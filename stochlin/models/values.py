@@ -77,7 +77,7 @@ def content(value: Any) -> Any:
     if isinstance(value, (list, tuple)):
         return tuple(map(content, value))
     if isinstance(value, Mapping):
-        return frozenset((name, content(each)) for name, each in value.items())
+        return frozenset((name, content(element)) for name, element in value.items())
     if isinstance(value, (float, np.floating)) and np.isnan(value):
         return NAN
     return value
@@ -113,7 +113,7 @@ def written(value: Any) -> str:  # noqa: PLR0911
     if isinstance(value, tuple):
         return f"({_listed(map(written, value))}{',' if len(value) == 1 else ''})"
     if isinstance(value, Mapping):
-        return f"{{{_listed(f'{name!r}: {written(each)}' for name, each in value.items())}}}"
+        return f"{{{_listed(f'{name!r}: {written(element)}' for name, element in value.items())}}}"
     if isinstance(value, type):
         return value.__name__
     return _of_sympy(value) if hasattr(value, "free_symbols") else repr(value)

@@ -100,7 +100,7 @@ def _states(structure: Structure, extension: Array) -> Array:
     """``z`` at these extensions over the yield displacement."""
     step = structure.step()
     law, parameters = (FLAG, [2.0]) if step == BILINEAR else (step, structure.law_parameters())
-    own = np.array([float(each) for each in parameters]).reshape(-1, 1)
+    columns = np.array([float(parameter) for parameter in parameters]).reshape(-1, 1)
     z = np.empty(extension.size)
-    follow(by_number((law,)), law.states, extension, own, z)
+    follow(by_number((law,)), law.states, extension, columns, z)
     return z

@@ -31,8 +31,8 @@ def _usual(name: str) -> tuple[str, str] | None:
 
 
 def _described(name: str, special: Variables) -> tuple[str, str] | None:
-    if known := special.get(name) or VARIABLES_OF_RESULTS.get(name):
-        return known
+    if described := special.get(name) or VARIABLES_OF_RESULTS.get(name):
+        return described
     rest = name.removeprefix(RECORD_PREFIX)
     text = "{}, in the record"
     if rest == name:
@@ -46,8 +46,8 @@ def _described(name: str, special: Variables) -> tuple[str, str] | None:
             text = f"{{}}, structure {number}"
     if rest == name:
         return None
-    known = unit_and_long_name(rest) or (unit_and_long_name(rest, special) if special else None)
-    if known is None:
+    described = unit_and_long_name(rest) or (unit_and_long_name(rest, special) if special else None)
+    if described is None:
         return None
-    units, long_name = known
+    units, long_name = described
     return units, text.format(long_name)

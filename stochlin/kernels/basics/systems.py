@@ -62,8 +62,8 @@ class System(NamedTuple):
             wide = [np.broadcast_to(column, (*cells, column.shape[-1])) for column in columns]
             return np.concatenate(wide, axis=-1)
 
-        rows = zip(*((part.extensions, part.shapes) for part in parts), strict=True)
-        extensions, shapes = (scipy.linalg.block_diag(*blocks) for blocks in rows)
+        extensions = scipy.linalg.block_diag(*(part.extensions for part in parts))
+        shapes = scipy.linalg.block_diag(*(part.shapes for part in parts))
         springs = (joined(name) for name in ("post", "couple", "strength"))
         return cls(joined("mass"), damping, extensions, shapes, *springs)
 

@@ -90,6 +90,6 @@ def by_nearness(
     weight = first.trust * second.trust / (1 + (q / MIDDLE) ** 2)
     left = 1 - rho
     ratio = np.log(q / (1 + q) / left)
-    known = np.isfinite(ratio) & (weight > 0)
+    corrected = np.isfinite(ratio) & (weight > 0)
     mixed = 1 - left * np.exp(weight * (WEIGHT * ratio + SAFE * (1 + unseen)))
-    return np.where(known, mixed, rho), np.where(known, weight, 0.0)
+    return np.where(corrected, mixed, rho), np.where(corrected, weight, 0.0)

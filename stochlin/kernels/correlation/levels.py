@@ -50,7 +50,7 @@ class AtLevels(NamedTuple):
 
     system: EquivalentSystem
     forcing: Forcing
-    own: OwnCovariance
+    covariance: OwnCovariance
     side: DriftingSide
     rows: StructureRows
     level: Array
@@ -81,8 +81,8 @@ def pair_rows(first: AtLevels, second: AtLevels, added: Array) -> PairRows:
         * L1_STEP
         * (L1_NODES * decay(first, second, joint, ahead, velocity)).sum(axis=0)
     )
-    l2 = first.own.v_v + second.own.v_v - 2 * velocity
-    l0 = first.own.mu_mu + second.own.mu_mu - 2 * joint
+    l2 = first.covariance.v_v + second.covariance.v_v - 2 * velocity
+    l0 = first.covariance.mu_mu + second.covariance.mu_mu - 2 * joint
     return PairRows(
         (joint / level**2 - shared) / (rows_1.displacement * rows_2.displacement),
         ahead
@@ -133,10 +133,10 @@ def decay(first: AtLevels, second: AtLevels, joint: Array, ahead: Array, velocit
     """
     drive = first.later - second.later
     forcing = first.forcing.mu - second.forcing.mu
-    place_1 = first.own.mu_mu - joint
-    place_2 = joint - second.own.mu_mu
-    rate_1 = first.own.v_v - velocity
-    rate_2 = velocity - second.own.v_v
+    place_1 = first.covariance.mu_mu - joint
+    place_2 = joint - second.covariance.mu_mu
+    rate_1 = first.covariance.v_v - velocity
+    rate_2 = velocity - second.covariance.v_v
     of_first = _decay(first.system, place_1, ahead, rate_1, forcing, drive)
     return of_first - _decay(second.system, place_2, ahead, rate_2, forcing, drive)
 

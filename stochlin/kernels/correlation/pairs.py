@@ -52,7 +52,7 @@ class Drifting(NamedTuple):
     error: Array  # its expected relative error
     strength_class: Array  # number of BOUNDS of `errors` up to its R/p
     period: Array  # its logarithm
-    known: Array  # whether the structure and the ground are within the simulated ranges
+    covered: Array  # whether the structure and the ground are within the simulated ranges
     elastic: Array
     signature: Signature
     nearness: Nearness
@@ -117,7 +117,7 @@ def _drifting(errors: Array, first: Drifting, second: Drifting) -> tuple[Array, 
     rho, share = by_nearness(rho, first.nearness, second.nearness, unseen)
     weaker = np.minimum(first.strength_class, second.strength_class)
     rest = share * OF_NEARLY_EQUAL[weaker] + (1 - share) * OF_OTHERS * np.maximum(rho, 0.0)
-    error = np.where(first.known & second.known, errors[weaker], np.nan)
+    error = np.where(first.covered & second.covered, errors[weaker], np.nan)
     rho = _bounded(rho)
     error = np.where(first.elastic & second.elastic, 0.0, error)
     return rho, where_finite(error, rho), rest, share

@@ -198,11 +198,11 @@ class BalancedStructures(NamedTuple):
         """
         solution = FixedPoint(start.copy(), *np.zeros((3, start.shape[1])))
         for n in range(start.shape[1]):
-            own = self.structure[:, n].tolist()
+            structure = self.structure[:, n].tolist()
             v, z = start[:, n].tolist()
             soil = Soil(tuple(self.ground[:, n].tolist()), self.oscillators)
             with suppress(ArithmeticError, ValueError):
-                v, z, *ended = settled(v, z, own, soil, self.functions, self.rtol, most)
+                v, z, *ended = settled(v, z, structure, soil, self.functions, self.rtol, most)
                 for field, value in zip(solution, ((v, z), *ended), strict=True):
                     field[..., n] = value
         return solution._replace(converged=solution.converged > 0)

@@ -153,19 +153,19 @@ def half_cycles(system: EquivalentSystem, ground: Filter) -> HalfCycles:
     agree.
     """
     _, _, _, p, k = system
-    own = own_covariance(system, ground.forcing(system))
+    covariance = own_covariance(system, ground.forcing(system))
     with_mu, _, with_slip = ground.correlations(system)
     with_soil = with_mu - with_slip
     # The variance of z' = (1 - p) v - k z follows with E[z z'] = 0.
-    time = np.pi * np.sqrt(own.z_z / ((1 - p) ** 2 * own.v_v - k**2 * own.z_z))
+    time = np.pi * np.sqrt(covariance.z_z / ((1 - p) ** 2 * covariance.v_v - k**2 * covariance.z_z))
     memory = np.empty((HALF_CYCLES, time.size))
     largest = np.full(time.size, np.inf)
     if ground.in_closed_form:
-        memory, largest = _by_modes(system, ground.oscillators, with_soil.T / own.z_z, time)
+        memory, largest = _by_modes(system, ground.oscillators, with_soil.T / covariance.z_z, time)
     left = np.flatnonzero(~(largest < LARGEST_MODE))
     if left.size:
         some = on_arrays(lambda row: row[left], system)
-        moments = on_arrays(lambda row: row[left], own)
+        moments = on_arrays(lambda row: row[left], covariance)
         own_states = moments.mu_z, moments.v_z, moments.mu_z - moments.z_z
         with_z = np.column_stack([*own_states, with_soil[left]])
         memory[:, left] = _by_exponentials(some, ground.at(left), with_z, time[left]) / moments.z_z

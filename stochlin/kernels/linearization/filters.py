@@ -119,8 +119,8 @@ class Filter:
         if self.oscillators:
             return -np.inf
         matrix = self.arrays.matrix
-        known = matrix[np.isfinite(matrix).all(axis=(-2, -1))]
-        return float(np.linalg.eigvals(known).real.max(initial=-np.inf))
+        finite = matrix[np.isfinite(matrix).all(axis=(-2, -1))]
+        return float(np.linalg.eigvals(finite).real.max(initial=-np.inf))
 
     @property
     def fastest(self) -> Entry:
@@ -190,25 +190,27 @@ class Filter:
             soil.noise.shape[:-1], *map(np.shape, (*system, self.intensity))
         )
         matrix = np.broadcast_to(soil.matrix, (*cells, m, m)).reshape(-1, m, m)
-        noise, output = (np.broadcast_to(row, (*cells, m)).reshape(-1, m) for row in soil[1:])
+        noise = np.broadcast_to(soil.noise, (*cells, m)).reshape(-1, m)
+        output = np.broadcast_to(soil.output, (*cells, m)).reshape(-1, m)
         wide = [np.broadcast_to(row, cells).ravel() for row in (*system, self.intensity)]
         w2, d, h, p, k, intensity = wide
         covariance = stationary(matrix, noise)
         w = np.sqrt(w2)
         std = np.sqrt(np.diagonal(covariance, axis1=-2, axis2=-1))
         std = np.where(std > 0, std, 1.0)
-        own = np.zeros((w.size, 3, 3))
+        of_structure = np.zeros((w.size, 3, 3))
         right = np.zeros((w.size, 3, m, 1))
-        own[:, 0, 1] = w
-        own[:, 1, 0] = -w
-        own[:, 1, 1] = -d
-        own[:, 1, 2] = h / w
-        own[:, 2, 0] = k
-        own[:, 2, 1] = p * w
-        own[:, 2, 2] = -k
+        of_structure[:, 0, 1] = w
+        of_structure[:, 1, 0] = -w
+        of_structure[:, 1, 1] = -d
+        of_structure[:, 1, 2] = h / w
+        of_structure[:, 2, 0] = k
+        of_structure[:, 2, 1] = p * w
+        of_structure[:, 2, 2] = -k
         drive = 2 * np.pi * intensity[:, None] * (covariance @ output[..., None])[..., 0] / std
         right[:, 1, :, 0] = drive / w[:, None]
-        cross = _sylvester_of_matrices(own, matrix * std[:, None] / std[..., None], right)[..., 0]
+        of_soil = matrix * std[:, None] / std[..., None]
+        cross = _sylvester_of_matrices(of_structure, of_soil, right)[..., 0]
         cross *= std[:, None]
         cross[:, 1] *= w[:, None]
         return cross.swapaxes(0, 1).reshape(3, *cells, m)

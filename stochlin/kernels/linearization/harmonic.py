@@ -68,8 +68,8 @@ def load_levels(structures: Sequence[Harmonic], std: float, share: float, levels
     load and displacement is used: the standard deviation of the displacement is that of the
     closure.
     """
-    first, *others = (structure.at(LOADS * std) for structure in structures)
-    sizes = _rising(np.abs(first - sum(others)))
+    moves = [structure.at(LOADS * std) for structure in structures]
+    sizes = _rising(np.abs(moves[0] - sum(moves[1:])))
     sizes = sizes / np.sqrt((sizes**2 * RAYLEIGH).sum() / (2 * RAYLEIGH.sum()))
     beyond = LOADS[-1] + SLOPE_BEYOND_LOADS * (levels - sizes[-1])
     of_load = np.where(levels > sizes[-1], beyond, np.interp(levels, sizes, LOADS, left=0.0))

@@ -89,9 +89,9 @@ def follow(
         good = fixed_point.converged & (np.abs(reached - guess).max(axis=0) <= near[cells])
         add(solution, cells, fixed_point._replace(converged=good & (at == 0)))
         on = cells[good]
-        known = np.isfinite(near[cells[good]])
+        followed = np.isfinite(near[cells[good]])
         found_slope = (reached[:, good] - y[:, on]) / (at[good] - level[on])
-        slope[:, on] = np.where(known, found_slope, slope[:, on])
+        slope[:, on] = np.where(followed, found_slope, slope[:, on])
         y[:, on] = reached[:, good]
         level[on] = at[good]
         near[on] = SAME_BRANCH
@@ -110,6 +110,6 @@ def nothing(unknowns: Array) -> FixedPoint:
 
 def add(solution: FixedPoint, cells: Array, fixed_point: FixedPoint) -> None:
     """Write the results of some cells into those of all, and add their iterations."""
-    spent = fixed_point.iterations + solution.iterations[cells]
-    for field, value in zip(solution, fixed_point._replace(iterations=spent), strict=True):
+    iterations = fixed_point.iterations + solution.iterations[cells]
+    for field, value in zip(solution, fixed_point._replace(iterations=iterations), strict=True):
         field[..., cells] = value

@@ -97,43 +97,45 @@ def structure_rows(
     ``drift`` is the standard deviation of the drift and its rate, and ``std`` that of the
     displacement with the drift, corrected by the map of simulations.
     """
-    own = own_covariance(system, forcing)
+    covariance = own_covariance(system, forcing)
     drift_std, rate = drift
     level = np.tile(levels, std.size // levels.size)
-    slow_rate, push = slow_mode(system, soil, own.mu_mu)
+    slow_rate, push = slow_mode(system, soil, covariance.mu_mu)
     return StructureRows(
-        np.sqrt(own.mu_mu - push**2 / (2 * slow_rate)) / level,
-        np.sqrt(own.v_v) / level,
+        np.sqrt(covariance.mu_mu - push**2 / (2 * slow_rate)) / level,
+        np.sqrt(covariance.v_v) / level,
         drift_std * np.sqrt(2 * rate),
         np.where(drift_std > 0, rate, 0.0),
-        std / np.hypot(np.sqrt(own.mu_mu), drift_std),
-        _growth(system, forcing, own, levels),
-        _resonant(system, soil, own),
+        std / np.hypot(np.sqrt(covariance.mu_mu), drift_std),
+        _growth(system, forcing, covariance, levels),
+        _resonant(system, soil, covariance),
         slow_rate,
         push / level,
     )
 
 
-def _growth(system: EquivalentSystem, forcing: Forcing, own: OwnCovariance, levels: Array) -> Array:
+def _growth(
+    system: EquivalentSystem, forcing: Forcing, covariance: OwnCovariance, levels: Array
+) -> Array:
     """Rate [1/s] of eq. (14), ``E[f v]/(Var v  d ln E/d ln q)`` with the energy ``E``, (n levels,).
 
     ``E = Var v + alpha w^2 Var u + (1 - alpha) w^2 Var z``. For a linear structure on white noise
     the rate is ``2 xi w``.
     """
     post = system.stiffness - system.coupling
-    energy = own.v_v + post * own.mu_mu + system.coupling * own.z_z
+    energy = covariance.v_v + post * covariance.mu_mu + system.coupling * covariance.z_z
     logarithms = np.log(energy).reshape(-1, levels.size)
     slope = np.gradient(logarithms, 2 * np.log(levels), axis=1).ravel()
-    rate: Array = forcing.velocity / (own.v_v * slope)
+    rate: Array = forcing.velocity / (covariance.v_v * slope)
     return rate
 
 
-def _resonant(system: EquivalentSystem, soil: Filter, own: OwnCovariance) -> Array:
+def _resonant(system: EquivalentSystem, soil: Filter, covariance: OwnCovariance) -> Array:
     """Share of the variance not due to motions which follow the oscillators of the ground."""
     if not soil.oscillators or not soil.in_closed_form:
-        return np.ones_like(own.z_z)
+        return np.ones_like(covariance.z_z)
     with_mu, _, with_slip = soil.correlations(system)
-    parts = followed(system, soil.oscillators, (with_mu - with_slip).T / own.z_z)
+    parts = followed(system, soil.oscillators, (with_mu - with_slip).T / covariance.z_z)
     share: Array = np.clip(1 - sum(value for _, _, value, _ in parts), 0, 1)
     return share
 

@@ -49,8 +49,8 @@ def in_parallel(filters: Sequence[Filter]) -> Filter:
     ]
     total: Array = np.zeros(1)
     for i, (component, part) in enumerate(zip(filters, parts, strict=True)):
-        own = _numerator(part.matrix / scale, part.noise, part.output, poles[i]) / scale
-        both = reduce(polynomial.polymul, [own, *poles[:i], *poles[i + 1 :]])
+        numerator = _numerator(part.matrix / scale, part.noise, part.output, poles[i]) / scale
+        both = reduce(polynomial.polymul, [numerator, *poles[:i], *poles[i + 1 :]])
         square = polynomial.polymul(both, both * (-1.0) ** np.arange(both.size))[::2]  # in s^2
         total = polynomial.polyadd(total, float(component.intensity) * square)
     matrix = block_diag(*(part.matrix for part in parts))
@@ -87,8 +87,8 @@ def _factor(square: Array) -> Array:
     low, high = used[0], used[-1]
     roots = -np.sqrt(polynomial.polyroots(square[low : high + 1]).astype(complex))
     factor = polynomial.polyfromroots(roots).real
-    own = np.sqrt(np.abs(square[high])) * factor
-    return np.concatenate([np.zeros(low), own])
+    coefficients = np.sqrt(np.abs(square[high])) * factor
+    return np.concatenate([np.zeros(low), coefficients])
 
 
 def _output(matrix: Array, noise: Array, numerator: Array, denominator: Array) -> Array:

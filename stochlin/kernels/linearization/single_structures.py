@@ -75,11 +75,11 @@ class SingleStructures(NamedTuple):
         slip, relaxation, *assumed = values.reshape(5, points, -1)
         w2, d, h = self.structure
         system = EquivalentSystem(w2, d, h, slip, relaxation)
-        own = own_covariance(system, self.ground.forcing(system))
-        v_v = np.where(stable(*system) & (own.mu_mu > 0), own.v_v, np.nan)
-        corr = correlation((v_v, own.z_z, own.v_z))
+        covariance = own_covariance(system, self.ground.forcing(system))
+        v_v = np.where(stable(*system) & (covariance.mu_mu > 0), covariance.v_v, np.nan)
+        corr = correlation((v_v, covariance.z_z, covariance.v_z))
         r = correlation(assumed)
-        scales = 0.5 * np.log([v_v / assumed[0], own.z_z / assumed[1]]) + self.level
+        scales = 0.5 * np.log([v_v / assumed[0], covariance.z_z / assumed[1]]) + self.level
         return np.array([*scales, np.arctanh((corr - r) / (1 - corr * r))])
 
     def step(self, unknowns: Array, number: int) -> tuple[Array, Array, Array]:

@@ -56,20 +56,20 @@ def displacement_moments(
     system: EquivalentSystem, forcing: Forcing, ground: Filter
 ) -> SpectralMoments:
     """Spectral moments of one structure's displacement, for cells (n,)."""
-    own = own_covariance(system, forcing)
-    l1 = np.empty_like(own.mu_mu)
+    covariance = own_covariance(system, forcing)
+    l1 = np.empty_like(covariance.mu_mu)
     for begin in range(0, l1.size, CELLS_OF_MOMENTS):
         cells = slice(begin, begin + CELLS_OF_MOMENTS)
         part = EquivalentSystem(*(row[cells, None] for row in system))
-        mu = own.mu_mu[cells, None]
-        mu_z = own.mu_z[cells, None]
-        v_v = own.v_v[cells, None]
+        mu = covariance.mu_mu[cells, None]
+        mu_z = covariance.mu_z[cells, None]
+        v_v = covariance.v_v[cells, None]
         s = np.sqrt(v_v / mu) * MOMENT_NODES
         drive = ground.at((cells, None)).later(part, s)
         l1[cells] = (
             (2 / np.pi) * MOMENT_STEP * (s * _decay(part, mu, mu - mu_z, drive, s)).sum(axis=1)
         )
-    return SpectralMoments(own.mu_mu, l1, own.v_v)
+    return SpectralMoments(covariance.mu_mu, l1, covariance.v_v)
 
 
 def _decay(system: EquivalentSystem, mu: Array, slip: Array, drive: Array, s: Array) -> Array:

@@ -126,8 +126,8 @@ class TransientSystems:
         rates[0] = sv * sz * r
         for law in laws:
             if law.mean_rates is not None:
-                own = law.evaluated(law.mean_rates, moments)
-                rates[1 : 1 + law.states, :, law.springs] = own
+                of_law = law.evaluated(law.mean_rates, moments)
+                rates[1 : 1 + law.states, :, law.springs] = of_law
         return coefficients_of(laws, moments), rates
 
     def rates(self, time: float, state: MomentState) -> tuple[MomentState, float]:

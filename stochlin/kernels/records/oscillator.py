@@ -201,12 +201,12 @@ def turning(length, value, rate, value1, rate1):
 def _oscillator(parameters, step):
     """The structure with parameters (4,) of `run`, and its number of sub-steps in a step [s]."""
     w, xi, alpha, uy = parameters
-    each = max(1, int(np.ceil(w * step / LARGEST_PHASE_STEP)))
-    h = step / each
+    substeps = max(1, int(np.ceil(w * step / LARGEST_PHASE_STEP)))
+    h = step / substeps
     damping = 2 * xi * w
     stiffness = (w * w, alpha * w * w)
     whole = _impulse(damping, stiffness[0], h), _impulse(damping, stiffness[1], h)
-    return Oscillator(damping, stiffness, uy, h, whole), each
+    return Oscillator(damping, stiffness, uy, h, whole), substeps
 
 
 @compiled
@@ -241,10 +241,10 @@ def _respond(ground, dt, structures, refine, results, path):
         for number in range(sides):
             is_first = number == 0
             o = first if is_first else second
-            each = each_of_first if is_first else each_of_second
+            substeps = each_of_first if is_first else each_of_second
             branch = branch_of_first if is_first else branch_of_second
-            for n in range(each):
-                now = ground[s] + slope * o.h * (part * each + n)
+            for n in range(substeps):
+                now = ground[s] + slope * o.h * (part * substeps + n)
                 branch = _advance(o, results[number, PEAKS:], branch, now, slope, results[number])
             branch_of_first = branch if is_first else branch_of_first
             branch_of_second = branch_of_second if is_first else branch

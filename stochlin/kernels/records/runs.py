@@ -58,9 +58,11 @@ def peaks_on_records(
     cells = np.ascontiguousarray(np.stack(sides, axis=1))
     results = np.zeros((len(grounds), *cells.shape[:2], PEAKS + STATE))
     work = [work_of(ground, *sides) for ground in grounds]
-    least = max(LEAST_SUBSTEPS, sum(each.sum() for each in work) / MOST_TASKS)
+    least = max(LEAST_SUBSTEPS, sum(substeps.sum() for substeps in work) / MOST_TASKS)
     tasks = [
-        (number, cells_of) for number, each in enumerate(work) for cells_of in _blocks(each, least)
+        (number, cells_of)
+        for number, substeps in enumerate(work)
+        for cells_of in _blocks(substeps, least)
     ]
 
     def task(number: int) -> None:

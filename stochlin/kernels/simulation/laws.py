@@ -35,7 +35,7 @@ class RateLaw:
     ``step(lanes, v, w, own, dt, new, apart)`` writes the states after ``dt`` [s] to ``new``, which
     may be ``w``, and 1 to ``apart`` (lanes,) where the step is too long. ``v`` (lanes,) is the rate
     of the extension over the yield extension [1/s], ``w`` (states, lanes) are the states before the
-    step, and ``own`` (k, lanes) the parameters of the law.
+    step, and ``parameters`` (k, lanes) the parameters of the law.
     """
 
     step: Any
@@ -44,22 +44,22 @@ class RateLaw:
 
 
 @called_often
-def advance(law, kind, lanes, v, w, own, dt, new):
+def advance(law, kind, lanes, v, w, parameters, dt, new):
     """Write the states after ``dt`` to ``new``; ``law`` is the result of `by_number`.
 
     Lanes in which a step is too long are integrated again in substeps, as many as each needs.
     """
     apart = np.zeros(lanes)
     rough = 0
-    law(kind, lanes, v, w, own, dt, new, apart)
+    law(kind, lanes, v, w, parameters, dt, new, apart)
     for lane in range(lanes):
         rough += apart[lane] > 0.0
     if rough:
-        _again(law, kind, lanes, v, w, own, dt, new, apart)
+        _again(law, kind, lanes, v, w, parameters, dt, new, apart)
 
 
 @compiled
-def _again(law, kind, lanes, v, w, own, dt, new, apart):
+def _again(law, kind, lanes, v, w, parameters, dt, new, apart):
     """Integrate the lanes that are ``apart`` side by side, in twice as many substeps each time."""
     for lane in range(lanes):  # a lane that is lost stays as it is
         for k in range(w.shape[0]):
@@ -67,7 +67,7 @@ def _again(law, kind, lanes, v, w, own, dt, new, apart):
         apart[lane] = apart[lane] if abs(v[lane]) * dt < LOST else 0.0
     rows = np.empty((2, lanes))
     tried = np.empty(w.shape)
-    parameters = np.empty(own.shape)
+    of_few = np.empty(parameters.shape)
     pace = rows[0]
     differ = rows[1]
     few = 1
@@ -81,11 +81,11 @@ def _again(law, kind, lanes, v, w, own, dt, new, apart):
                 differ[few] = 0.0
                 for k in range(w.shape[0]):
                     tried[k, few] = w[k, lane]
-                for k in range(own.shape[0]):
-                    parameters[k, few] = own[k, lane]
+                for k in range(parameters.shape[0]):
+                    of_few[k, few] = parameters[k, lane]
                 few += 1
         for _ in range(substeps if few else 0):
-            law(kind, few, pace, tried, parameters, dt / substeps, tried, differ)
+            law(kind, few, pace, tried, of_few, dt / substeps, tried, differ)
         few = 0
         for lane in range(lanes):
             if apart[lane] > 0.0:
@@ -116,7 +116,7 @@ def rate_law(write: Any, states: int, name: str) -> RateLaw:
 
     @called_often
     @partial(named, name)
-    def step(lanes, v, w, own, dt, new, apart):
+    def step(lanes, v, w, parameters, dt, new, apart):
         inner = np.empty((states, lanes))
         rates = np.empty((4, states, lanes))
         for k in range(states):
@@ -124,7 +124,7 @@ def rate_law(write: Any, states: int, name: str) -> RateLaw:
                 inner[k, lane] = w[k, lane]
         for stage in range(4):
             for lane in range(lanes):
-                write(lane, v[lane], inner, own, rates[stage])
+                write(lane, v[lane], inner, parameters, rates[stage])
             ahead = dt if stage == 2 else 0.5 * dt
             for k in range(states):
                 for lane in range(lanes):
@@ -143,19 +143,19 @@ def rate_law(write: Any, states: int, name: str) -> RateLaw:
 
 
 @called_often
-def _bouc_wen_rate(v, z, own, lane, less):
+def _bouc_wen_rate(v, z, parameters, lane, less):
     """``z' = v - |z|^n (beta |v| sign z + gamma v)``; own: beta, gamma, n; ``less = |z|^(n-1)``."""
-    shape = own[0, lane] * np.copysign(1.0, v * z) + own[1, lane]
+    shape = parameters[0, lane] * np.copysign(1.0, v * z) + parameters[1, lane]
     return v * (1.0 - abs(z) * (less * shape))
 
 
-def _linear(lane, v, w, own, rates):
-    rates[0, lane] = _bouc_wen_rate(v, w[0, lane], own, lane, 1.0)
+def _linear(lane, v, w, parameters, rates):
+    rates[0, lane] = _bouc_wen_rate(v, w[0, lane], parameters, lane, 1.0)
 
 
-def _of_any_power(lane, v, w, own, rates):
-    less = exponential((own[2, lane] - 1.0) * logarithm(abs(w[0, lane])))
-    rates[0, lane] = _bouc_wen_rate(v, w[0, lane], own, lane, less)
+def _of_any_power(lane, v, w, parameters, rates):
+    less = exponential((parameters[2, lane] - 1.0) * logarithm(abs(w[0, lane])))
+    rates[0, lane] = _bouc_wen_rate(v, w[0, lane], parameters, lane, less)
 
 
 LINEAR_BOUC_WEN = rate_law(_linear, 1, "Bouc-Wen, n = 1")
@@ -179,7 +179,7 @@ def by_number(laws: tuple[RateLaw, ...]) -> Any:
 
 
 @compiled
-def _no_law(kind, lanes, v, w, own, dt, new, apart):
+def _no_law(kind, lanes, v, w, parameters, dt, new, apart):
     """An unknown kind: the state z after the step is NaN."""
     for lane in range(lanes):
         new[0, lane] = np.nan
@@ -191,10 +191,10 @@ def _either(number: int, law: Any, others: Any, name: str) -> Any:
 
     @compiled
     @partial(named, name)
-    def chosen(kind, lanes, v, w, own, dt, new, apart):
+    def chosen(kind, lanes, v, w, parameters, dt, new, apart):
         if kind == kind_of_law:
-            law(lanes, v, w, own, dt, new, apart)
+            law(lanes, v, w, parameters, dt, new, apart)
         else:
-            others(kind, lanes, v, w, own, dt, new, apart)
+            others(kind, lanes, v, w, parameters, dt, new, apart)
 
     return chosen

@@ -14,35 +14,35 @@ from stochlin.kernels.simulation.laws import OTHER_LAW, RateLaw, advance
 
 
 @called_often
-def _backbone(mu, own, lane):
-    """``z`` of the first loading at a mu from cracking on; ``own`` as in `_modified_clough`."""
-    crack = own[1, lane]
-    limit = own[2, lane]
-    rise = own[3, lane]
-    cap = own[4, lane]
-    softening = own[5, lane]
-    residual = own[6, lane]
+def _backbone(mu, parameters, lane):
+    """``z`` of the first loading at a mu from cracking on, as in `_modified_clough`."""
+    crack = parameters[1, lane]
+    limit = parameters[2, lane]
+    rise = parameters[3, lane]
+    cap = parameters[4, lane]
+    softening = parameters[5, lane]
+    residual = parameters[6, lane]
     falling = max(1.0 - softening * (mu - cap), residual)
     return min(crack + rise * (mu - limit), 1.0, falling)
 
 
 @called_often
-def _unloading(peak, own, lane):
+def _unloading(peak, parameters, lane):
     """Stiffness in unloading from a side whose largest mu is ``peak``, over the stiffness to yield.
 
     Before yielding the way leads to the point of cracking on the other side. Then the stiffness
     falls with the exponent.
     """
-    crack = own[1, lane]
-    limit = own[2, lane]
-    rise = own[3, lane]
+    crack = parameters[1, lane]
+    limit = parameters[2, lane]
+    rise = parameters[3, lane]
     chord = min(crack + rise * (peak - limit), 1.0) + crack
-    worn = exponential(-own[0, lane] * logarithm(max(peak, 1.0)))
+    worn = exponential(-parameters[0, lane] * logarithm(max(peak, 1.0)))
     return chord / (min(peak, 1.0) + limit) * worn
 
 
 @compiled
-def _modified_clough(lanes, v, w, own, dt, new, apart):
+def _modified_clough(lanes, v, w, parameters, dt, new, apart):
     """Peak-oriented branches.
 
     own: the exponent of the unloading stiffness; z and mu of cracking, and the slope from there to
@@ -53,7 +53,7 @@ def _modified_clough(lanes, v, w, own, dt, new, apart):
     """
     for lane in range(lanes):
         move = v[lane] * dt
-        limit = own[2, lane]
+        limit = parameters[2, lane]
         side = 1.0 if move >= 0.0 else -1.0
         up = w[3, lane]
         down = w[4, lane]
@@ -66,15 +66,15 @@ def _modified_clough(lanes, v, w, own, dt, new, apart):
         peak = max(limit + ahead, least)
         # from the side behind; else it may be on an unloading branch of this side
         unloads = z <= 0.0
-        stiffness = _unloading(max(limit + (behind if unloads else ahead), least), own, lane)
+        stiffness = _unloading(max(limit + (behind if unloads else ahead), least), parameters, lane)
         crossing = mu - z / stiffness
         along = z + stiffness * abs(move)
         crosses = unloads and end >= crossing
         zero = crossing if crosses else zero
-        way = _backbone(peak, own, lane) * (
+        way = _backbone(peak, parameters, lane) * (
             (end - zero) / (peak - zero)
         )  # to the largest mu so far
-        way = way if end < peak else _backbone(end, own, lane)
+        way = way if end < peak else _backbone(end, parameters, lane)
         after = way if crosses or (not unloads and way < along) else along
         beyond = max(ahead, end - limit)
         new[0, lane] = side * after
@@ -85,11 +85,11 @@ def _modified_clough(lanes, v, w, own, dt, new, apart):
 
 
 @compiled
-def _flag(lanes, v, w, own, dt, new, apart):
+def _flag(lanes, v, w, parameters, dt, new, apart):
     """Flag-shaped branches; own: the width of the flag, 2 for the bilinear law. States: z; mu."""
     for lane in range(lanes):
         move = v[lane] * dt
-        low = 1.0 - own[0, lane]
+        low = 1.0 - parameters[0, lane]
         mu = w[1, lane] + move
         z = w[0, lane] + move
         new[1, lane] = mu
@@ -103,7 +103,7 @@ FLAG = RateLaw(_flag, 2, "flag")
 
 
 @entry
-def follow(law, states, extension, own, z):
+def follow(law, states, extension, parameters, z):
     """Write ``z`` at each of the extensions over the yield extension, from rest at the first.
 
     ``law`` is the result of `by_number` for this law alone.
@@ -114,7 +114,7 @@ def follow(law, states, extension, own, z):
     z[0] = 0.0
     for point in range(1, extension.size):
         pace[0] = extension[point] - extension[point - 1]
-        advance(law, OTHER_LAW, 1, pace, w, own, 1.0, after)
+        advance(law, OTHER_LAW, 1, pace, w, parameters, 1.0, after)
         for k in range(states):
             w[k, 0] = after[k, 0]
         z[point] = w[0, 0]

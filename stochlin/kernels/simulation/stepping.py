@@ -76,7 +76,8 @@ def ground_block(ground: FilterSteps) -> Callable[[Array, Array, Array], None]:
     states, which are ten times as fast. The choice is made in Python, so that only what is used is
     compiled.
     """
-    own: list[Any] = []  # the random numbers act on the forcing directly through the first of these
+    # the random numbers act on the forcing directly through the first of these
+    blocks: list[Any] = []
     for states in _independent(ground.transition):
         arrays = ground.transition[states, states], ground.gain[states], ground.row[states]
         block = any_ground if np.ndim(ground.direct) == 0 else ground_of_each_lane
@@ -84,13 +85,13 @@ def ground_block(ground: FilterSteps) -> Callable[[Array, Array, Array], None]:
             block = _one_oscillator
         elif np.ndim(ground.direct) == 0 and len(arrays[1]) == 4 and not arrays[0][:2, 2:].any():
             block = _two_oscillators
-        direct = 0.0 * ground.direct if own else ground.direct
-        own.append((block, states, [np.ascontiguousarray(array) for array in arrays], direct))
+        direct = 0.0 * ground.direct if blocks else ground.direct
+        blocks.append((block, states, [np.ascontiguousarray(array) for array in arrays], direct))
 
     def steps(xi: Array, q: Array, f: Array) -> None:
-        if not own:
+        if not blocks:
             np.multiply(xi, ground.direct, out=f)
-        for number, (block, states, arrays, direct) in enumerate(own):
+        for number, (block, states, arrays, direct) in enumerate(blocks):
             part = np.empty_like(f) if number else f
             block(xi, q[states], *arrays, direct, part)
             if number:
@@ -114,10 +115,10 @@ def _any_states(xi, q, transition, gain, row, direct, f):
         for lane in range(LANES):
             force[lane] = of_lane(direct, lane) * number[lane]
         for i in range(q.shape[0]):
-            state, new, weight, kick = q[i], moved[i], row[i], gain[i]
+            state, new, weight, push = q[i], moved[i], row[i], gain[i]
             for lane in range(LANES):
                 force[lane] += of_lane(weight, lane) * state[lane]
-                new[lane] = of_lane(kick, lane) * number[lane]
+                new[lane] = of_lane(push, lane) * number[lane]
             for j in range(q.shape[0]):
                 other, part = q[j], transition[i, j]
                 for lane in range(LANES):

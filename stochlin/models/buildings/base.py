@@ -218,8 +218,8 @@ class MultistoreyBuilding(WithoutCells, AnyStructure, base=True):
                 "are units, masses and the pushing forces right?"
             )
             warnings.warn(f"{what}, {cure}", DoubtfulInput, stacklevel=2)
-        own = 2 * np.pi * np.sqrt(mass * displacement / values["yield_force"])
-        return self._of_first_mode(float(own), displacement, values["hardening"])
+        period = 2 * np.pi * np.sqrt(mass * displacement / values["yield_force"])
+        return self._of_first_mode(float(period), displacement, values["hardening"])
 
     @abstractmethod
     def _of_first_mode(self, period: float, yield_displacement: float, hardening: float) -> Self:

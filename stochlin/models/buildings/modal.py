@@ -228,14 +228,14 @@ class ModalBuilding(MultistoreyBuilding):
             } | others
         periods = table["period"].to_numpy()
         heights = table["height"].to_numpy()
-        known = periods, shapes, masses, heights, damping
+        values = periods, shapes, masses, heights, damping
         if base_shear_coefficient is None:
-            return cls(*known, **others)
+            return cls(*values, **others)
         OF_WEIGHT("base_shear_coefficient", base_shear_coefficient)
         if others.get("yield_displacements") is not None:
             what = f"base_shear_coefficient = {base_shear_coefficient:g} beside yield_displacements"
             raise ValueError(f"{what}; allowed: one of them")
-        elastic = cls(*known, **others)
+        elastic = cls(*values, **others)
         stiffness = elastic.effective_masses()[0] * (2 * np.pi / periods[0]) ** 2
         return elastic.yielding_at(base_shear_coefficient * GRAVITY * masses.sum() / stiffness)
 
@@ -246,13 +246,17 @@ class ModalBuilding(MultistoreyBuilding):
 
     def _sizes(self) -> dict[str, tuple[int, str]]:
         assert isinstance(self.shapes, xr.DataArray)
-        modes, floors = ((size, "shapes") for size in self.shapes.shape)
-        sizes = {MODE: modes, FLOOR: floors, STOREY: floors}
+        modes, floors = self.shapes.shape
+        sizes = {
+            MODE: (modes, "shapes"),
+            FLOOR: (floors, "shapes"),
+            STOREY: (floors, "shapes"),
+        }
         if not self.yields:
             return sizes
-        if (count := as_array(self.yield_displacements).size) > modes[0]:
+        if (count := as_array(self.yield_displacements).size) > modes:
             what = f"{type(self).__name__}: yield_displacements has {count} values"
-            raise ValueError(f"{what}; allowed: one for each of at most {modes[0]} modes")
+            raise ValueError(f"{what}; allowed: one for each of at most {modes} modes")
         return sizes | {YIELDING_MODE: (count, "yield_displacements")}
 
     def _check(self, name: str) -> None:
@@ -412,8 +416,9 @@ class ModalBuilding(MultistoreyBuilding):
     def _of_first_mode(self, period: float, yield_displacement: float, hardening: float) -> Self:
         self._check_leading("a pushover curve")
         periods = [period, *self._numbers("periods")[1:]]
-        firsts = zip((hardening, yield_displacement), self._strengths, strict=True)
-        hardenings, strengths = ([first, *others[1:]] for first, others in firsts)
+        of_modes, strengths_of_modes = self._strengths
+        hardenings = [hardening, *of_modes[1:]]
+        strengths = [yield_displacement, *strengths_of_modes[1:]]
         return replace(self, periods=periods, hardening=hardenings, yield_displacements=strengths)
 
     @property
@@ -425,8 +430,8 @@ class ModalBuilding(MultistoreyBuilding):
 
     def _check_orthogonal(self, name: str) -> None:
         shapes = self._numbers("shapes")
-        for still in np.flatnonzero(~shapes.any(axis=1))[:1] + 1:
-            raise ValueError(f"{name}shapes of mode {still} are all 0; allowed: a mode that moves")
+        for number in np.flatnonzero(~shapes.any(axis=1))[:1] + 1:
+            raise ValueError(f"{name}shapes of mode {number} are all 0; allowed: a mode that moves")
         shared = _shared(shapes, self._numbers("masses"))
         if shared.max() > ORTHOGONAL:
             i, j = np.sort(np.unravel_index(np.argmax(shared), shared.shape)) + 1
@@ -442,10 +447,10 @@ class ModalBuilding(MultistoreyBuilding):
 
     def _check_masses(self, name: str) -> None:
         shares = self.effective_masses() / self._numbers("masses").sum()
-        still = (shares < LEAST_MASS) | (self.factors() == 0)
+        unmoved = (shares < LEAST_MASS) | (self.factors() == 0)
         total = shares.sum()
-        if still.any():
-            what = f"{name}mode {listed(np.flatnonzero(still) + 1)} does not move along the gap"
+        if unmoved.any():
+            what = f"{name}mode {listed(np.flatnonzero(unmoved) + 1)} does not move along the gap"
             raise ValueError(f"{what}; allowed: modes with {LEAST_MASS:g} of the mass or more")
         if total > 1 + ORTHOGONAL:
             what = f"{name}modal_masses are {total:.3g} of the masses"
@@ -499,8 +504,8 @@ def _give(shapes: Array, masses: Array, modal_masses: Array) -> bool:
     """Whether shapes are orthogonal with the masses, and have these effective modal masses [kg]."""
     if (_shared(shapes, masses) > ORTHOGONAL).any():
         return False
-    own = effective_masses_of(shapes, masses)
-    return bool((np.abs(own - modal_masses) <= ORTHOGONAL * masses.sum()).all())
+    effective = effective_masses_of(shapes, masses)
+    return bool((np.abs(effective - modal_masses) <= ORTHOGONAL * masses.sum()).all())
 
 
 def _shared(shapes: Array, masses: Array) -> Array:

@@ -230,9 +230,9 @@ class ShearBuilding(MultistoreyBuilding):
         >>> round(float(office.periods()[0]), 12)
         0.8
         """
-        known = RegularBuilding(period, storey_height, mass, base_shear_coefficient)
+        regular = RegularBuilding(period, storey_height, mass, base_shear_coefficient)
         NUMBER_OF_STOREYS("storeys", storeys)
-        values = {name: np.asarray(value) for name, value in known.cells().items()}
+        values = {name: np.asarray(value) for name, value in regular.cells().items()}
         heights = values["storey_height"]
         if heights.ndim and heights.shape != (storeys,):
             raise ValueError(f"storey_height has {heights.size} values; allowed: one, or {storeys}")
@@ -438,7 +438,8 @@ class ShearBuilding(MultistoreyBuilding):
         ratio = float(self.cells()["damping"])
         if self.damping_modes is None:
             return np.full(frequencies.size, ratio)
-        first, second = (frequencies[number - 1] for number in self.damping_modes)
+        first = frequencies[self.damping_modes[0] - 1]
+        second = frequencies[self.damping_modes[1] - 1]
         shares: Array = (first * second / frequencies + frequencies) / (first + second)
         return ratio * shares
 
@@ -476,15 +477,15 @@ class ShearBuilding(MultistoreyBuilding):
 
     def _check_damping_modes(self) -> None:
         modes = self.damping_modes
-        known = Whole(1, self.storeys)
-        each = tuple(modes) if isinstance(modes, (tuple, list)) else ()
-        if len(each) != 2 or not all(map(known.contains, each)) or each[0] == each[1]:
+        allowed = Whole(1, self.storeys)
+        pair = tuple(modes) if isinstance(modes, (tuple, list)) else ()
+        if len(pair) != 2 or not all(map(allowed.contains, pair)) or pair[0] == pair[1]:
             what = f"{type(self).__name__}: damping_modes = {brief(modes)}"
-            raise ValueError(f"{what}; allowed: two different modes, each {known}")
-        object.__setattr__(self, "damping_modes", each)
+            raise ValueError(f"{what}; allowed: two different modes, each {allowed}")
+        object.__setattr__(self, "damping_modes", pair)
         if (first := float(self.damping_ratios()[0])) >= 1:
             what = (
-                f"ShearBuilding: damping_modes = {each} give mode 1 the damping ratio {first:.3g}"
+                f"ShearBuilding: damping_modes = {pair} give mode 1 the damping ratio {first:.3g}"
             )
             raise ValueError(f"{what}; allowed: below 1")
 

@@ -139,16 +139,16 @@ class Ground(Model, base=True):
 
     def _check_fitted_for(self) -> None:
         """Raise a TypeError unless it is None, or what `fit_ground` states."""
-        known = self.fitted_for
-        if known is None:
+        limits = self.fitted_for
+        if limits is None:
             return
         numbers = (
-            isinstance(known, tuple)
-            and len(known) == 3
-            and all(isinstance(each, float) for each in known[::2])
+            isinstance(limits, tuple)
+            and len(limits) == 3
+            and all(isinstance(limit, float) for limit in limits[::2])
         )
         if not numbers:
-            what = f"{type(self).__name__}: fitted_for = {brief(known)}"
+            what = f"{type(self).__name__}: fitted_for = {brief(limits)}"
             raise TypeError(f"{what}; allowed: duration [s], envelope and longest period [s]")
 
     def doubts_of_use(self, duration: float, envelope: object, period: float) -> Iterator[str]:

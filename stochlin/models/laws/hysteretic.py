@@ -96,8 +96,8 @@ class Hysteretic(Structure):
     def _growing(self, further: list[str]) -> tuple[str, ...]:
         """The growing states in the order of the states; all further ones if none are named."""
         names = further if self.growing_states is None else self.growing_states
-        known = isinstance(names, (list, tuple)) and all(isinstance(name, str) for name in names)
-        if not known or not {*names} <= {*further}:
+        texts = isinstance(names, (list, tuple)) and all(isinstance(name, str) for name in names)
+        if not texts or not {*names} <= {*further}:
             raise ValueError(f"growing_states = {brief(names)}; allowed: some of {brief(further)}")
         return tuple(name for name in further if name in names)
 
@@ -109,16 +109,17 @@ class Hysteretic(Structure):
 def law_of(
     law: str | sympy.Expr | Mapping[str, sympy.Expr],
     common: Mapping[str, Any],
-    own: Mapping[str, Any],
+    further: Mapping[str, Any],
 ) -> Structure:
     """A structure with a law that is given by its name, as a sympy expression, or by several.
 
-    ``common`` are parameters of every structure, ``own`` those that this law adds, both by name.
+    ``common`` are parameters of every structure, ``further`` those that this law adds, both by
+    name.
 
     Raises
     ------
     ValueError, TypeError
-        If the law is not known, or if ``own`` has unknown parameters or lacks required ones.
+        If the law is not known, or if ``further`` has unknown parameters or lacks required ones.
     """
     kind = LAWS.named(law, "law") if isinstance(law, str) else Hysteretic
     if kind is Hysteretic:
@@ -127,12 +128,12 @@ def law_of(
                 "law = 'hysteretic' has no expression; give the sympy expression itself"
             )
         common = {**common, "law": law}
-    known = kind.own_parameters()
-    unknown = [name for name in own if name not in known]
-    missing = [name for name in known if name not in own and not hasattr(kind, name)]
+    allowed_names = kind.own_parameters()
+    unknown = [name for name in further if name not in allowed_names]
+    missing = [name for name in allowed_names if name not in further and not hasattr(kind, name)]
     if unknown or missing:
         what = f"has no {listed(unknown)}" if unknown else f"needs {listed(missing)} as well"
-        what = f"law_parameters = {brief(dict(own))}: the law {what}"
-        allowed = ", ".join(known)
+        what = f"law_parameters = {brief(dict(further))}: the law {what}"
+        allowed = ", ".join(allowed_names)
         raise ValueError(f"{what}; allowed: {allowed or 'none'}")
-    return kind(**common, **own)
+    return kind(**common, **further)

@@ -165,11 +165,11 @@ def _of_cell(motion: dict[str, Any], structure: AnyStructure, ground: Ground) ->
     ratios = _ratios(peaks[:, :n], peaks[:, n:])
     attrs = {key: value for key, value in motions.attrs.items() if not key.startswith("structure")}
     if structure.has_storeys:
-        own = motions.isel({FLOOR: slice(None, n), ELEMENT: slice(None, n)})[
+        of_storeys = motions.isel({FLOOR: slice(None, n), ELEMENT: slice(None, n)})[
             ["peak_mean", "ductility"]
         ]
         columns = {name: (FLOOR, values) for name, values in ratios.items()}
-        table = xr.Dataset(columns, own.coords).assign(ductility=own.ductility)
+        table = xr.Dataset(columns, of_storeys.coords).assign(ductility=of_storeys.ductility)
         # The yield drift is the mean peak drift over the ductility; compared without a division.
         most = motions.peak_drift.max("path") * motions.ductility
         stayed = not bool((most > motions.peak_drift_mean).any())

@@ -181,8 +181,8 @@ def effective_properties(
     properties: dict[str, Cells] = dict.fromkeys(EQ_4, np.nan)
 
     @np.errstate(all="ignore")  # invalid cells, and periods that overflow, are NaN
-    def effective(good: Array, *own: Array) -> tuple[Array, Array]:
-        mu, alpha, period, xi = (np.where(good, value, np.nan) for value in own)
+    def effective(good: Array, *properties_of_one: Array) -> tuple[Array, Array]:
+        mu, alpha, period, xi = (np.where(good, value, np.nan) for value in properties_of_one)
         longer = period * rule.period_ratio(mu, alpha)
         return np.where(np.isfinite(longer), longer, np.nan), rule.damping(mu, alpha, xi)
 
@@ -203,10 +203,10 @@ def effective_pair(solved: Solved, rule: EffectiveRule) -> dict[str, Cells]:
     """
     values: dict[str, Cells] = {}
     for n, structure in enumerate(solved.structures, start=1):
-        own = structure.cells()
+        parameters = structure.cells()
         side = solved.labelled(n - 1, ["ductility_std"])
-        values |= {f"{name}_{n}": own[name] for name in ("period", "damping")}
-        values[f"hardening_{n}"] = own.get("hardening", 1.0)
-        values[f"ductility_{n}"] = own["peak_factor"] * side["ductility_std"]
+        values |= {f"{name}_{n}": parameters[name] for name in ("period", "damping")}
+        values[f"hardening_{n}"] = parameters.get("hardening", 1.0)
+        values[f"ductility_{n}"] = parameters["peak_factor"] * side["ductility_std"]
     peaks = {f"ductility_peak_{n}": values[f"ductility_{n}"] for n in (1, 2)}
     return effective_properties(values, rule) | peaks

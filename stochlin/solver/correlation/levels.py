@@ -121,9 +121,14 @@ class PairsInTime(NamedTuple):
         """Correlation (n,) of both displacements while shaking is strong, by mean covariances."""
         assert self.second is not None
         strong = self.course.envelope.max(axis=1) >= STRONG_SHARE
-        rows = self.joint, self.first.variance, self.second.variance
-        joint, first, second = (self.means(row)[strong].sum(axis=0) for row in rows)
-        rho: Array = joint / np.sqrt(first * second)
+
+        def while_strong(values: Array) -> Array:
+            """Sums (n,) of means over the motions."""
+            sums: Array = self.means(values)[strong].sum(axis=0)
+            return sums
+
+        variances = while_strong(self.first.variance) * while_strong(self.second.variance)
+        rho: Array = while_strong(self.joint) / np.sqrt(variances)
         return rho
 
     def required_gaps(self, confidence: float) -> Array:
@@ -190,7 +195,7 @@ def lone_pair_in_time(
 ) -> PairsInTime:
     """One pair or structure, with strengths in metres; an ArithmeticError without a solution."""
     cells = [flat({"structure": structure, "ground": ground}) for structure in structures]
-    pairs = pairs_in_time([Oscillators.of(each) for each in cells], ground, course)
+    pairs = pairs_in_time([Oscillators.of(oscillators) for oscillators in cells], ground, course)
     if pairs.failed.any():
         raise ArithmeticError("the drift closure has no solution; give less extreme parameters")
     return pairs
@@ -200,15 +205,16 @@ def expected_errors(
     cells: Sequence[Oscillators], ground: Ground, course: EnvelopesInTime
 ) -> ExpectedErrors:
     """Expected errors of pairs by their kind."""
-    frequencies = np.array([2 * np.pi / each.period for each in cells])
+    frequencies = np.array([2 * np.pi / oscillators.period for oscillators in cells])
     alike = np.ptp(np.log(frequencies), axis=0) < ALIKE_PERIODS if len(cells) > 1 else False
     narrow: Array | bool = False
     stiff: Array | bool = False
     soil = ground.filter_of(cells[0].soil)
     if soil.oscillators:
-        own = np.sqrt(soil.oscillators[0])
-        narrow = soil.oscillators[1] / (2 * own) < NARROW_GROUND_DAMPING * (1 + ROUNDING_OF_DAMPING)
-        stiff = frequencies.min(axis=0) > STIFF_FREQUENCY_RATIO * own
+        frequency = np.sqrt(soil.oscillators[0])
+        damping = soil.oscillators[1] / (2 * frequency)
+        narrow = damping < NARROW_GROUND_DAMPING * (1 + ROUNDING_OF_DAMPING)
+        stiff = frequencies.min(axis=0) > STIFF_FREQUENCY_RATIO * frequency
     cycles = course.strong_seconds * frequencies.min(axis=0) / (2 * np.pi)
     error = np.where(cycles < BRIEF, GAP_ERRORS["brief"], GAP_ERRORS["usual"])
     error = np.where(alike, GAP_ERRORS["alike"], error)
@@ -248,7 +254,8 @@ def _pair_rows(solved: SolvedLevels, first: Array, second: Array) -> PairRows:
         solved.solved.values["drift_std"] / np.sqrt(both.side.variance), LEAST_DRIFT_SHARE
     )
     added = (rho - derived) / (share[places[0]] * share[places[1]])
-    of_first, of_second = (taken(structures, at) for at in places)
+    of_first = taken(structures, places[0])
+    of_second = taken(structures, places[1])
     return pair_rows(of_first, of_second, np.clip(np.nan_to_num(added), -1, 1))
 
 
@@ -260,9 +267,9 @@ def _levels_of_load(cells: Sequence[Oscillators], ground: Ground, course: Envelo
         return none
     frequency = np.sqrt(soil.oscillators[0])
     damping = soil.oscillators[1] / (2 * frequency)
-    own = np.array([2 * np.pi / each.period for each in cells])
+    frequencies = np.array([2 * np.pi / oscillators.period for oscillators in cells])
     shares = np.array(
-        [share_of_load(*each) for each in zip(own.T, frequency, damping, strict=True)]
+        [share_of_load(*of_pair) for of_pair in zip(frequencies.T, frequency, damping, strict=True)]
     )
     if not shares.any():
         return none
@@ -274,17 +281,17 @@ def _levels_of_load(cells: Sequence[Oscillators], ground: Ground, course: Envelo
         np.pi * soil.intensity * frequency * (1 + 4 * damping**2) / (2 * damping)
     )
     levels = levels_for(course.spread)
-    structures = [yielding(each) for each in cells]
+    structures = [yielding(oscillators) for oscillators in cells]
     for cell in np.flatnonzero(shares):
         harmonics = [
             Harmonic.of(
-                2 * np.pi / each.period[cell],
-                each.damping[cell],
-                each.hardening[cell],
-                each.strength[cell],
+                2 * np.pi / structure.period[cell],
+                structure.damping[cell],
+                structure.hardening[cell],
+                structure.strength[cell],
                 frequency[cell],
             )
-            for each in structures
+            for structure in structures
         ]
         rows = [
             load_levels(harmonics, std[cell] * level, shares[cell], RELATIVE_LEVELS)

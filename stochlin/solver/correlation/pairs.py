@@ -102,8 +102,8 @@ class _Pairs(NamedTuple):
         places = [cells.places(table) for cells in solved.tables]
         good = (places[0] >= 0) & (places[1] >= 0)
         if not good.all():
-            places = [np.broadcast_to(own, good.shape)[good] for own in places]
-        places = [own + part.start for own, part in zip(places, solved.parts, strict=True)]
+            places = [np.broadcast_to(place, good.shape)[good] for place in places]
+        places = [place + part.start for place, part in zip(places, solved.parts, strict=True)]
         return cls(solved, table, good, places)
 
     def columns(
@@ -119,14 +119,14 @@ class _Pairs(NamedTuple):
 
     def worst(self, name: str, of_pair: Array | None = None) -> Array:
         """The largest flag of both structures, and of their pair."""
-        first, second = (self.solved.values[name][own] for own in self.places)
-        worst = np.maximum(first, second)
+        flags = self.solved.values[name]
+        worst = np.maximum(flags[self.places[0]], flags[self.places[1]])
         return worst if of_pair is None else np.maximum(worst, of_pair)
 
     def labelled(self, columns: dict[str, Array], of_sides: Sequence[str]) -> dict[str, Cells]:
         """The variables of the table: rho, those of both structures, and the others."""
-        own = [self.solved.labelled(n, of_sides) for n in (0, 1)]
-        sides = {f"{name}_{n}": own[n - 1][name] for name in of_sides for n in (1, 2)}
+        of_structures = [self.solved.labelled(n, of_sides) for n in (0, 1)]
+        sides = {f"{name}_{n}": of_structures[n - 1][name] for name in of_sides for n in (1, 2)}
         pairs = Flat(self.table, np.flatnonzero(self.good), {})
         arrays = {
             name: pairs.array(

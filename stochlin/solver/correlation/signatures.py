@@ -98,10 +98,10 @@ def solved_references(
     of_soil, _ = ground.calibration.soil
     names = "period", "damping", "hardening", "elastic_ductility_std"
     rows = [np.tile(table[f"reference_{name}"].values, soil.shape[1]) for name in names]
-    each = np.repeat(soil, table.sizes[DRIFT_REFERENCE], axis=1)
-    period = rows[0] * dict(zip(ground.cells(), each, strict=True))[of_soil]
+    soils = np.repeat(soil, table.sizes[DRIFT_REFERENCE], axis=1)
+    period = rows[0] * dict(zip(ground.cells(), soils, strict=True))[of_soil]
     ones = np.ones_like(period)
-    cells = Oscillators(period, rows[1], rows[2], rows[3], ones, ones, each)
+    cells = Oscillators(period, rows[1], rows[2], rows[3], ones, ones, soils)
     law = LawOfCells.bilinear(period.size, DRIFT)
     sides = drifting_side(solve_oscillators(cells, law, ground, tolerance))
     count = table.sizes[DRIFT_REFERENCE]
@@ -142,12 +142,12 @@ def _solved_once(ground: Ground, tolerance: Tolerance) -> References:
     return solved_references(ground, soil, tolerance, drift_map())
 
 
-def derived_signatures(side: DriftingSide, known: References, ground: Array) -> Array:
+def derived_signatures(side: DriftingSide, references: References, ground: Array) -> Array:
     """Signatures (references, n), eq. (9), of structures on the grounds with these numbers (n,)."""
-    rho = _with_references(side, known.sides, ground, known.basis.shape[-1])
+    rho = _with_references(side, references.sides, ground, references.basis.shape[-1])
 
     def part(cells: slice) -> Array:
-        return np.einsum("nij,nj->in", known.basis[ground[cells]], rho[cells])
+        return np.einsum("nij,nj->in", references.basis[ground[cells]], rho[cells])
 
     return np.hstack(in_ranges(part, ground.size, SIGNATURES_AT_ONCE))
 
@@ -191,7 +191,9 @@ def _corrections(
     ones = np.ones(point.shape[1])
     nothing = np.zeros((ENTRIES, ones.size))
     signature = Signature(nothing, nothing, ones, ones)
-    yields = any(each.yields and isinstance(each, Bilinear) for each in solved.structures)
+    yields = any(
+        structure.yields and isinstance(structure, Bilinear) for structure in solved.structures
+    )
     if calibration is None or not yields:
         return signature, Nearness(nothing[:PARAMETER_AXES], nothing, np.zeros_like(ones))
     if calibration.soil is None:
@@ -204,10 +206,10 @@ def _corrections(
         soil[row] = 1.0  # correlations stay the same
         if any(array.ndim for array in ground.arrays().values()):
             grounds, number = np.unique(soil, axis=1, return_inverse=True)
-            known = solved_references(ground, grounds, tolerance, drift_map())
+            references = solved_references(ground, grounds, tolerance, drift_map())
         else:
-            known = _solved_once(ground.with_arrays({"intensity": 1.0}), tolerance)
-        derived = derived_signatures(side, known, number.ravel())
+            references = _solved_once(ground.with_arrays({"intensity": 1.0}), tolerance)
+        derived = derived_signatures(side, references, number.ravel())
         signature = corrected(derived, hold_at_ends(SIGNATURE, ground, point))
     least, most = KNOWN_NEARNESS
     trust = np.log(point[0] / ELASTIC_DEMAND) / np.log(least / ELASTIC_DEMAND)
@@ -218,15 +220,15 @@ def _corrections(
 
 def corrected(derived: Array, correction: Array) -> Signature:
     """The signatures (k, n) that are derived, with their corrections, eq. (10)."""
-    known = derived + correction
+    simulated = derived + correction
     # A signature has a length of at most 1, since it is the projection of a unit vector.
-    square = (known**2).sum(axis=0)
+    square = (simulated**2).sum(axis=0)
     blur = BLUR * (correction**2).sum(axis=0)
-    known = known / np.sqrt((square + 1 + np.hypot(square - 1, 2 * blur)) / 2)
-    left = np.maximum(1 - (known**2).sum(axis=0), 0)
+    simulated = simulated / np.sqrt((square + 1 + np.hypot(square - 1, 2 * blur)) / 2)
+    left = np.maximum(1 - (simulated**2).sum(axis=0), 0)
     left_derived = np.maximum(1 - (derived**2).sum(axis=0), 0)
     ratio = np.sqrt((left + ADDED_VARIANCE) / (left_derived + ADDED_VARIANCE))
-    return Signature(known, ratio * derived, ratio, np.sqrt(left))
+    return Signature(simulated, ratio * derived, ratio, np.sqrt(left))
 
 
 def matrix_of(form: Array) -> Array:

@@ -57,17 +57,21 @@ def _on_one_ground(
     for n, (side, part, structure) in enumerate(
         zip(sides, parts, (first, second), strict=True), start=1
     ):
-        own = {
+        columns = {
             name: xr.DataArray(side.array(motions[name].values[part])) for name in MOTION_VARIABLES
         }
         strength = solve_elastic(structure, ground).yield_displacement
-        own |= {"yield_displacement": strength, "ductility_std": own["displacement_std"] / strength}
-        table = table.assign({f"{name}_{n}": values for name, values in own.items()})
+        columns |= {
+            "yield_displacement": strength,
+            "ductility_std": columns["displacement_std"] / strength,
+        }
+        table = table.assign({f"{name}_{n}": values for name, values in columns.items()})
         blank = labels.INVALID_INPUT
         statuses.append(xr.DataArray(side.array(motions.status.values[part], blank)))
     status = xr.apply_ufunc(np.maximum, *statuses, join="exact").astype(np.int8)
     shape = over_all(*(side.shape for side in sides))
-    row, column = (side.places(shape) for side in sides)
+    row = sides[0].places(shape)
+    column = sides[1].places(shape)
     pairs = {}
     for name in ("rho", "rho_standard_error"):
         values = np.asarray(motions[name].values[parts][row, column])

@@ -132,8 +132,8 @@ def within(value: Array, ends: tuple[float, float]) -> Array:
 
 def calibrated_closure(structure: Structure, ground: Ground) -> str:
     """The drift closure for laws that have it, on calibrated grounds; else the Gaussian one."""
-    known = DRIFT in structure.closure_names() and ground.calibration is not None
-    return DRIFT if known else GAUSSIAN
+    mapped = DRIFT in structure.closure_names() and ground.calibration is not None
+    return DRIFT if mapped else GAUSSIAN
 
 
 def hold_at_ends(name: str, ground: Ground, point: Array) -> Array:

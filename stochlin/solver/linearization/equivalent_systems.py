@@ -81,14 +81,14 @@ class Oscillators(NamedTuple):
     def of(cls, table: Flat) -> Oscillators:
         """The valid cells of a ``structure`` on a ``ground``."""
         structure = table.models["structure"]
-        own = table.models["structure"].cells()
+        parameters = table.models["structure"].cells()
         rows = (
-            own["period"],
-            own["damping"],
-            own.get("hardening", 1.0),
-            own.get("yield_displacement", own.get("reduction_factor", np.inf)),
+            parameters["period"],
+            parameters["damping"],
+            parameters.get("hardening", 1.0),
+            parameters.get("yield_displacement", parameters.get("reduction_factor", np.inf)),
             structure.reduction_factor is not None,
-            own["peak_factor"],
+            parameters["peak_factor"],
             *table.models["ground"].cells().values(),
         )
         columns = in_columns(rows, table.where.size)
@@ -106,12 +106,12 @@ class Oscillators(NamedTuple):
 
     def point(self, ground: Ground, ratio: Array) -> Array:
         """Places (axes, n) in the map of the drift closure, for R/p; without soil two axes less."""
-        own = [ratio, self.hardening, self.damping]
+        place = [ratio, self.hardening, self.damping]
         if ground.calibration is None or ground.calibration.soil is None:
-            return np.array(own)
+            return np.array(place)
         period, damping = ground.calibration.soil
         named = dict(zip(ground.cells(), self.soil, strict=True))
-        return np.array([*own, named[damping], self.period / named[period]])
+        return np.array([*place, named[damping], self.period / named[period]])
 
 
 class LawOfCells(NamedTuple):
@@ -127,8 +127,10 @@ class LawOfCells(NamedTuple):
         """That of the ``structure`` of a table."""
         structure = table.models["structure"]
         count = table.where.size
-        own = structure.cells()
-        parameters = in_columns([own[n] for n in structure.own_parameters() if n in own], count)
+        values = structure.cells()
+        parameters = in_columns(
+            [values[n] for n in structure.own_parameters() if n in values], count
+        )
         one_solution = np.broadcast_to(structure.has_one_solution().to_numpy(), count)
         return cls(structure.closure(closure), parameters, one_solution, closure == DRIFT)
 
@@ -277,7 +279,7 @@ def solve_oscillators(
     parts = in_ranges(part, cells.period.size)
     if len(parts) == 1:
         return parts[0]
-    return {name: np.concatenate([each[name] for each in parts], axis=-1) for name in parts[0]}
+    return {name: np.concatenate([part[name] for part in parts], axis=-1) for name in parts[0]}
 
 
 @np.errstate(all="ignore")  # cells with extreme parameters get a status
@@ -289,8 +291,8 @@ def _solved(
     n = cells.period.size
     elastic = linear_system(w, cells.damping)
     soil = ground.filter_of(cells.soil)
-    own = own_covariance(elastic, soil.forcing(elastic))
-    std = np.sqrt(own.mu_mu)
+    covariance = own_covariance(elastic, soil.forcing(elastic))
+    std = np.sqrt(covariance.mu_mu)
     by_factor = cells.by_factor > 0
     uy = np.where(by_factor, cells.peak_factor * std / cells.strength, cells.strength)
     # A reduction factor is used as it is, so that equal structures have exactly equal ratios.
@@ -301,7 +303,7 @@ def _solved(
     ended = FixedPoint(np.empty((3, n)), np.zeros(n, np.int32), np.zeros(n), elastic_cells)
     if law is not None:
         problem = _problem(cells, law, ground, tolerance, uy)
-        start = np.array([np.sqrt(own.v_v), std, 0.1 * uy]) / uy
+        start = np.array([np.sqrt(covariance.v_v), std, 0.1 * uy]) / uy
         ended = solve_structures(problem, start, law.one_solution, tolerance.max_iterations)
         latent = moments_of(ended.unknowns)
         yielding = EquivalentSystem(
@@ -333,8 +335,8 @@ def _problem(
     soil[list(ground.cells()).index("intensity")] /= uy**2
     structure = np.array([w**2, 2 * cells.damping * w, (1 - cells.hardening) * w**2])
     level = np.zeros_like(uy)
-    own = law.closure, law.parameters
-    return SingleStructures(structure, *own, ground.filter_of(soil), level, tolerance.rtol)
+    of_law = law.closure, law.parameters
+    return SingleStructures(structure, *of_law, ground.filter_of(soil), level, tolerance.rtol)
 
 
 def _response(
@@ -342,19 +344,19 @@ def _response(
 ) -> tuple[dict[str, Array], Array]:
     """The response of equivalent systems, and whether it is physical."""
     forcing = soil.forcing(system)
-    own = own_covariance(system, forcing)
-    displacement = np.sqrt(own.mu_mu)
-    velocity = np.sqrt(own.v_v)
-    z = np.sqrt(own.z_z)
+    covariance = own_covariance(system, forcing)
+    displacement = np.sqrt(covariance.mu_mu)
+    velocity = np.sqrt(covariance.v_v)
+    z = np.sqrt(covariance.z_z)
     of_drift = np.where(drift.variance > 0, uy * np.sqrt(drift.variance), drift.variance)
     total = np.hypot(displacement, of_drift)
-    share = own.mu_z / (displacement * z)
+    share = covariance.mu_z / (displacement * z)
     values = {
         "displacement_std": total,
         "velocity_std": velocity,
         "ductility_std": total / uy,
         "z_std": np.where(elastic, displacement, z) / uy,
-        "velocity_z_corr": np.where(elastic, 0.0, own.v_z / (velocity * z)),
+        "velocity_z_corr": np.where(elastic, 0.0, covariance.v_z / (velocity * z)),
         "c_eq": np.where(elastic, -1.0, system.slip - 1),
         "k_eq": np.where(elastic, 0.0, system.relaxation),
         "yield_displacement": uy.copy(),
@@ -363,7 +365,7 @@ def _response(
         **dict(zip(OF_DRIFT, (of_drift, drift.rate.copy()), strict=True)),
         "drift_shares": drift.shares.copy(),
     }
-    physical = (own.mu_mu > 0) & (own.v_v > 0)
+    physical = (covariance.mu_mu > 0) & (covariance.v_v > 0)
     for name in SYSTEM_VARIABLES[:3]:
         physical &= np.isfinite(values[name])
     correlated = np.maximum(np.abs(values["velocity_z_corr"]), np.abs(share))

@@ -50,8 +50,8 @@ def strengths(scatter: float) -> tuple[Array, Array]:
     """Factors on the motion, over which formulas are averaged, and their weights with the sum 1."""
     if not scatter:
         return np.ones(1), np.ones(1)
-    each = max(FEWEST_STRENGTH_STEPS, int(np.ceil(STRENGTH_REACH * scatter / STRENGTH_STEP)))
-    normal = np.linspace(-STRENGTH_REACH, STRENGTH_REACH, 2 * each + 1)
+    steps = max(FEWEST_STRENGTH_STEPS, int(np.ceil(STRENGTH_REACH * scatter / STRENGTH_STEP)))
+    normal = np.linspace(-STRENGTH_REACH, STRENGTH_REACH, 2 * steps + 1)
     weights = np.exp(-0.5 * normal**2)
     return np.exp(scatter * normal), weights / weights.sum()
 
@@ -139,24 +139,24 @@ def distinct(structures: Oscillators) -> tuple[Array, Array]:
 
     The strengths are in metres.
     """
-    each = yielding(structures)
-    rows = [each.period, each.damping, each.hardening, each.strength, *each.soil]
+    cells = yielding(structures)
+    rows = [cells.period, cells.damping, cells.hardening, cells.strength, *cells.soil]
     columns, number = np.unique(np.array(rows), axis=1, return_inverse=True)
     return columns, number.ravel()
 
 
 def solve_levels(columns: Array, ground: Ground, levels: Array) -> SolvedLevels:
     """Structures in columns of `distinct`, solved at all levels together."""
-    each = np.repeat(columns, levels.size, axis=1)
-    period, damping, hardening, strength, *soil = each
+    repeated = np.repeat(columns, levels.size, axis=1)
+    period, damping, hardening, strength, *soil = repeated
     soil[list(ground.cells()).index("intensity")] *= np.tile(levels**2, columns.shape[1])
     ones = np.ones_like(period)
     cells = Oscillators(
         period, damping, hardening, strength, np.zeros_like(ones), ones, np.array(soil)
     )
     table = Flat(ONE, np.arange(period.size), {})
-    own = Solved((YIELDING_STRUCTURE,), ground, (table,), (slice(0, period.size),), cells, {})
-    solved = own.by_laws([LawOfCells.bilinear(period.size, DRIFT)], DRIFT, USUAL_TOLERANCE)
+    unsolved = Solved((YIELDING_STRUCTURE,), ground, (table,), (slice(0, period.size),), cells, {})
+    solved = unsolved.by_laws([LawOfCells.bilinear(period.size, DRIFT)], DRIFT, USUAL_TOLERANCE)
     values = solved.values
     filters = ground.filter_of(cells.soil)
     system = EquivalentSystem(*values["system"])

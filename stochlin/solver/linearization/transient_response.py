@@ -142,8 +142,8 @@ def transient_response(
     if closure == DRIFT and (missing := why_no_drift([structure])):
         raise ValueError(f"closure = {DRIFT!r}: {missing}; allowed: {GAUSSIAN!r}")
     models: dict[str, Model] = {"structure": structure, "ground": ground}
-    each = _drifting if closure == DRIFT else _of_cells
-    of_cells = partial(each, seconds=seconds, envelope=envelope, points=points)
+    solve = _drifting if closure == DRIFT else _of_cells
+    of_cells = partial(solve, seconds=seconds, envelope=envelope, points=points)
     table = together_or_alone(of_cells, models, structure.arrays()["period"] <= seconds)
     course = course_of(envelope, seconds, seconds, points)
     table = labels.label(over_time(table, course, drifts=closure == DRIFT))
@@ -222,14 +222,14 @@ def _drifting(
     cells = flat({"structure": in_metres(structure, ground, seconds), "ground": ground})
     if not cells.where.size:
         raise ValueError("no structure has valid parameters; correct those that are out of range")
-    each = -(-(INSTANTS - 1) // (points - 1))
-    course = EnvelopesInTime.of(envelope, seconds, *strengths(0.0), (points - 1) * each + 1)
+    steps = -(-(INSTANTS - 1) // (points - 1))
+    course = EnvelopesInTime.of(envelope, seconds, *strengths(0.0), (points - 1) * steps + 1)
     structures = structures_in_time(Oscillators.of(cells), ground, course)
     failed = structures.solved.failed[structures.number]
     shape = cells.shape
     table = xr.Dataset(coords=shape.coords)
     for name, row in _with_drift(structures).items():
-        table[name] = (TIME, *shape.dims), cells.whole(np.where(failed, np.nan, row)[::each])
+        table[name] = (TIME, *shape.dims), cells.whole(np.where(failed, np.nan, row)[::steps])
     table["yield_displacement"] = cells.table(Oscillators.of(cells).strength)
     status = labels.status_where(~failed, labels.NOT_CONVERGED)
     return table.assign(status=cells.table(status, blank=labels.INVALID_INPUT))

@@ -65,9 +65,9 @@ def course_of(envelope: Envelope | None, duration: float, shortest: float, point
         numbers=NUMBERS_PER_INSTANT * instants,
         seconds=1e-4 * instants,
     )
-    each = max(1, int(np.ceil(instants / stretches)))
-    times = np.linspace(0, duration, stretches * each + 1)
-    shown = np.arange(points) * each
+    steps = max(1, int(np.ceil(instants / stretches)))
+    times = np.linspace(0, duration, stretches * steps + 1)
+    shown = np.arange(points) * steps
     scan = np.linspace(0, duration, SCANNED)
     values = envelope_at(envelope, scan)
     strong = np.flatnonzero(values >= STRONG_SHARE * values.max())

@@ -140,11 +140,11 @@ def _connected(system: Assembly, members: Array, samples: Sequence[Assembly] = (
 
     systems = [whole, *(system.sticks[number].system for number in members)]
     element = system.of_watched[watched][:, None] == coordinates
-    each = [shown(elements_of(sample, members)[0]) for sample in samples]
+    sampled = [shown(elements_of(sample, members)[0]) for sample in samples]
     return SteppedGroup(
-        SteppedStructures(shown(elements), law, each, element.astype(float)),
+        SteppedStructures(shown(elements), law, sampled, element.astype(float)),
         watched,
-        shortest=min(shortest_mode(each, of_displacements=True) for each in systems),
+        shortest=min(shortest_mode(part, of_displacements=True) for part in systems),
         slowest=whole.slowest_decay,
         period=float(modes_of(whole)[0].max()),
     )
@@ -157,8 +157,10 @@ def numbers_of(first: Array, members: Array) -> Array:
 
 def _watched(system: Assembly, members: Array) -> Array:
     """Numbers of displacements of the structures ``members``: their floors and yielding modes."""
-    own = np.isin(system.yielding_modes, numbers_of(system.first_coordinate, members))
-    return np.append(numbers_of(system.first, members), int(system.first[-1]) + np.flatnonzero(own))
+    modes = np.isin(system.yielding_modes, numbers_of(system.first_coordinate, members))
+    return np.append(
+        numbers_of(system.first, members), int(system.first[-1]) + np.flatnonzero(modes)
+    )
 
 
 def elements_of(system: Assembly, members: Array, all_states: bool = False) -> tuple[Elements, Any]:
@@ -183,24 +185,24 @@ def elements_of(system: Assembly, members: Array, all_states: bool = False) -> t
         depends = np.isfinite(stick.system.strength) if all_states else stick.system.couple > 0
         kinds.extend(stick.law.step() if by_law else LINEAR for by_law in depends)
     force = np.transpose(storeys).tolist()
-    own = [row for stick in sticks for row in stick.law_parameters]
+    parameters = [row for stick in sticks for row in stick.law_parameters]
     for along, placed in zip(drifts[n:], placed_links, strict=True):
         *spring, constant, _ = placed.link.numbers
         force.append(spring)
         if not placed.link.is_power_law:
             damping += constant * np.outer(along, along)
         kinds.append(BILINEAR if placed.link.yields else LINEAR)
-        own.append(np.empty(0))
+        parameters.append(np.empty(0))
     for along, placed in zip(drifts[n:], placed_links, strict=True):
         if placed.link.is_power_law:
             drifts = np.vstack([drifts, along])
             force.append([0.0, 0.0, np.inf])
             kinds.append(VISCOUS)
-            own.append(np.array(placed.link.numbers[3:]))
-    widest = max(row.size for row in own)
+            parameters.append(np.array(placed.link.numbers[3:]))
+    widest = max(row.size for row in parameters)
     post, couple, strength = np.array(force, float).T.copy()
     whole = System(mass, damping, np.ascontiguousarray(drifts), shapes, post, couple, strength)
-    rows = [np.pad(row, (0, widest - row.size), constant_values=np.nan) for row in own]
+    rows = [np.pad(row, (0, widest - row.size), constant_values=np.nan) for row in parameters]
     numbers, states, law = laws_of(kinds)
     return Elements(whole, numbers, states, np.array(rows)), law
 

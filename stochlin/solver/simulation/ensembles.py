@@ -125,13 +125,15 @@ def prepare(
         scale[group.watched], period[group.watched] = group.scale, group.period
     soil = ground.lone_filter()
     rates = -np.linalg.eigvals(soil.arrays.matrix).real if soil.states else np.array([np.inf])
-    soils = [each.lone_filter() for each in grounds] or [soil]
-    periods = [float(2 * np.pi / np.float64(each.fastest)) for each in soils if each.states]
+    soils = [sampled.lone_filter() for sampled in grounds] or [soil]
+    periods = [
+        float(2 * np.pi / np.float64(sampled.fastest)) for sampled in soils if sampled.states
+    ]
     periods += [group.shortest for group in groups]
     memory = max(float((1 / rates).max()), *(group.slowest for group in groups))
     dt = step or min(periods) / steps_per_period
     every = max(1, steps_per_period // SAMPLES_PER_PERIOD)
-    steps, roots = zip(*(ground_steps(each, dt) for each in soils), strict=True)
+    steps, roots = zip(*(ground_steps(sampled, dt) for sampled in soils), strict=True)
     plan = Plan(dt, every, 0, 0, groups=int(np.ceil(paths / LANES)), seed=seed, scatter=scatter)
     soil_steps = UncertainGround(steps, roots) if grounds else steps[0]
     ensemble = Ensemble([group.part for group in groups], soil_steps, roots[0], plan)

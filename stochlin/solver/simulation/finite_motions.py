@@ -185,7 +185,7 @@ def _ended(
     peaks = {"force": extremes.force, "stroke": extremes.stroke, "energy": extremes.energy}
     falls = fallen.any(axis=1, keepdims=True)
     links = {
-        name: np.where(falls, np.inf, each) for name, each in peaks.items() if system.placed_links
+        name: np.where(falls, np.inf, peak) for name, peak in peaks.items() if system.placed_links
     }
     ends_at = moving.run.watched(extremes.last)
     plastic = moving.run.watched(extremes.plastic)

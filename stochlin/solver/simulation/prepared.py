@@ -74,8 +74,10 @@ class PreparedStructures:
         usual = median_of(ground)
         described = list(by_role.values())
         checked_structures(described, usual)
-        check_duration(motion.duration, {role: median_of(each) for role, each in by_role.items()})
-        in_metres = [applied(partial(strength_in_metres, ground=usual), each) for each in described]
+        check_duration(motion.duration, {role: median_of(model) for role, model in by_role.items()})
+        in_metres = [
+            applied(partial(strength_in_metres, ground=usual), model) for model in described
+        ]
         medians = tuple(map(median_of, in_metres))
         moving = in_finite_motions(medians, usual, paths=paths or LANES)
         functions = sum(map(len, moving.functions.values()))

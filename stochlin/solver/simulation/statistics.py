@@ -86,11 +86,11 @@ def exceedance(samples: xr.DataArray, gap: float | xr.DataArray) -> xr.Dataset:
     check_names((*samples.dims, *samples.coords, *gaps.dims, *gaps.coords), columns)
     check_names({*gaps.coords} - {*gaps.dims}, (PATH,))
     table = pounding_shares(samples, gaps)
-    known = table.probability.notnull()
-    if not known.ndim and not known:
+    complete = table.probability.notnull()
+    if not complete.ndim and not complete:
         what = "nan is among the samples, or the gaps, of the only cell"
         raise ValueError(f"samples: {what}; allowed: numbers of metres, which may be infinite")
-    return labels.label(table.assign(status=labels.status_where(known)))
+    return labels.label(table.assign(status=labels.status_where(complete)))
 
 
 def pounding_shares(samples: xr.DataArray, gap: float | xr.DataArray) -> xr.Dataset:
@@ -196,12 +196,12 @@ def quantile_intervals(samples: Array, levels: Array) -> tuple[Array, Array, Arr
     """
     ordered = np.sort(samples, axis=0)  # with NaN at the end
     n = len(ordered)
-    each = (-1,) + (1,) * (samples.ndim - 1)
+    along_samples = (-1,) + (1,) * (samples.ndim - 1)
     low = np.ceil(bdtrik(TAIL, n, levels)).astype(int) - 1
     high = np.ceil(bdtrik(1 - TAIL, n, levels)).astype(int)
     estimate = quantiles_of(samples, levels)
-    lower = np.where((low >= 0).reshape(each), ordered[np.maximum(low, 0)], 0.0)
-    upper = np.where((high < n).reshape(each), ordered[np.minimum(high, n - 1)], np.inf)
+    lower = np.where((low >= 0).reshape(along_samples), ordered[np.maximum(low, 0)], 0.0)
+    upper = np.where((high < n).reshape(along_samples), ordered[np.minimum(high, n - 1)], np.inf)
     unknown = np.isnan(ordered[-1])
     return estimate, np.where(unknown, np.nan, lower), np.where(unknown, np.nan, upper)
 

@@ -141,8 +141,8 @@ class StructuresInMotion(NamedTuple):
     @property
     def places(self) -> list[tuple[int, float]]:
         """Structures, each with heights [m] at which it could meet another; none of oscillators."""
-        known = [pair for pair in pairs_of(self.system) if not np.isnan(pair.height)]
-        return sorted({(n, pair.height) for pair in known for n in (pair.first, pair.second)})
+        pairs = [pair for pair in pairs_of(self.system) if not np.isnan(pair.height)]
+        return sorted({(n, pair.height) for pair in pairs for n in (pair.first, pair.second)})
 
     @property
     def heights(self) -> Array:
@@ -187,7 +187,9 @@ class StructuresInMotion(NamedTuple):
         """Variable ``input_factor`` of a dataset with all samples."""
         if not self.factors:
             return {}
-        columns = {f"{m}.{name}": c for m, own in self.factors.items() for name, c in own.items()}
+        columns = {
+            f"{m}.{name}": c for m, of_model in self.factors.items() for name, c in of_model.items()
+        }
         values = np.stack(list(columns.values()), axis=1)
         inputs = (INPUT, list(columns), {"long_name": "uncertain parameter"})
         return {"input_factor": xr.DataArray(values, dims=(PATH, INPUT), coords={INPUT: inputs})}
@@ -201,7 +203,7 @@ def checked_structures(
         raise TypeError(f"structures = {brief(structures)}; allowed: a list of structures")
     if not structures:
         raise ValueError("structures is empty; allowed: at least one")
-    roles = {f"structures[{number}]": median_of(each) for number, each in enumerate(structures)}
+    roles = {f"structures[{number}]": median_of(model) for number, model in enumerate(structures)}
     for role, structure in roles.items():
         expect(structure, AnyStructure, role)
         check_scalars(structure, role, SCALARS_ONLY)
@@ -234,7 +236,7 @@ def structures_in_motion(
         raise ValueError(f"{what}; give a duration, or the median()")
     *medians, usual = map(median_of, models.values())
     links = check_links("link", link, len(medians))
-    system = assembly_of([strength_in_metres(each, usual) for each in medians], links)
+    system = assembly_of([strength_in_metres(median, usual) for median in medians], links)
     drift_times = np.zeros(len(system.watched))
     limits = system.limits
     if stationary:
@@ -243,7 +245,8 @@ def structures_in_motion(
             stick.law.check_stationary(f"structures, number {n}")
         drift_times = _drift_times(medians, usual, system, links)
     samples = {
-        role: made.get(role) or _samples(models[role], own, usual) for role, own in factors.items()
+        role: made.get(role) or _samples(models[role], of_role, usual)
+        for role, of_role in factors.items()
     }
     rows: list[Any] = []  # structures of each motion
     assemblies = [system]
@@ -252,7 +255,7 @@ def structures_in_motion(
         columns = [samples.get(role, [stick] * whole_groups(paths)) for role, stick in named]
         rows = [*zip(*columns, strict=True)]
         assemblies = [system._replace(sticks=row) for row in rows]
-        limits = np.array([each.limits for each in assemblies])
+        limits = np.array([assembly.limits for assembly in assemblies])
     groups = connected_groups(system, rows) if samples else stepped_groups(system)
     options |= {"drift_times": drift_times, "grounds": samples.get(GROUND, [])}
     run = prepare(groups, usual, paths=paths, seed=seed, **options)
@@ -283,7 +286,8 @@ def _factors(models: Mapping[str, Any], motions: int, seed: int) -> dict[str, di
     random = np.random.default_rng([seed, STREAM])
     return {
         role: {
-            name: own.factor(_stratified(random, motions)) for name, own in model.uncertain.items()
+            name: parameter.factor(_stratified(random, motions))
+            for name, parameter in model.uncertain.items()
         }
         for role, model in models.items()
         if isinstance(model, UncertainModel)
@@ -298,10 +302,10 @@ def _samples(model: UncertainModel, factors: Mapping[str, Array], ground: Ground
         along = {name: xr.DataArray(column, dims=PATH) for name, column in factors.items()}
         return stick_models_of(strength_in_metres(model.at(along), ground), PATH, motions)
     rows = zip(*factors.values(), strict=True)
-    each = (model.at(dict(zip(factors, map(float, row), strict=True))) for row in rows)
+    sampled = (model.at(dict(zip(factors, map(float, row), strict=True))) for row in rows)
     if isinstance(median, Ground):
-        return [*each]
-    return [stick_model_of(strength_in_metres(sample, ground)) for sample in each]
+        return [*sampled]
+    return [stick_model_of(strength_in_metres(sample, ground)) for sample in sampled]
 
 
 def _stratified(random: np.random.Generator, count: int) -> Array:

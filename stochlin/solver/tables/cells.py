@@ -42,7 +42,7 @@ def over_cells(
     """
     if not arrays_of(models):
         return function(**models, **beside)
-    known = None  # of a lazy table the result for the first valid cell
+    pattern = None  # of a lazy table the result for the first valid cell
     if is_lazy(models):
         good = _good(models, usable)
         places = np.argwhere(good.to_numpy())
@@ -50,8 +50,8 @@ def over_cells(
             raise ValueError(NONE_VALID)
         place = dict(zip(good.dims, places[0].tolist(), strict=True))
         cell = {role: computed(model.isel(place)) for role, model in models.items()}
-        known = function(**cell, **beside)
-    one_by_one = partial(_one_by_one, function, beside, known)
+        pattern = function(**cell, **beside)
+    one_by_one = partial(_one_by_one, function, beside, pattern)
     table = in_blocks(one_by_one, models, xr.Dataset({USABLE: usable}))
     return table.assign_attrs({role: model.describe() for role, model in models.items()})
 
@@ -86,8 +86,8 @@ class Flat(NamedTuple):
 
     def places(self, table: xr.DataArray) -> Array:
         """Numbers of the valid cells, -1 for others, with the dimensions of a larger table."""
-        own = xr.Variable(self.shape.dims, self.whole(np.arange(self.where.size), -1))
-        return own.set_dims(table.dims).values  # type: ignore[no-untyped-call]
+        numbers = xr.Variable(self.shape.dims, self.whole(np.arange(self.where.size), -1))
+        return numbers.set_dims(table.dims).values  # type: ignore[no-untyped-call]
 
     def table(self, values: Array, dims: Sequence[str] = (), blank: float = np.nan) -> xr.Variable:
         """Values (c, ...) of the valid cells over the dimensions of the cells and ``dims``."""
@@ -134,12 +134,12 @@ def over_all(*arrays: xr.DataArray) -> xr.DataArray:
 def _one_by_one(
     function: OfCell,
     beside: Mapping[str, Model],
-    known: xr.Dataset | None,
+    pattern: xr.Dataset | None,
     /,
     more: xr.Dataset,
     **models: Any,
 ) -> xr.Dataset:
-    """Table of all cells; ``known`` is a result, the pattern for invalid cells."""
+    """Table of all cells; ``pattern`` is a result, the pattern for invalid cells."""
     shape = xr.broadcast(*arrays_of(models).values())[0]
     good = _good(models, more[USABLE])
     done: list[xr.Dataset | ArithmeticError | None] = []
@@ -152,12 +152,12 @@ def _one_by_one(
             else {}
         )
         done.append(_of_cell(function, cell) if valid else None)
-        if known is None and isinstance(done[-1], xr.Dataset):
-            known = done[-1]
-            check_names((*shape.dims, *shape.coords), {*known.variables, *known.dims})
-    if known is None:
+        if pattern is None and isinstance(done[-1], xr.Dataset):
+            pattern = done[-1]
+            check_names((*shape.dims, *shape.coords), {*pattern.variables, *pattern.dims})
+    if pattern is None:
         raise next(filter(None, done), ValueError(NONE_VALID))  # type: ignore[misc]
-    tables = [table if isinstance(table, xr.Dataset) else _blank(known, table) for table in done]
+    tables = [table if isinstance(table, xr.Dataset) else _blank(pattern, table) for table in done]
     index = pd.MultiIndex.from_product(
         [range(n) for n in shape.shape], names=list(map(str, shape.dims))
     )

@@ -27,10 +27,10 @@ _OF_SIGMA = (
     "linearized displacements are 15 to 51 % too small at α ≤ 0.05 on white noise, and up to 30 "
     "times too small for structures much stiffer than a narrow-band ground"
 )
-CAUTION_RHO, CAUTION_SIGMA, CAUTION_PAIR = (
-    f"Caution: compared with nonlinear simulation, {text}; see 'stochlin charts'."
-    for text in (_OF_RHO, _OF_SIGMA, f"{_OF_RHO}; {_OF_SIGMA}")
-)
+_COMPARED = "Caution: compared with nonlinear simulation, {}; see 'stochlin charts'."
+CAUTION_RHO = _COMPARED.format(_OF_RHO)
+CAUTION_SIGMA = _COMPARED.format(_OF_SIGMA)
+CAUTION_PAIR = _COMPARED.format(f"{_OF_RHO}; {_OF_SIGMA}")
 CAUTION_CROSSINGS = (
     "Compared with simulation of 200 random elastic pairs, the confidence by formula is off by "
     "-0.24 to +0.06 in 95 % of the cases, at most by -0.49 and +0.09."
@@ -136,11 +136,11 @@ def named_models(
     structures: Iterable[Any], ground: Any = None, links: Iterable[Any] = ()
 ) -> dict[str, Any]:
     """Structures, ground and links by their names in attributes, without those that are None."""
-    named = {f"structure_{n}": each for n, each in enumerate(structures, start=1)} | {
+    named = {f"structure_{n}": model for n, model in enumerate(structures, start=1)} | {
         "ground": ground
     }
-    named |= {f"link_{n}": each for n, each in enumerate(links, start=1)}
-    return {name: each for name, each in named.items() if each is not None}
+    named |= {f"link_{n}": model for n, model in enumerate(links, start=1)}
+    return {name: model for name, model in named.items() if model is not None}
 
 
 def of_scatter(scatter: float) -> dict[str, float]:

@@ -137,9 +137,9 @@ def in_blocks(
     return xr.map_blocks(_of_block, whole, kwargs=options, template=template)[list(like.data_vars)]
 
 
-def check_names(names: Iterable[Hashable], own: Iterable[Hashable]) -> None:
+def check_names(names: Iterable[Hashable], taken: Iterable[Hashable]) -> None:
     """Raise a ValueError if a dimension or coordinate is named as what the result itself has."""
-    for name in {*own}.intersection(names):
+    for name in {*taken}.intersection(names):
         raise ValueError(
             f"a dimension is named {name!r}, as a part of the result; give it another name"
         )

@@ -26,16 +26,17 @@ class SpringLaw(NamedTuple):
 
     def at_means(self, means: Array) -> SpringLaw:
         """The law in which its further states have these means (states or more, c, m)."""
-        own = means[: self.states, :, self.springs]
-        return self._replace(parameters=np.concatenate([self.parameters, own]))
+        of_springs = means[: self.states, :, self.springs]
+        return self._replace(parameters=np.concatenate([self.parameters, of_springs]))
 
     def evaluated(self, function: Function, moments: Array) -> Array:
         """Results (r, c, i) of a function of moments and parameters, for moments (3, c, m)."""
-        own = moments[..., self.springs]
+        of_springs = moments[..., self.springs]
         flat = function(
-            own.reshape(3, -1), self.parameters.reshape(len(self.parameters), own[0].size)
+            of_springs.reshape(3, -1),
+            self.parameters.reshape(len(self.parameters), of_springs[0].size),
         )
-        return flat.reshape(-1, *own.shape[1:])
+        return flat.reshape(-1, *of_springs.shape[1:])
 
 
 def coefficients_of(laws: Sequence[SpringLaw], moments: Array) -> Array:
@@ -45,8 +46,8 @@ def coefficients_of(laws: Sequence[SpringLaw], moments: Array) -> Array:
     """
     coefficients = np.empty((2, *moments.shape[1:]))
     for law in laws:
-        own = law.evaluated(lambda *cells: law.closure(*cells).coefficients, moments)  # noqa: B023
-        coefficients[..., law.springs] = own
+        of_law = law.evaluated(lambda *cells: law.closure(*cells).coefficients, moments)  # noqa: B023
+        coefficients[..., law.springs] = of_law
     return coefficients
 
 
@@ -70,9 +71,9 @@ class Springs(NamedTuple):
     @property
     def frequency(self) -> Array:
         """Frequencies (c, m) [rad/s] of the springs that yield, with the masses at their ends."""
-        own = self.system.extensions[self.yielding]
+        extensions = self.system.extensions[self.yielding]
         square: Array = self.system.elastic[:, self.yielding] * (
-            (1 / self.system.mass) @ (own**2).T
+            (1 / self.system.mass) @ (extensions**2).T
         )
         return np.sqrt(square)
 

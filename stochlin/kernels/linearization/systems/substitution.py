@@ -133,8 +133,10 @@ def largest_change(
     std = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
     std = np.where(std == 0, 1.0, std)
     moved = np.abs(covariance - old_covariance) / (std[:, :, None] * std[:, None])
-    slip, relaxation, dashpots = (np.abs(new - last) for new, last in zip(linear, old, strict=True))
+    slip = np.abs(linear.slip - old.slip)
+    relaxation = np.abs(linear.relaxation - old.relaxation)
     relaxation = relaxation / (np.abs(linear.relaxation) + problem.frequency)
+    dashpots = np.abs(linear.dashpots - old.dashpots)
     dashpots = np.where(dashpots == 0, 0.0, dashpots / np.abs(old.dashpots))[:, problem.power]
     parts = np.concatenate([slip, relaxation, dashpots], axis=1)
     return np.stack([moved.max(axis=(1, 2)), parts.max(axis=1, initial=0.0)])

@@ -17,8 +17,8 @@ from stochlin.models.rules.codes import CODE_RULES, CodeNumber, CodeRule, Site
 
 def china(site: Site) -> Any:
     """100 mm, and 20 mm for each step of the lower building above 15 m."""
-    known = site.height_1 is not None and site.height_2 is not None
-    beyond = np.maximum(site.lower_height - 15.0, 0.0) if known else 0.0
+    both = site.height_1 is not None and site.height_2 is not None
+    beyond = np.maximum(site.lower_height - 15.0, 0.0) if both else 0.0
     return site.over_peaks(0.1 + 0.02 * beyond / site.number)
 
 

@@ -32,8 +32,8 @@ def _check_formula(rule: CodeRule) -> None:
         for pair in (site, replace(site, same_property=True)):
             float(tried.gap_of_displaced(pair))
     except (TypeError, AttributeError) as error:
-        known = ", ".join(["both peaks", *rule.needs, *(["its number"] if rule.number else [])])
-        what = f"{rule.name}: the formula fails with {known} alone"
+        taken = ", ".join(["both peaks", *rule.needs, *(["its number"] if rule.number else [])])
+        what = f"{rule.name}: the formula fails with {taken} alone"
         raise ValueError(
             f"{what}; name what else it takes in needs, or by a number: {error}"
         ) from error
@@ -137,8 +137,8 @@ class Site(Model):
 
     def beside_line(self) -> Site:
         """Building 1 beside a building of the same height that does not move."""
-        still = {"peak_2": 0 * self.peak_1, "height_2": self.height_1}
-        return self.with_arrays(still | dict.fromkeys(BOTH, False))
+        unmoved = {"peak_2": 0 * self.peak_1, "height_2": self.height_1}
+        return self.with_arrays(unmoved | dict.fromkeys(BOTH, False))
 
     def if_aligned(self, factor: float) -> float:
         """The factor if the floors align, else 1."""
@@ -212,8 +212,8 @@ class CodeRule(Published):
         for what, (names, allowed) in words.items():
             for name in names:
                 if name not in allowed:
-                    known = ", ".join(map(repr, allowed))
-                    raise ValueError(f"{self.name}: {what} = {brief(name)}; allowed: {known}")
+                    accepted = ", ".join(map(repr, allowed))
+                    raise ValueError(f"{self.name}: {what} = {brief(name)}; allowed: {accepted}")
         for factor in (self.multiplies, BEHAVIOUR) if self.multiplies else ():
             if factor not in self.called:
                 what = f"called has no {factor!r}, which the rule multiplies or divides by"
@@ -242,16 +242,16 @@ class CodeRule(Published):
         if not (site.of_design and self.multiplies):
             return site
         both = [site] if site.alone else [site, site.mirrored()]
-        factors = [getattr(each, f"{self.multiplies}_1") for each in both]
+        factors = [getattr(building, f"{self.multiplies}_1") for building in both]
         if self.larger_factor and not (site.alone or site.floors_align):
             factors = [np.maximum(*factors)] * 2
         peaks = {}
-        for n, (each, factor) in enumerate(zip(both, factors, strict=True), start=1):
+        for n, (building, factor) in enumerate(zip(both, factors, strict=True), start=1):
             # A code that divides displacements by the importance factor has multiplied the forces
             # by it.
-            importance = each.importance if self.over_importance and not site.elastic else 1.0
-            behaviour = each.behaviour_1 if site.elastic else 1.0
-            peaks[f"peak_{n}"] = self.share * factor * each.peak_1 / behaviour / importance
+            importance = building.importance if self.over_importance and not site.elastic else 1.0
+            behaviour = building.behaviour_1 if site.elastic else 1.0
+            peaks[f"peak_{n}"] = self.share * factor * building.peak_1 / behaviour / importance
         return site.with_arrays(peaks)
 
     def gap(self, peak_1: Any, peak_2: Any, *more: Any, **others: Any) -> Any:
@@ -375,9 +375,9 @@ def code_rule(name: str, value: float | None = None) -> CodeRule:
     if value is None:
         return rule
     if rule.number is None:
-        known = ", ".join(name for name, each in CODE_RULES.items() if each.number)
+        names = ", ".join(name for name, other in CODE_RULES.items() if other.number)
         raise ValueError(
-            f"value = {brief(value)} is given to {rule.name}; allowed for {known} only"
+            f"value = {brief(value)} is given to {rule.name}; allowed for {names} only"
         )
     if not (is_number(value) and 0 < value < np.inf):
         what = f"{rule.name}: {rule.number.name} = {brief(value)}"

@@ -56,13 +56,11 @@ def problem_of(models: Mapping[str, Any], *, in_time: bool = False) -> tuple[Ass
     rows = [[np.broadcast_to(value, cells) for value in link] for link in links]
     columns = np.array(rows).reshape(len(rows), 5, cells).transpose(1, 2, 0)
     mass, damping, _, floors, *storeys = system.storeys.over_cells(cells)
-    post, couple, strength = (
-        np.concatenate(both, axis=1) for both in zip(storeys, columns[:3], strict=True)
-    )
-    springs = System(mass, damping, system.extensions, floors, post, couple, strength)
+    elements = [np.concatenate(both, axis=1) for both in zip(storeys, columns[:3], strict=True)]
+    springs = System(mass, damping, system.extensions, floors, *elements)
     soil = ground.filter({name: np.broadcast_to(value, cells) for name, value in values.items()})
     # A strength that could not be computed is NaN.
-    yielding = np.flatnonzero(~np.isposinf(strength).all(axis=0))
+    yielding = np.flatnonzero(~np.isposinf(springs.strength).all(axis=0))
     dashpots, exponents = columns[3:]
     power = np.flatnonzero(((exponents != 1) & (dashpots > 0)).any(axis=0))
     laws = _laws_of(system, cells, yielding.size, in_time)
@@ -246,8 +244,8 @@ def _of_elements(name: str, values: Sequence[float], elements: Sequence[str]) ->
 
 def in_elements(system: Assembly, values: Array, elastic: float, unknown: float) -> Array:
     """Values (c, s) of the springs for the elements of results; see `Assembly.of_elements`."""
-    own = system.of_elements(values, elastic, unknown)
-    return np.concatenate([own, values[:, system.yielding_links]], axis=1)
+    of_elements = system.of_elements(values, elastic, unknown)
+    return np.concatenate([of_elements, values[:, system.yielding_links]], axis=1)
 
 
 @checked

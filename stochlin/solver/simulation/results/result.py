@@ -49,7 +49,10 @@ class EndedMotions:
         It is NaN for storeys of a building whose modes yield, which have no law of their own.
         """
         systems = self.moving.assemblies
-        ratios = [each.storeys.post / (each.storeys.post + each.storeys.couple) for each in systems]
+        ratios = [
+            system.storeys.post / (system.storeys.post + system.storeys.couple)
+            for system in systems
+        ]
         return np.array(
             [s.of_elements(r, 1.0, np.nan) for s, r in zip(systems, ratios, strict=True)]
         )
@@ -111,7 +114,7 @@ def register_result(
 
 def descriptions() -> Mapping[str, tuple[str, str]]:
     """Units and long names of the results that declare them."""
-    return {name: each.described for name, each in RESULTS.items() if each.described}
+    return {name: result.described for name, result in RESULTS.items() if result.described}
 
 
 def columns_of(motions: EndedMotions) -> dict[str, Column]:
