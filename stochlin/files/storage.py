@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 CSV = ".csv"  # a row for each cell
-FORMATS = (".nc", CSV)
+TABLE_FORMATS = (".nc", CSV)
 
 
 def written_file(path: str | os.PathLike[str]) -> Path:
@@ -73,9 +73,9 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
 def save_table(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
     """Save a dataset as ``.nc`` (netCDF), or as ``.csv`` (a row for each cell, no attributes)."""
     suffix = Path(path).suffix.lower()
-    if suffix not in FORMATS:
+    if suffix not in TABLE_FORMATS:
         raise ValueError(
-            f"{brief(str(path))} ends in {brief(suffix)}; allowed: {' or '.join(FORMATS)}"
+            f"{brief(str(path))} ends in {brief(suffix)}; allowed: {' or '.join(TABLE_FORMATS)}"
         )
     with whole_file(path) as temporary:
         if suffix == ".nc":

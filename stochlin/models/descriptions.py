@@ -15,7 +15,7 @@ from stochlin.messages import brief
 
 LARGE = {"kg": ("t", 1e-3), "N/m": ("MN/m", 1e-6), "N s/m": ("MN s/m", 1e-6)}
 SHORT_LENGTH = 0.5  # m: lengths below, such as drifts, are shown in cm
-NAMES_OF_ROLES = {"first": "building 1", "second": "building 2", "envelope_model": "envelope"}
+NAMES_OF_ARGUMENTS = {"first": "building 1", "second": "building 2", "envelope_model": "envelope"}
 ROLES = ("first", "second", "ground", "envelope", "envelope_model", "contact", "gap", "record")
 # Numbers with decimals, and not within a name.
 DECIMALS = re.compile(r"(?<![\w.])\d+\.\d+(?:e[+-]?\d+)?(?![\w.])")
@@ -65,7 +65,7 @@ def stated(name: str, value: Any, units: str | None) -> str:
 def roles_in_words(attrs: Mapping[Any, Any], *roles: str) -> list[str]:
     """A line for each of these roles that a dataset's attributes describe; all if none is named."""
     return [
-        f"{NAMES_OF_ROLES.get(r, r)}: {three_digits(attrs[r].removeprefix(f'{r} '))}"
+        f"{NAMES_OF_ARGUMENTS.get(r, r)}: {three_digits(attrs[r].removeprefix(f'{r} '))}"
         for r in roles or ROLES
         if r in attrs
     ]

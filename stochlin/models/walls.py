@@ -12,8 +12,8 @@ from stochlin.messages import brief
 from stochlin.models.arguments import as_numbers, check_fields
 from stochlin.models.parameters import Model
 
-GROUND: Final = "ground"
-SPACE: Final = "space"
+TO_GROUND: Final = "ground"
+IN_SPACE: Final = "space"
 ALLOWED_LEVELS = "levels above the ground, 0 < level, finite, in metres, each once"
 
 
@@ -52,7 +52,7 @@ class Wall(Model):
     'Wall (fixed in space, levels 1.75 m)'
     """
 
-    fixed: Literal["ground", "space"] = GROUND
+    fixed: Literal["ground", "space"] = TO_GROUND
     levels: Sequence[float] | None = None
 
     def __post_init__(self) -> None:
@@ -68,7 +68,7 @@ class Wall(Model):
 
     def further(self) -> list[str]:
         """What the wall moves with, and its levels."""
-        place = "fixed to the ground" if self.fixed == GROUND else "fixed in space"
+        place = "fixed to the ground" if self.fixed == TO_GROUND else "fixed in space"
         if self.levels is None:
             return [place]
         return [place, f"levels {', '.join(f'{level:g}' for level in self.levels)} m"]

@@ -22,7 +22,7 @@ from stochlin.kernels.basics.parallel import Progress
 from stochlin.messages import brief
 from stochlin.models.arguments import Whole, checked
 from stochlin.models.systems import assembly_of
-from stochlin.models.walls import SPACE
+from stochlin.models.walls import IN_SPACE
 from stochlin.solver.linearization.strength import strength_in_metres
 from stochlin.solver.simulation.ground_motions import simulated_motions
 from stochlin.solver.simulation.simulation import time_step
@@ -213,7 +213,7 @@ def displacement_beside(table: xr.Dataset, side: str) -> xr.DataArray:
     if "wall" in table.coords:
         moved = table.wall_displacement if "wall_displacement" in table else 0.0
         beside = beside.where(
-            building > 0, moved * (table.wall.drop_vars(table.wall.coords) == SPACE)
+            building > 0, moved * (table.wall.drop_vars(table.wall.coords) == IN_SPACE)
         )
     of_floors = ["structure", "floor", "building", "storeys", "floor_level"]
     return beside.drop_vars(of_floors, errors="ignore")

@@ -13,9 +13,10 @@ from stochlin.applications.pounding.rows import CONTACT_SIDES, ContactPlace, Pre
 from stochlin.kernels.basics.arrays import Array, row_products
 from stochlin.kernels.pounding.run import RowResponse
 from stochlin.kernels.records.runs import SampledMotion
+from stochlin.models.buildings.base import FLOOR
 from stochlin.models.links import Link
 from stochlin.solver.simulation.structures_in_motion import STRUCTURE
-from stochlin.solver.tables.labels import FLOOR, LINK, link_coordinates
+from stochlin.solver.tables.labels import LINK, link_coordinates
 
 CONTACT = "contact"
 OF_ROW = ""  # in place of a dimension, for a number of the row of buildings

@@ -29,7 +29,7 @@ from stochlin.models.systems import (
     shares_at,
     slabs_on_columns,
 )
-from stochlin.models.walls import SPACE, Wall
+from stochlin.models.walls import IN_SPACE, Wall
 from stochlin.solver.simulation.connected_structures import modes_of, row_of
 from stochlin.solver.tables.checks import check_scalars
 
@@ -222,7 +222,7 @@ def build_row(
     reduced = 1.0 / ((left + right) ** 2 @ (1.0 / mass))
     before = int(CONTACT_SIDES[0] in neighbours.walls)  # gaps before the first building
     space = np.array([gaps[place.building + before] for place in places], float)
-    in_space = any(wall.fixed == SPACE for wall in neighbours.walls.values())
+    in_space = any(wall.fixed == IN_SPACE for wall in neighbours.walls.values())
     if in_space:
         left = np.column_stack([left, _of_wall(places, CONTACT_SIDES[0])])
         right = np.column_stack([right, _of_wall(places, CONTACT_SIDES[1])])
@@ -246,7 +246,7 @@ def build_row(
 def _of_wall(places: Sequence[ContactPlace], side: str) -> Array:
     """Weights (c,) of the displacement of walls fixed in space, on one side of contacts."""
     weight = 1.0 if side == CONTACT_SIDES[0] else -1.0
-    in_space = [place.wall == side and place.fixed == SPACE for place in places]
+    in_space = [place.wall == side and place.fixed == IN_SPACE for place in places]
     return np.where(in_space, weight, 0.0)
 
 

@@ -36,7 +36,7 @@ from stochlin.solver.linearization.transient_systems import (
     course_of,
     over_time,
 )
-from stochlin.solver.simulation.prepared import MOST, FiniteMotion, PreparedStructures
+from stochlin.solver.simulation.prepared import MOST_MOTIONS, FiniteMotion, PreparedStructures
 from stochlin.solver.simulation.statistics import keeping_apart, pair_separation, quantile_interval
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.cells import over_cells
@@ -220,7 +220,7 @@ def pounding_probability(
     course = course_of(envelope, seconds, min(float(period.min()) for period in periods), points)
     motion = FiniteMotion(seconds, envelope, scatter, seed)
     # All cells of a table have the same number of motions.
-    count = paths or (MOST if arrays_of(models) else None)
+    count = paths or (MOST_MOTIONS if arrays_of(models) else None)
 
     def of_cell(first: Any, second: Any, ground: Any, distance: Gap) -> xr.Dataset:
         """All results of one pair, whose gap may be an array."""

@@ -19,7 +19,7 @@ from stochlin.applications.records.stepped import stepped_history
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.records import oscillator as recorded
-from stochlin.kernels.records.oscillator import INPUT
+from stochlin.kernels.records.oscillator import INPUT_ENERGY
 from stochlin.kernels.records.oscillator import STATE as STATE_SIZE
 from stochlin.kernels.records.runs import peaks_on_records, response
 from stochlin.models.arguments import Whole, checked
@@ -334,7 +334,7 @@ def _exact_history(
     if isinstance(start, Start):
         [u], [v] = start_values(assembly_of([structure]), start)
         first[:3] = u, v, u
-        first[INPUT] = 0.5 * (v**2 + (parameters[0] * u) ** 2)
+        first[INPUT_ENERGY] = 0.5 * (v**2 + (parameters[0] * u) ** 2)
     elif start is not None:
         first = checked_end_state(start, STATE_SIZE)
     states = response(motions.grounds[0], parameters, refine, first)

@@ -16,6 +16,7 @@ from stochlin.kernels.pounding.run import BuildingRow, GroundMotions, StepCounts
 from stochlin.kernels.records.runs import SampledMotion
 from stochlin.kernels.simulation.contacts import Contacts
 from stochlin.messages import DoubtfulInput
+from stochlin.models.buildings.base import FLOOR
 from stochlin.models.start import Start
 from stochlin.models.structures import AnyStructure
 from stochlin.models.systems import Assembly, assembly_of
@@ -32,7 +33,7 @@ from stochlin.solver.simulation.start_values import (
 from stochlin.solver.simulation.structures_in_motion import apart, at_height, pairs_of
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_work
-from stochlin.solver.tables.labels import ELEMENT, FLOOR, element_coordinates, floor_coordinates
+from stochlin.solver.tables.labels import ELEMENT, element_coordinates, floor_coordinates
 
 FIRST_STEPS_PER_PERIOD = 32  # steps in the shortest period before the first halving
 # displacement over the largest at which a structure falls, where it is not followed

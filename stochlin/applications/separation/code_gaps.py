@@ -291,7 +291,7 @@ def code_gaps(
         deflection_2=deflection_2,
         elastic=modes_1 is not None,
     )
-    if not site.of_design and not {"importance_1", "importance_2"}.isdisjoint(site.known):
+    if not site.of_design and not {"importance_1", "importance_2"}.isdisjoint(site.present):
         raise ValueError("importance is given alone; give behaviour_1 or deflection_1 as well")
     inputs = inputs_in_words(site, numbers)
     correlation = None

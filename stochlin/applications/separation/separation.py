@@ -31,7 +31,7 @@ from stochlin.models.grounds import Ground, scatter_of
 from stochlin.models.rules.codes import BOTH, Site
 from stochlin.models.structures import AnyStructure
 from stochlin.models.uncertain import median_of
-from stochlin.solver.simulation.prepared import MOST, FiniteMotion, PreparedStructures
+from stochlin.solver.simulation.prepared import MOST_MOTIONS, FiniteMotion, PreparedStructures
 from stochlin.solver.simulation.statistics import (
     keeping_apart,
     mean_with_error,
@@ -227,7 +227,7 @@ def separation(
         site = of_storeys(site, list(both.values()))
 
     # All cells of a table have the same number of motions.
-    count = paths or (MOST if arrays_of({**by_role, "ground": ground}) else None)
+    count = paths or (MOST_MOTIONS if arrays_of({**by_role, "ground": ground}) else None)
     motion = FiniteMotion(duration, envelope, scatter_of(ground, scatter), seed)
 
     def of_cell(ground: Ground, **by_role: AnyStructure) -> xr.Dataset:

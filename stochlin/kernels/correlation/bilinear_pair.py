@@ -18,8 +18,8 @@ from stochlin.kernels.linearization.gaussian import gaussian
 from stochlin.kernels.linearization.grounds import Soil, forcing_of
 
 ELASTIC = 1e-18  # slip and relaxation over w below which the structure is taken as elastic
-CLOSE = 1e-10  # Newton's step at the end
-MOST = 200  # number of steps
+LAST_STEP = 1e-10  # size of Newton's step at the end
+NEWTON_STEPS = 200  # at most
 # The formulas are compiled here, so that tables of them, which are in numpy, start without numba.
 for _formula in (*covariance.FORMULAS, *grounds.FORMULAS, *balance.FORMULAS):
     called_often(_formula)
@@ -91,12 +91,12 @@ def _structure(structure, ground, oscillators, functions):
     w = 2 * math.pi / period
     soil = Soil(ground, oscillators)
     elastic = EquivalentSystem(w * w, 2 * damping * w, 0.0 * w, 0.0 * w, w)
-    own = own_covariance(elastic, forcing_of(elastic, soil))
-    v = math.log(math.sqrt(own.v_v) / uy)
-    z = min(0.0, math.log(math.sqrt(own.mu_mu) / uy))
+    response = own_covariance(elastic, forcing_of(elastic, soil))
+    v = math.log(math.sqrt(response.v_v) / uy)
+    z = min(0.0, math.log(math.sqrt(response.mu_mu) / uy))
     over_uy = Soil((ground[0] / (uy * uy), ground[1], ground[2], ground[3], ground[4]), oscillators)
     yielding = w * w, 2 * damping * w, (1 - hardening) * w * w
-    v, z, _, _, converged = settled(v, z, yielding, over_uy, functions, CLOSE, MOST)
+    v, z, _, _, converged = settled(v, z, yielding, over_uy, functions, LAST_STEP, NEWTON_STEPS)
     p: Any = math.nan
     k: Any = math.nan
     if converged:

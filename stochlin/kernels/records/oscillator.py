@@ -24,7 +24,7 @@ PEAKS = 6
 HIGHEST, DISPLACEMENT, VELOCITY, ACCELERATION, RADIUS, RHO = range(PEAKS)
 # Columns of a state: u, u', y, and the input and hysteretic energy per unit mass so far.
 STATE = 5
-INPUT = 3
+INPUT_ENERGY = 3
 HYSTERETIC = 4
 LARGEST_PHASE_STEP = 1 / 3  # largest w h [rad]; the damping 2 xi w h is then below 2/3
 TERMS = 18  # of the Taylor series; those left out are below (2/3)^14 4! / 18!, 1e-17 of the first
@@ -138,7 +138,7 @@ def _advance(o, state, side, ground, slope, peaks):
         _update(o, side, length, u, v, push - o.damping * v, ground, u + x, v1, a1, ground1, peaks)
         state[0] = u + x
         state[1] = v1
-        state[INPUT] -= ground1 * x - slope * integral  # exact, by parts
+        state[INPUT_ENERGY] -= ground1 * x - slope * integral  # exact, by parts
         if side == 0:
             state[2] = y + x if then == 0 else then * o.uy
         else:

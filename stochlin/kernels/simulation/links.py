@@ -13,8 +13,9 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.borrowed import borrowed
 from stochlin.kernels.basics.compiled import called_often, entry
 from stochlin.kernels.simulation.stepping import LANES, turned
+from stochlin.kernels.simulation.time_step import COUPLE, POST, STRENGTH
 
-POST, COUPLE, STRENGTH, CONSTANT, EXPONENT = range(5)  # columns of the parameters of a link
+CONSTANT, EXPONENT = 3, 4  # columns of the parameters of a link, after those of its spring
 
 
 @borrowed

@@ -19,7 +19,7 @@ from stochlin.kernels.basics.systems import System
 from stochlin.kernels.simulation.laws import VISCOUS
 
 # change of a slip, over the strength of the element, at which the passes of a step end
-CLOSE = 1e-8
+CLOSE_SLIP = 1e-8
 CLOSE_BY_LAW = 1e-5  # the same for laws with rates; extensions change by less than 1e-7 of theirs
 
 
@@ -228,7 +228,7 @@ class State(NamedTuple):
         )
         state.parameters[:] = np.stack([sample.parameters for sample in elements], axis=-1)
         strength = np.stack([sample.system.strength for sample in elements], axis=-1)
-        close = np.where(like.kind <= VISCOUS, CLOSE, CLOSE_BY_LAW)
+        close = np.where(like.kind <= VISCOUS, CLOSE_SLIP, CLOSE_BY_LAW)
         state.elements.tolerance[:] = close[:, None] * strength
         state.impacts.begin[:] = np.nan
         state.motions.failed[:] = np.inf

@@ -50,7 +50,7 @@ from stochlin.kernels.simulation.row_products import (
     rows_of,
     times_row,
 )
-from stochlin.kernels.simulation.state import CLOSE, Elements, State
+from stochlin.kernels.simulation.state import CLOSE_SLIP, Elements, State
 
 MOST_PASSES = 60  # largest number of passes of a step
 # the same with dashpots with an exponent, whose forces can tie many floors together
@@ -249,7 +249,8 @@ def _dashpot(couple, relief, dt, i, elements, parameters, iteration, lanes):
         force = root if slow else root * steep
         total = of_rate * rate - of_force * force
         iteration.more_slip[lane] = (total if alone > 0.0 else -total) - before
-        elements.tolerance[i, lane] = CLOSE * max(HARDLY * iteration.largest_change[lane], size)
+        least = HARDLY * iteration.largest_change[lane]
+        elements.tolerance[i, lane] = CLOSE_SLIP * max(least, size)
 
 
 def _no_slip(law, steps, state, i, lanes):
@@ -331,7 +332,7 @@ def _pass_contacts(steps, state, lanes):
                 new = solve_force(law, v0, depth, alone, g, dt)
             if new != force:
                 more = new - force
-                if g * abs(more) > CLOSE * (abs(depth) + abs(alone)):
+                if g * abs(more) > CLOSE_SLIP * (abs(depth) + abs(alone)):
                     iteration.active_next[lane] = 1.0
                 contacts.mean_force[j, lane] = new
                 for k in range(effect.shape[0]):

@@ -26,7 +26,7 @@ from stochlin.models.buildings.base import (
     numbered,
 )
 from stochlin.models.buildings.shear import SHEAR
-from stochlin.models.parameters import PERIODS, POSITIVE, Parameter, Range, parameter
+from stochlin.models.parameters import ANY_NUMBER, PERIODS, POSITIVE, Parameter, parameter
 from stochlin.models.plausible import PLAUSIBLE, implausible
 from stochlin.models.structures import DAMPING_RATIO, HARDENING, Structure
 from stochlin.models.uncertain import as_array, takes_uncertain
@@ -34,7 +34,6 @@ from stochlin.models.uncertain import as_array, takes_uncertain
 if TYPE_CHECKING:
     import sympy
 
-ANY = Range(lower=-np.inf)
 ORTHOGONAL = 0.02  # largest modal mass that two modes share, over the root of those of both
 LEAST_MASS = 1e-6  # share of the mass below which a mode does not move along the gap
 ENOUGH_MASS = 0.9  # share of the mass that codes ask of the modes together
@@ -146,14 +145,14 @@ class ModalBuilding(MultistoreyBuilding):
     one_for_all: ClassVar[tuple[str, ...]] = ("damping", "hardening", "yield_displacements")
 
     periods: Parameter = parameter("s", "period of the mode", PERIODS)
-    shapes: Parameter = parameter("1", "shape of the mode at the floor", ANY)
+    shapes: Parameter = parameter("1", "shape of the mode at the floor", ANY_NUMBER)
     masses: Parameter = parameter("kg", "mass of the floor", POSITIVE)
     heights: Parameter = parameter("m", "height of the storey", POSITIVE)
     damping: Parameter = parameter("1", "damping ratio of the mode", DAMPING_RATIO)
     hardening: Parameter | None = parameter("1", "hardening ratio of the mode", HARDENING, None)
     yield_displacements: Parameter | None = parameter("m", "yield displacement", POSITIVE, None)
     _: KW_ONLY
-    participation: Parameter | None = parameter("1", "participation factor", ANY, None)
+    participation: Parameter | None = parameter("1", "participation factor", ANY_NUMBER, None)
     modal_masses: Parameter | None = parameter("kg", "effective modal mass", POSITIVE, None)
     law: str | sympy.Expr | Mapping[str, sympy.Expr] = "bilinear"
     law_parameters: Mapping[str, Any] | None = None

@@ -11,6 +11,7 @@ import xarray as xr
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief
 from stochlin.models.arguments import Duration, Paths, Seed, checked
+from stochlin.models.buildings.base import FLOOR
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import expect
@@ -21,7 +22,7 @@ from stochlin.solver.simulation.simulation import simulate
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.cells import over_cells
 from stochlin.solver.tables.checks import check_duration
-from stochlin.solver.tables.labels import ELEMENT, FLOOR
+from stochlin.solver.tables.labels import ELEMENT
 
 Amplified = Literal["std", "peak"]
 AMPLIFIED_STD: Amplified = "std"

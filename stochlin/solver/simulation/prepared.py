@@ -27,7 +27,7 @@ from stochlin.solver.tables.checks import check_duration
 
 SHORT_SIMULATION = 0.5  # [s] of a simulation whose number of motions is open
 FEWEST_MOTIONS = 256  # motions of such a simulation
-MOST = 2048
+MOST_MOTIONS = 2048
 PRECISION = 0.1  # half of an interval over a gap
 MARGIN = 1.2  # motions over those that the precision needs
 
@@ -86,7 +86,8 @@ class PreparedStructures:
         if fewest is None:
             steps = motion.duration / moving.run.plan.dt
             of_motion = seconds_of(moving.run, steps, 2.0 * functions) / LANES
-            fewest = whole_groups(int(np.clip(SHORT_SIMULATION / of_motion, FEWEST_MOTIONS, MOST)))
+            in_short = np.clip(SHORT_SIMULATION / of_motion, FEWEST_MOTIONS, MOST_MOTIONS)
+            fewest = whole_groups(int(in_short))
         return cls(
             structures=tuple(in_metres),
             ground=ground,
@@ -95,7 +96,7 @@ class PreparedStructures:
             system=moving.system,
             motion=motion,
             fewest=fewest,
-            most=paths or MOST,
+            most=paths or MOST_MOTIONS,
         )
 
     def simulated(

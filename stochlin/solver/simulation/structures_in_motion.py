@@ -12,6 +12,7 @@ import xarray as xr
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.simulation.stepping import whole_groups
 from stochlin.messages import brief
+from stochlin.models.buildings.base import FLOOR
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
 from stochlin.models.parameters import expect
@@ -42,7 +43,6 @@ from stochlin.solver.simulation.start_values import start_values
 from stochlin.solver.tables.checks import check_scalars
 from stochlin.solver.tables.labels import (
     ELEMENT,
-    FLOOR,
     element_coordinates,
     floor_coordinates,
     named_models,

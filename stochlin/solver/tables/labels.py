@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin._version import __version__
+from stochlin.models.buildings.base import FLOOR
 from stochlin.models.parameters import Model
 from stochlin.models.systems import Assembly
 from stochlin.solver.tables.lazy import cellwise
@@ -165,7 +166,6 @@ def raise_if_lone_failure(dataset: xr.Dataset, what: str, *models: Model) -> Non
         raise ArithmeticError(f"{what}: {STATUS_MEANINGS[code].replace('_', ' ')}; {CURES[code]}")
 
 
-FLOOR = "floor"
 ELEMENT = "element"
 LINK = "link"
 Coordinates = dict[str, tuple[str, Any, dict[str, str]]]

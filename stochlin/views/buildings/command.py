@@ -80,7 +80,7 @@ def building(
             pushover_options,
             read_pushover,
         )
-        from stochlin.files.storage import FORMATS
+        from stochlin.files.storage import TABLE_FORMATS
         from stochlin.models.buildings.modal import ModalBuilding
         from stochlin.views.buildings.words import building_sections
 
@@ -91,7 +91,7 @@ def building(
             raise ValueError(
                 "MODES is missing; 'stochlin building --example > tower.csv' writes one"
             )
-        check_target("--out", out, FORMATS, [modes, *([pushover] if pushover else [])])
+        check_target("--out", out, TABLE_FORMATS, [modes, *([pushover] if pushover else [])])
         named = [name.strip() for name in points.split(",")] if points else ()
         table = read_modes(modes, points=named, **options)
         of_modes = ModalBuilding.from_table(table, damping=ANY_DAMPING)

@@ -62,12 +62,12 @@ def rho(out: Path | None, method: Any, **options: Any) -> None:
       stochlin rho --period-1 0.2s:2s:19 --period-2 1s --hardening 0.05 --reduction-factor 2,4,6 \\
           --ground kanai-tajimi --ground-period 2s --ground-damping 0.05 --out table.nc
     """
-    from stochlin.files.storage import FORMATS, save_table
+    from stochlin.files.storage import TABLE_FORMATS, save_table
     from stochlin.models.descriptions import roles_in_words
     from stochlin.solver.correlation.correlation import correlate
 
     with bad_input():
-        check_target("--out", out, FORMATS)
+        check_target("--out", out, TABLE_FORMATS)
         first, second = structures(options)
         ground = ground_of(options)
         chosen = {key: options[key] for key in ("closure", "rule", "paths", "seed")}

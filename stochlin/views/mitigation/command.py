@@ -39,11 +39,11 @@ def mitigate(case: Path, out: Path | None) -> None:
     with bad_input():
         from stochlin.applications.cases.pairs import mitigate_case
         from stochlin.applications.cases.reading.case import read_case
-        from stochlin.files.storage import CSV, FORMATS
+        from stochlin.files.storage import CSV, TABLE_FORMATS
         from stochlin.views.mitigation.words import answer_sections
 
         described = read_case(case)
-        check_target("--out", out, FORMATS, described.files)
+        check_target("--out", out, TABLE_FORMATS, described.files)
         with progress_bar("measures") as progress:
             table = mitigate_case(described, progress)
         show(lines(answer_sections(table, described)))

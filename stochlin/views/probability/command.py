@@ -48,14 +48,14 @@ def probability(case: Path, gap: float | None, out: Path | None, picture: Path |
     from stochlin.applications.cases.pairs import judge_gap
     from stochlin.applications.cases.reading.case import read_case
     from stochlin.applications.cases.rows import TOUCHING
-    from stochlin.files.storage import FORMATS
+    from stochlin.files.storage import TABLE_FORMATS
     from stochlin.models.plausible import PLAUSIBLE
     from stochlin.views.probability.pictures import draw_pounding
     from stochlin.views.probability.words import answer_sections
 
     with bad_input():
         described = read_case(case)
-        check_target("--out", out, FORMATS, described.files)
+        check_target("--out", out, TABLE_FORMATS, described.files)
         check_target("--picture", picture, PICTURE_FORMATS, described.files)
         _ = pair_of(described)  # raises where there are not two
         chosen = gap_of(described) if gap is None else gap or TOUCHING

@@ -92,13 +92,13 @@ def gap(
             raise ValueError("CASE is missing; 'stochlin gap --example > case.toml' writes a file")
         from stochlin.applications.cases.reading.case import read_case
         from stochlin.applications.cases.separation import answer_case
-        from stochlin.files.storage import CSV, FORMATS, whole_file
+        from stochlin.files.storage import CSV, TABLE_FORMATS, whole_file
         from stochlin.views.separation.pictures import elevation_figure
         from stochlin.views.separation.report import answer_sections, report_page
 
         described = read_case(case)
         check_target("--report", report, REPORTS, described.files)
-        data = data_target(out, picture, FORMATS, described.files)
+        data = data_target(out, picture, TABLE_FORMATS, described.files)
         with progress_bar("simulating") as progress:
             answer = answer_case(described, progress)
         page = report_page(answer) if report else ""

@@ -34,8 +34,7 @@ from stochlin.applications.sheets.sheets import Table, spelled
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief, listed
 from stochlin.models.buildings.base import MODE
-from stochlin.models.buildings.modal import ANY
-from stochlin.models.parameters import NOT_NEGATIVE, PERIODS, POSITIVE, Range
+from stochlin.models.parameters import ANY_NUMBER, NOT_NEGATIVE, PERIODS, POSITIVE, Range
 
 MASS_RATIO = Range(upper=1.0, include_lower=True, include_upper=True)
 LEAST_MASS_RATIO = 0.001  # of the mass; programs print ratios to four digits, and less is left out
@@ -249,7 +248,7 @@ def _levels(heights: Table, centres: Table, bases: Table | None, choice: AskedMo
     for table, title in ((centres, "z"), (heights, "elevation")):
         if title in table.names:
             first = table._replace(rows=table.rows[~table.texts("story").duplicated()])
-            level = keyed(first, ["story"], title, "length", ANY, unit).reindex(height.index)
+            level = keyed(first, ["story"], title, "length", ANY_NUMBER, unit).reindex(height.index)
             elevations = elevations if level.isna().any() else level.sort_values(kind="stable")
     numbers = names.str.extract(r"(\d+)$")[0].dropna().astype(int)
     if elevations is not None:
@@ -264,7 +263,7 @@ def _levels(heights: Table, centres: Table, bases: Table | None, choice: AskedMo
 def _depth(bases: Table, choice: AskedModes) -> float:
     """Depth of the base below 0, where the ground is [m]; a base above 0 stands on the ground."""
     table = _of_tower(bases, choice.tower)
-    towers = keyed(table, ["tower"], "bselev", "length", ANY, choice.length_units)
+    towers = keyed(table, ["tower"], "bselev", "length", ANY_NUMBER, choice.length_units)
     return max(0.0, -towers.max()) if len(towers) else 0.0
 
 

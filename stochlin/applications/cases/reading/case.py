@@ -63,7 +63,7 @@ from stochlin.models.rules.codes import (
 )
 from stochlin.models.rules.other_codes import other_code
 from stochlin.models.uncertain import UncertainModel
-from stochlin.models.walls import GROUND, SPACE, Wall
+from stochlin.models.walls import IN_SPACE, TO_GROUND, Wall
 
 INCHES_OR_FEET = re.compile(r"[\d.]+ *(?:in|ft)(?: *\+-.*)?", re.IGNORECASE)
 NUMBERED = re.compile(r"building_([1-9]\d{0,5})")
@@ -265,7 +265,7 @@ class OfWall(Form):
     described_as = "a wall, which has no mass"
 
     gap: float = key(GAP_LENGTH, "Gap to the building")
-    fixed: str = key(Word((GROUND, SPACE)), "What it is fixed to", GROUND)
+    fixed: str = key(Word((TO_GROUND, IN_SPACE)), "What it is fixed to", TO_GROUND)
     levels: list[float] = key(
         ListOf(BUILDING_HEIGHT, "listed"), "Levels that it touches; else all floors", ()
     )

@@ -99,7 +99,7 @@ class Site(Model):
     def __post_init__(self) -> None:
         super().__post_init__()
         check_fields(self)
-        of_second = [name for name in self.known if name.endswith("_2")]
+        of_second = [name for name in self.present if name.endswith("_2")]
         of_second += [name for name in BOTH if getattr(self, name)]
         if self.alone and of_second:
             raise ValueError(f"{of_second[0]} is given, of a second building that is not there")
@@ -112,10 +112,10 @@ class Site(Model):
     @property
     def of_design(self) -> bool:
         """Whether the peaks are displacements under design forces, or are reduced to these."""
-        return any(name.startswith((BEHAVIOUR, DEFLECTION)) for name in self.known)
+        return any(name.startswith((BEHAVIOUR, DEFLECTION)) for name in self.present)
 
     @property
-    def known(self) -> list[str]:
+    def present(self) -> list[str]:
         """Names of what is given."""
         return [name for name, value in vars(self).items() if value is not None]
 
@@ -289,14 +289,14 @@ class CodeRule(Published):
         if site.alone and not self.line:
             return [SECOND_UNKNOWN]
         needed = [name for name in self.needs if not (site.alone and name.endswith("_2"))]
-        lacking = [name for name in needed if name not in site.known]
+        lacking = [name for name in needed if name not in site.present]
         if not (site.of_design and self.takes_peaks()):
             return lacking
         if not self.multiplies:
             return [*lacking, MULTIPLIED]
         for factor in dict.fromkeys((self.multiplies, *([BEHAVIOUR] * site.elastic))):
             both = [f"{factor}_{n}" for n in "12"[: 1 if site.alone else 2]]
-            if unknown := [name for name in both if name not in site.known]:
+            if unknown := [name for name in both if name not in site.present]:
                 lacking += [f"{unknown[0]} ({self.called[factor]})", *unknown[1:]]
         return lacking
 

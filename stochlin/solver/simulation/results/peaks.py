@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
+from stochlin.models.buildings.base import FLOOR
 from stochlin.solver.simulation.results import EndedMotions, register_result
 from stochlin.solver.simulation.structures_in_motion import HEIGHT, STRUCTURE
-from stochlin.solver.tables.labels import ELEMENT, FLOOR, LINK
+from stochlin.solver.tables.labels import ELEMENT, LINK
 
 STRUCTURE_PAIR = STRUCTURE, f"{STRUCTURE}_2"
 LINK_PEAKS = "peak_link_force", "peak_link_stroke", "link_energy"

@@ -10,9 +10,10 @@ from typing import NamedTuple
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
+from stochlin.models.buildings.base import FLOOR
 from stochlin.registry import LAST, Registry
 from stochlin.solver.simulation.structures_in_motion import PATH, StructuresInMotion, pairs_of
-from stochlin.solver.tables.labels import ELEMENT, FLOOR
+from stochlin.solver.tables.labels import ELEMENT
 from stochlin.solver.variables import unit_and_long_name
 
 RESULTS: Registry[Result] = Registry("result of a simulation", "stochlin.solver.simulation.results")
