@@ -15,8 +15,8 @@ from stochlin.kernels.pounding.run import RowResponse
 from stochlin.kernels.records.runs import SampledMotion
 from stochlin.models.contacts.elements import Contact, Element
 from stochlin.models.start import Start
+from stochlin.solver.simulation.checks import names_of_laws
 from stochlin.solver.simulation.connected_structures import shortest_mode
-from stochlin.solver.simulation.finite_motions import names_of_laws
 from stochlin.solver.simulation.start_values import (
     AnyStart,
     checked_end_state,

@@ -20,8 +20,8 @@ from stochlin.models.buildings.base import FLOOR
 from stochlin.models.start import Start
 from stochlin.models.structures import AnyStructure
 from stochlin.models.systems import Assembly, assembly_of
+from stochlin.solver.simulation.checks import runs_away
 from stochlin.solver.simulation.connected_structures import SteppedGroup, connected_groups, row_of
-from stochlin.solver.simulation.finite_motions import runs_away
 from stochlin.solver.simulation.start_values import (
     END_STATE,
     AnyStart,

@@ -19,6 +19,7 @@ from stochlin.models.grounds import Ground, scatter_of
 from stochlin.models.structures import AnyStructure
 from stochlin.models.uncertain import Uncertain, UncertainModel, median_of
 from stochlin.solver.linearization.strength import strength_in_metres
+from stochlin.solver.simulation.checks import checked_structures
 from stochlin.solver.simulation.finite_motions import simulate_finite
 from stochlin.solver.simulation.prepared import FiniteMotion, PreparedStructures
 from stochlin.solver.simulation.simulation import STEPS_PER_PERIOD
@@ -26,7 +27,6 @@ from stochlin.solver.simulation.statistics import pair_separation, quantile_inte
 from stochlin.solver.simulation.structures_in_motion import (
     GROUND,
     INPUT,
-    checked_structures,
     structures_in_motion,
 )
 from stochlin.solver.tables import labels

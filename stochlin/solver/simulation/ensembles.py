@@ -12,23 +12,19 @@ import numpy as np
 import scipy.linalg
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.parallel import cores
 from stochlin.kernels.linearization.filters import Filter
 from stochlin.kernels.simulation.ensemble import (
     Ensemble,
     Plan,
-    SteppedOscillators,
-    SteppedStructures,
     UncertainGround,
 )
-from stochlin.kernels.simulation.laws import BILINEAR, OTHER_LAW, VISCOUS
 from stochlin.kernels.simulation.row_products import rows_of
 from stochlin.kernels.simulation.stepping import LANES, FilterSteps, filter_steps
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import GAUSSIAN, Structure
 from stochlin.solver.linearization.equivalent_systems import solved_together
 from stochlin.solver.simulation.connected_structures import SteppedGroup
-from stochlin.solver.tables.checks import Tolerance, check_work
+from stochlin.solver.tables.checks import Tolerance
 
 # The response is sampled this often in the shortest period. More samples would hardly make the
 # estimated variance more accurate.
@@ -149,36 +145,6 @@ def ground_steps(soil: Filter, dt: float) -> tuple[FilterSteps, Array]:
     matrix, noise, output = soil.arrays
     intensity = 2 * np.pi * soil.intensity
     return filter_steps(matrix, noise, output, intensity, dt), _root(matrix, noise, intensity)
-
-
-def check_memory(structures: int, paths: int) -> None:
-    """Raise a ValueError if the moments of all pairs of structures would not fit into memory."""
-    at_once = min(cores(), -(-paths // LANES))
-    check_work(
-        f"{structures} structures on one ground need",
-        "simulate fewer structures at a time",
-        numbers=structures**2 * (4.0 * LANES * at_once + 12),
-    )
-
-
-def seconds_of(run: SimulationRun, steps: float, distances: float = 0.0) -> float:
-    """Seconds that one core takes for this many time ``steps``, approximately.
-
-    At each step, ``distances`` relative displacements are recorded.
-    """
-    parts = run.ensemble.parts
-    kinds = [part.elements.kind for part in parts if isinstance(part, SteppedStructures)]
-    together = sum(part.size for part in parts if isinstance(part, SteppedOscillators))
-    all_kinds = np.concatenate([np.full(together, BILINEAR), *kinds])
-    step = (
-        8e-9  # of the ground
-        + 1.2e-9 * float((all_kinds < VISCOUS).sum())
-        + 2.4e-7 * float((all_kinds == VISCOUS).sum())  # whose force is a power of the velocity
-        + 6e-8 * float((all_kinds >= OTHER_LAW).sum())
-        + 2e-9 * sum(kind.size**2 for kind in kinds)  # pairs of storeys of one building
-        + 1e-9 * distances
-    )
-    return step * steps * run.plan.groups * LANES
 
 
 def _root(matrix: Array, noise: Array, intensity: float) -> Array:

@@ -8,14 +8,13 @@ import numpy as np
 import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.parallel import Progress, cores
+from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.simulation.ensemble import Extremes, Links, finite_extremes
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.models.envelopes import Envelope, envelope_at
-from stochlin.models.start import Start
-from stochlin.models.structures import AnyStructure
-from stochlin.models.systems import Assembly, StickModel
-from stochlin.solver.simulation.ensembles import SimulationRun, seconds_of
+from stochlin.models.systems import Assembly
+from stochlin.solver.simulation.checks import check_finite, check_response
+from stochlin.solver.simulation.ensembles import SimulationRun
 from stochlin.solver.simulation.results import RESULTS, EndedMotions, columns_of
 from stochlin.solver.simulation.statistics import (
     ABOVE_GROUND,
@@ -30,72 +29,9 @@ from stochlin.solver.simulation.structures_in_motion import (
     StructuresInMotion,
 )
 from stochlin.solver.tables import labels
-from stochlin.solver.tables.checks import check_duration, check_work
 from stochlin.solver.tables.labels import ELEMENT, link_coordinates
 
 STEPS_AT_ONCE = 256  # time steps that are computed at once
-# numbers that are in memory at once for each step, and for each peak
-NUMBERS_PER_STEP = 6
-NUMBERS_PER_PEAK = 6
-
-
-def check_motion(
-    duration: float | None,
-    envelope: Envelope | None,
-    scatter: float,
-    start: Start | None,
-    structures: Mapping[str, AnyStructure],
-) -> None:
-    """Raise if the duration does not fit other arguments, or a structure has a longer period."""
-    if duration is None:
-        if envelope is not None:
-            raise ValueError("envelope is given without a duration; allowed: both, or neither")
-        if start is not None:
-            raise ValueError("start is given without a duration; allowed: both, or neither")
-        if scatter:
-            raise ValueError(f"scatter = {scatter:g} is given without a duration; give one")
-        return
-    check_duration(duration, structures)
-
-
-def check_finite(run: SimulationRun, duration: float, functions: int, times: int = 1) -> None:
-    """Raise a ValueError if simulations of finite motions would take too much memory or time.
-
-    ``functions`` is the number of quantities with a peak, ``times`` the number of simulations.
-    """
-    steps = duration / run.plan.dt
-    paths = run.plan.groups * LANES
-    check_work(
-        f"duration = {duration:g} s, in steps of {run.plan.dt:.2g} s "
-        f"and on {paths} paths, would take",
-        "shorten it, lower paths, or leave out the shortest period",
-        numbers=NUMBERS_PER_STEP * steps + NUMBERS_PER_PEAK * 2.0 * paths * functions,
-        seconds=seconds_of(run, times * steps, 2.0 * functions),
-        cores=cores(),
-    )
-
-
-def names_of_laws(sticks: Sequence[StickModel]) -> str:
-    """The hysteresis laws of structures, each with the module that defines it."""
-    laws = {type(stick.law) for stick in sticks}
-    return " or ".join(sorted(f"{law.__qualname__} ({law.__module__})" for law in laws))
-
-
-def runs_away(sticks: Sequence[StickModel]) -> str:
-    """What is wrong with laws of structures whose response is no longer finite, and the cure."""
-    return (
-        f"the rates of the law {names_of_laws(sticks)} grow without end: give a law in which z "
-        "and all other states stay bounded, such as v - abs(v)*z, or weaker motions"
-    )
-
-
-def check_response(system: Assembly, finite: Array) -> None:
-    """Raise an ArithmeticError if the response of a floor (motions, floors) is not ``finite``."""
-    lost = ~np.logical_and.reduceat(finite, system.first[:-1], axis=1)
-    if lost.any():
-        worst = int(np.argmax(lost.sum(axis=0)))
-        what = f"structures, number {worst + 1}: its response is no longer finite"
-        raise ArithmeticError(f"{what}; {runs_away([system.sticks[worst]])}")
 
 
 def simulate_finite(

@@ -18,11 +18,9 @@ from stochlin.models.links import Link
 from stochlin.models.systems import Assembly
 from stochlin.models.uncertain import applied, median_of
 from stochlin.solver.linearization.strength import strength_in_metres
-from stochlin.solver.simulation.ensembles import seconds_of
-from stochlin.solver.simulation.finite_motions import check_finite
+from stochlin.solver.simulation.checks import check_finite, checked_structures, seconds_of
 from stochlin.solver.simulation.simulation import in_finite_motions, labelled_motions
 from stochlin.solver.simulation.statistics import required_gaps
-from stochlin.solver.simulation.structures_in_motion import checked_structures
 from stochlin.solver.tables.checks import check_duration
 
 SHORT_SIMULATION = 0.5  # [s] of a simulation whose number of motions is open

@@ -24,13 +24,12 @@ from stochlin.models.links import Link
 from stochlin.models.start import Start
 from stochlin.models.structures import AnyStructure
 from stochlin.models.uncertain import median_of
-from stochlin.solver.simulation.ensembles import check_memory
-from stochlin.solver.simulation.finite_motions import check_motion, simulate_finite
+from stochlin.solver.simulation.checks import check_simulation
+from stochlin.solver.simulation.finite_motions import simulate_finite
 from stochlin.solver.simulation.results import descriptions
 from stochlin.solver.simulation.stationary_motions import stationary_moments
 from stochlin.solver.simulation.structures_in_motion import (
     StructuresInMotion,
-    checked_structures,
     structures_in_motion,
 )
 from stochlin.solver.tables import labels
@@ -173,11 +172,9 @@ def simulate(
     >>> bool(abs(table.rho[0, 1] - exact) < 4 * table.rho_standard_error[0, 1])
     True
     """
-    roles = checked_structures(structures, ground)
     if scatter is None:
         scatter = 0.0 if duration is None else scatter_of(ground, None)
-    check_motion(duration, envelope, scatter, start, roles)
-    check_memory(sum(structure.floor_count for structure in roles.values()), paths)
+    check_simulation(structures, ground, paths, duration, envelope, scatter, start)
     moving = structures_in_motion(
         structures,
         ground,

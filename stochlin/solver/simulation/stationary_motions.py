@@ -22,8 +22,8 @@ from stochlin.kernels.simulation.ensemble import (
     stationary_sums,
 )
 from stochlin.kernels.simulation.stepping import LANES
-from stochlin.solver.simulation.ensembles import SimulationRun, seconds_of
-from stochlin.solver.simulation.finite_motions import check_response
+from stochlin.solver.simulation.checks import check_response, seconds_of
+from stochlin.solver.simulation.ensembles import SimulationRun
 from stochlin.solver.simulation.structures_in_motion import StructuresInMotion
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_work

@@ -11,13 +11,11 @@ import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.simulation.stepping import whole_groups
-from stochlin.messages import brief
 from stochlin.models.buildings.base import FLOOR
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
-from stochlin.models.parameters import expect
 from stochlin.models.start import Start
-from stochlin.models.structures import AnyStructure, Structure
+from stochlin.models.structures import Structure
 from stochlin.models.systems import (
     Assembly,
     StickModel,
@@ -40,7 +38,6 @@ from stochlin.solver.simulation.connected_structures import (
 )
 from stochlin.solver.simulation.ensembles import SimulationRun, drift_time_of, prepare
 from stochlin.solver.simulation.start_values import start_values
-from stochlin.solver.tables.checks import check_scalars
 from stochlin.solver.tables.labels import (
     ELEMENT,
     element_coordinates,
@@ -53,7 +50,6 @@ PATH = "path"
 INPUT = "input"
 GROUND = "ground"
 HEIGHT = "height"
-SCALARS_ONLY = "scalars, one structure an entry; correlate(method='simulation') takes arrays"
 Samples = Mapping[str, Sequence[Any]]  # by uncertain model: stacks or grounds, one for each motion
 NO_SAMPLES: Samples = {}
 STREAM = 2  # stream of random numbers, different from those of the motions with the same seed
@@ -193,22 +189,6 @@ class StructuresInMotion(NamedTuple):
         values = np.stack(list(columns.values()), axis=1)
         inputs = (INPUT, list(columns), {"long_name": "uncertain parameter"})
         return {"input_factor": xr.DataArray(values, dims=(PATH, INPUT), coords={INPUT: inputs})}
-
-
-def checked_structures(
-    structures: Sequence[AnyStructure], ground: Ground
-) -> dict[str, AnyStructure]:
-    """Medians of structures by role; raises if these or the ground do not suit `simulate`."""
-    if not isinstance(structures, Sequence):
-        raise TypeError(f"structures = {brief(structures)}; allowed: a list of structures")
-    if not structures:
-        raise ValueError("structures is empty; allowed: at least one")
-    roles = {f"structures[{number}]": median_of(model) for number, model in enumerate(structures)}
-    for role, structure in roles.items():
-        expect(structure, AnyStructure, role)
-        check_scalars(structure, role, SCALARS_ONLY)
-    check_scalars(median_of(ground), "ground", SCALARS_ONLY)
-    return roles
 
 
 def structures_in_motion(
