@@ -158,9 +158,9 @@ def test_the_error_of_a_rate_contains_that_of_the_intensities(monkeypatch):
     """Of yielding structures, by the same motions at many more intensities."""
     pair = dict(zip(("first", "second"), YIELDING, strict=True))
     motion = pair, GROUND, sl.PowerLawHazard(k0=0.02, k=2.5), FiniteMotion(15.0, SHAPE, 0.0, 3), 512
-    usual = risk_module.simulated_risk(*motion)
+    usual = risk_module.RiskSimulation(*motion).run()
     monkeypatch.setattr(risk_module, "SIMULATED_INTENSITIES", 97)
-    fine = risk_module.simulated_risk(*motion)
+    fine = risk_module.RiskSimulation(*motion).run()
     for gap in (0.05, 0.1, 0.2):
         off = abs(usual.rate(gap)[0] - fine.rate(gap)[0])
         assert off <= max(2 * usual.quadrature_error(gap), 0.005 * fine.rate(gap)[0])

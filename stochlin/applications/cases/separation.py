@@ -19,7 +19,7 @@ from stochlin.applications.cases.rows import (
     simulated_as,
 )
 from stochlin.applications.cases.shaking import MOST_RECORDS, over_records, shaking_of
-from stochlin.applications.risk.risk import SimulatedRisk, allowed_rate, simulated_risk
+from stochlin.applications.risk.risk import RiskSimulation, SimulatedRisk, allowed_rate
 from stochlin.applications.sensitivity.sensitivity import sensitivity
 from stochlin.applications.separation.existing_gap import OF_SEARCH, GapSearch
 from stochlin.applications.separation.separation import separation
@@ -270,7 +270,8 @@ def _simulated_risk(case: Case, models: Any, progress: Progress | None) -> Simul
     paths = whole_groups(max(FEWEST_PATHS, case.simulated.motions // FEWER_AT_INTENSITY))
     with case.site.form.hazard.table.naming(""):
         motion = _finite_motion(case)
-        return simulated_risk(standing(first, second), ground, hazard, motion, paths, progress)
+        structures = standing(first, second)
+        return RiskSimulation(structures, ground, hazard, motion, paths, progress).run()
 
 
 def _risk_table(simulated: SimulatedRisk, case: Case, answer: float) -> xr.Dataset | None:

@@ -135,8 +135,8 @@ def pounding_risk(
     extrapolated, which is an upper limit for a curve that becomes flatter towards weaker shaking,
     as hazard curves do in logarithms.
 
-    Motions of the same intensity differ as samples of a
-    random process; the larger difference between earthquakes is included by ``scatter``.
+    Motions of the same intensity differ as samples of a random process; the larger difference
+    between earthquakes is included by ``scatter``.
 
     References
     ----------
@@ -153,16 +153,9 @@ def pounding_risk(
     True
     """
     motion = FiniteMotion(duration, envelope, scatter_of(ground, scatter), seed)
-    table = _over_cells(
-        lambda simulated: simulated.of_gap(gap, years),
-        standing(first, second),
-        ground,
-        hazard,
-        motion,
-        paths,
-        progress,
-        "pounding_risk",
-    )
+    structures = standing(first, second)
+    simulation = RiskSimulation(structures, ground, hazard, motion, paths, progress)
+    table = simulation.table("pounding_risk", lambda simulated: simulated.of_gap(gap, years))
     return table.assign_attrs(years=float(years), gap_m=float(gap))
 
 
@@ -222,58 +215,10 @@ def required_gap(
     if text := doubt_of_text(risk):
         warnings.warn(f"required_gap: risk {text}", ImplausibleInput, stacklevel=3)
     motion = FiniteMotion(duration, envelope, scatter_of(ground, scatter), seed)
-    table = _over_cells(
-        lambda simulated: simulated.gap_of(risk),
-        standing(first, second),
-        ground,
-        hazard,
-        motion,
-        paths,
-        progress,
-        "required_gap",
-    )
+    structures = standing(first, second)
+    simulation = RiskSimulation(structures, ground, hazard, motion, paths, progress)
+    table = simulation.table("required_gap", lambda simulated: simulated.gap_of(risk))
     return table.assign_attrs(risk=brief(risk))
-
-
-def _over_cells(
-    result: Callable[[SimulatedRisk], xr.Dataset],
-    structures: dict[str, Any],
-    ground: Ground,
-    hazard: Hazard,
-    motion: FiniteMotion,
-    paths: int,
-    progress: Progress | None,
-    call: str,
-) -> xr.Dataset:
-    """Results for every cell of structures and ground; NaN if a period exceeds the duration."""
-    duration = motion.duration
-    envelope = motion.envelope
-    both = {role: median_of(structure) for role, structure in structures.items()}
-    check_duration(duration, both)
-    long_enough = reduce(
-        and_, (structure.first_period() <= duration for structure in both.values())
-    )
-
-    def of_cell(ground: Ground, **structures: AnyStructure) -> xr.Dataset:
-        return result(simulated_risk(structures, ground, hazard, motion, paths, progress))
-
-    models = {**structures, "ground": ground}
-    what = "pounding of two structures", "one structure crossing its property line"
-    return labels.with_run_information(
-        labels.label(over_cells(of_cell, models, long_enough)).assign_attrs(
-            paths=paths,
-            seed=motion.seed,
-            duration_s=float(duration),
-            envelope="none" if envelope is None else envelope.describe(),
-            measure=hazard.measure,
-            **({"pga_step_s": PGA_STEP} if hazard.measure == "pga" else {}),
-            **labels.of_scatter(motion.scatter),
-        ),
-        f"Risk of {what[len(structures) == 1]}, {median_of(ground).name} ground",
-        f"{call}(duration={duration:g}, paths={paths}, seed={motion.seed})",
-        {**models, "hazard": hazard},
-        RISK_REFERENCES,
-    )
 
 
 def allowed_rate(risk: str | float) -> tuple[float, float | None]:
@@ -478,36 +423,79 @@ class SimulatedRisk(NamedTuple):
         return xr.Dataset({**gaps, "target_rate": target, **rate})
 
 
-def simulated_risk(
-    structures: Mapping[str, AnyStructure],
-    ground: Ground,
-    hazard: Hazard,
-    motion: FiniteMotion,
-    paths: int,
-    progress: Progress | None = None,
-) -> SimulatedRisk:
-    """Simulated motions at all intensities of a hazard.
+class RiskSimulation(NamedTuple):
+    """Structures, ground and hazard of a risk, and the motions simulated at each intensity.
 
-    ``structures`` are those of `pounding_risk`, by the names of their arguments. Raises an error
-    for a duration shorter than a period, or too much work.
+    The ``structures`` are those of `pounding_risk`, by the names of their arguments.
     """
-    levels = simulated_at(hazard)
-    prepared = PreparedStructures.of(structures, ground, motion, paths, SIMULATED_INTENSITIES)
-    usual = prepared.usual
-    power = 0.5
-    of_one = 1.0  # S0 of motions with the intensity 1 in the measure of the hazard
-    if hazard.measure != "intensity":
-        goal: dict[str, Any] = {hazard.measure: 1.0, "period": hazard.period}
-        scaled = scale_ground(usual, motion.duration, motion.envelope, seed=motion.seed, **goal)
-        power = 1.0
-        of_one = float(scaled.arrays()["intensity"])
 
-    def simulated(at: Array, part: Progress | None) -> SeparationsByIntensity:
-        factors = of_one / float(usual.arrays()["intensity"]) * at ** (2 * power)
-        return simulated_separations(prepared, at, factors, power, paths, part)
+    structures: Mapping[str, AnyStructure]
+    ground: Ground
+    hazard: Hazard
+    motion: FiniteMotion
+    paths: int
+    progress: Progress | None = None
 
-    risk = SimulatedRisk(simulated(levels, part_of(progress, 0.0, 0.5)), hazard)
-    if risk.is_coarse():
-        between = simulated(np.sqrt(levels[:-1] * levels[1:]), part_of(progress, 0.5, 1.0))
-        risk = risk._replace(motions=risk.motions.joined(between))
-    return risk
+    def run(self) -> SimulatedRisk:
+        """Simulated motions at all intensities of the hazard.
+
+        Raises an error for a duration shorter than a period, or too much work.
+        """
+        hazard = self.hazard
+        motion = self.motion
+        levels = simulated_at(hazard)
+        prepared = PreparedStructures.of(
+            self.structures, self.ground, motion, self.paths, SIMULATED_INTENSITIES
+        )
+        usual = prepared.usual
+        power = 0.5
+        of_unit = 1.0  # S0 of motions with the intensity 1 in the measure of the hazard
+        if hazard.measure != "intensity":
+            goal: dict[str, Any] = {hazard.measure: 1.0, "period": hazard.period}
+            scaled = scale_ground(usual, motion.duration, motion.envelope, seed=motion.seed, **goal)
+            power = 1.0
+            of_unit = float(scaled.arrays()["intensity"])
+
+        def simulated(at: Array, part: Progress | None) -> SeparationsByIntensity:
+            factors = of_unit / float(usual.arrays()["intensity"]) * at ** (2 * power)
+            return simulated_separations(prepared, at, factors, power, self.paths, part)
+
+        risk = SimulatedRisk(simulated(levels, part_of(self.progress, 0.0, 0.5)), hazard)
+        if risk.is_coarse():
+            between = np.sqrt(levels[:-1] * levels[1:])
+            further = simulated(between, part_of(self.progress, 0.5, 1.0))
+            risk = risk._replace(motions=risk.motions.joined(further))
+        return risk
+
+    def table(self, call: str, result: Callable[[SimulatedRisk], xr.Dataset]) -> xr.Dataset:
+        """A ``result`` in every cell of structures and ground; NaN where a period is too long."""
+        duration = self.motion.duration
+        envelope = self.motion.envelope
+        medians = {role: median_of(structure) for role, structure in self.structures.items()}
+        check_duration(duration, medians)
+        long_enough = reduce(
+            and_, (structure.first_period() <= duration for structure in medians.values())
+        )
+
+        def of_cell(ground: Ground, **structures: AnyStructure) -> xr.Dataset:
+            return result(self._replace(structures=structures, ground=ground).run())
+
+        models = {**self.structures, "ground": self.ground}
+        table = labels.label(over_cells(of_cell, models, long_enough))
+        alone = len(self.structures) == 1
+        what = "one structure crossing its property line" if alone else "pounding of two structures"
+        return labels.with_run_information(
+            table.assign_attrs(
+                paths=self.paths,
+                seed=self.motion.seed,
+                duration_s=float(duration),
+                envelope="none" if envelope is None else envelope.describe(),
+                measure=self.hazard.measure,
+                **({"pga_step_s": PGA_STEP} if self.hazard.measure == "pga" else {}),
+                **labels.of_scatter(self.motion.scatter),
+            ),
+            f"Risk of {what}, {median_of(self.ground).name} ground",
+            f"{call}(duration={duration:g}, paths={self.paths}, seed={self.motion.seed})",
+            {**models, "hazard": self.hazard},
+            RISK_REFERENCES,
+        )
