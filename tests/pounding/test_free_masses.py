@@ -52,11 +52,21 @@ def free_row(masses, contact, gap=0.0, sides=None, springs=0.0):
     system = System(mass, np.zeros((n, n)), np.eye(n), np.eye(n), post, zero, np.full(n, np.inf))
     elements = Elements(system, np.full(n, LINEAR), np.ones(n, np.int64), np.zeros((n, 0)))
     none = np.zeros(0, np.int64)
-    shear = rows_of(np.diag(post)), rows_of(np.zeros((n, n)))
-    watched = rows_of(np.vstack([np.eye(n), np.eye(n)]))
+    alone = rows_of(-np.diag(1 / mass))
     parts = Parts(
-        *(mass, n, np.zeros((n, n)), *shear, watched, np.full(n, np.inf)),
-        *(none, none, np.zeros(0)),
+        mass=mass,
+        elements=n,
+        damping=np.zeros((n, n)),
+        shears=rows_of(np.eye(n)),
+        of_forces=alone,
+        of_drags=alone,
+        of_pushes=rows_of(-(left + right).T / mass[:, None]),
+        carried=zero,
+        watched=rows_of(np.vstack([np.eye(n), np.eye(n)])),
+        limit=np.full(n, np.inf),
+        spring=none,
+        dashpot=none,
+        constant=np.zeros(0),
     )
     contacts = forces.Contacts.of(laws, n, left, right, space, e)
     return kernel.BuildingRow(elements, by_number(()), contacts, parts)

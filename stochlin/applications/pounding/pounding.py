@@ -174,8 +174,8 @@ def pound(
 
         For one motion ``step_error`` [-]: the largest relative change from steps twice as long of a
         peak displacement, drift, storey shear or acceleration, or of the largest force of a
-        contact. About a third of it remains. Histories are sampled: their largest values are below
-        the peaks.
+        contact. About a third of it remains. Histories are sampled at the times of the record:
+        their largest values are below the peaks of the summary.
 
         Over ``contact``: ``gap`` [m], the number of ``impacts``, ``hardest_force`` [N],
         ``fastest_approach`` [m/s], ``longest_impact`` [s] and ``deepest_compression`` [m], all 0
@@ -243,9 +243,13 @@ def pound(
     the step, in which the penetration grows evenly. Outputs that are not at the end of a step are
     interpolated linearly.
 
-    Peaks of displacements include those within steps, and the largest force of an impact is that of
-    a parabola through forces at the ends of steps. Peaks of storey shears are those at the ends of
-    steps, peaks of accelerations and of link forces are means over steps.
+    Peaks are taken from every time step. Those of displacements include those within steps, and the
+    largest force of an impact is that of a parabola through forces at the ends of steps. Peaks of
+    storey shears, of accelerations and of forces of links are those at the ends of steps, of
+    accelerations also where a bilinear element begins to yield within a step. By default peaks of
+    elastic structures are within 0.1 %, of yielding ones within 0.3 %, and accelerations in impacts
+    within 0.15 % in nine of ten cases. Accelerations are up to 1 % too low, which ``step_error``
+    may not show, with `ModifiedClough` and `Flag`, whose branches have corners too.
 
     An impact ends when the gap opens again; its duration is until the contact force has vanished.
     If a `NoTensionKelvin` pushes again before the gap has opened, this continues the same impact.

@@ -15,7 +15,6 @@ import numpy as np
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.borrowed import borrowed
 from stochlin.kernels.basics.compiled import called_often, called_once, compiled
-from stochlin.kernels.simulation.account import watch_displacements
 from stochlin.kernels.simulation.contacts import force as force_at
 from stochlin.kernels.simulation.contacts import mean_force, separation_margin
 from stochlin.kernels.simulation.laws import VISCOUS
@@ -183,7 +182,7 @@ def _dissipate(state, j, energy, lane):
 def strike_all(steps, parts, time, near, count, state, table):
     """Stereomechanical blows after a time step that began at ``time`` [s], until no sides approach.
 
-    The arguments are those of `watch_contacts`; displacements are watched after the blows.
+    The arguments are those of `watch_contacts`.
     """
     coordinates = state.coordinates
     for lane in range(count):
@@ -204,7 +203,6 @@ def strike_all(steps, parts, time, near, count, state, table):
             rests = _blow(steps, parts, struck, fastest, pressed, time, state, lane)
             if not rests:
                 _end_impact(state.impacts, struck, near[lane], lane, table)
-    watch_displacements(steps, parts, state, count)
 
 
 @called_once
@@ -335,10 +333,10 @@ def _displace(steps, parts, state, lane):
             state.elements.z[i, lane] += row_product(steps.extensions, i, shift, lane)
     for k in range(parts.mass.size):
         moved = shift[k, lane]
-        if moved != 0.0:
-            coordinates.q[k, lane] += moved
-            coordinates.input_energy[k, lane] += parts.mass[k] * state.motions.forcing[lane] * moved
-            drag = 0.0
-            for m in range(parts.mass.size):
-                drag += parts.damping[k, m] * coordinates.v[m, lane]
-            coordinates.viscous_energy[k, lane] += drag * moved
+        drag = 0.0
+        for m in range(parts.mass.size):
+            drag += parts.damping[k, m] * coordinates.v[m, lane]
+        coordinates.drag[k, lane] = drag
+        coordinates.q[k, lane] += moved
+        coordinates.input_energy[k, lane] += parts.mass[k] * state.motions.forcing[lane] * moved
+        coordinates.viscous_energy[k, lane] += drag * moved

@@ -23,11 +23,17 @@ from stochlin.kernels.pounding.impacts import (
     strike_all,
     watch_contacts,
 )
-from stochlin.kernels.simulation.account import Parts, balance, watch, watch_linked
+from stochlin.kernels.simulation.account import (
+    Parts,
+    add_works,
+    add_works_of_linked,
+    balance,
+    watch,
+)
 from stochlin.kernels.simulation.contacts import Contacts, stored_in
 from stochlin.kernels.simulation.laws import VISCOUS
-from stochlin.kernels.simulation.row_products import fill, products, times_rows
-from stochlin.kernels.simulation.state import Elements, State, copy
+from stochlin.kernels.simulation.row_products import fill, products
+from stochlin.kernels.simulation.state import Elements, State, copy, copy_all
 from stochlin.kernels.simulation.time_step import Steps, step_of, steps_of
 
 
@@ -60,12 +66,9 @@ class BuildingRow(NamedTuple):
         coordinates.input_energy[:masses, 0] = 0.5 * self.parts.mass * v[:masses] ** 2
         owner = (system.extensions != 0).argmax(axis=1)
         np.add.at(coordinates.input_energy[:, 0], owner, 0.5 * system.elastic * extension**2)
+        coordinates.drag[:masses, 0] = self.parts.damping @ v[:masses]
         state.elements.z[:, 0] = extension
-        moved = times_rows(self.parts.watched, q)
-        state.peaks.highest[:, 0] = np.maximum(moved, 0.0)
-        state.peaks.lowest[:, 0] = np.minimum(moved, 0.0)
-        shear = times_rows(self.parts.shear_of_q, q) + times_rows(self.parts.shear_of_z, extension)
-        state.peaks.shear[: shear.size, 0] = np.abs(shear)
+        watch(steps_of(self.elements, 1.0), self.parts, state, 1)  # nothing moves in this step
         return state.block[:, 0].copy()
 
 
@@ -114,8 +117,9 @@ class StepFunctions(NamedTuple):
     law: Any  # the result of `laws.by_number`
     slip: Any  # that of `step_of`
     step: Any  # `take_step`
-    watch: Any  # or `watch_linked`
+    add_works: Any  # or `add_works_of_linked`
     meet: Any  # `watch_contacts` or `strike_all`
+    watch: Any
     balance: Any
 
 
@@ -211,11 +215,12 @@ def _run(functions, steps, ground, states, table):
         ends = _end(ground.intervals, sample, state.motions, lanes, ended)
         if ends == lanes:
             break
-        copy(state.block, all_lanes, states.before, all_lanes, lanes)
+        copy_all(state.block, states.before)
         share = (cut + 0.5) / cuts
         _set_forcing(ground.acceleration, sample, share, all_lanes, state.motions.forcing, lanes)
         functions.step(functions.slip, functions.law, steps.free, state, lanes)
         count = _near(steps.near.contacts, dt, state, lanes, near)
+        functions.add_works(steps.free, steps.parts, state, lanes)
         functions.watch(steps.free, steps.parts, state, lanes)
         if count > 0:
             copy(states.before, near, near_state.block, all_lanes, count)
@@ -225,9 +230,10 @@ def _run(functions, steps, ground, states, table):
                     ground.acceleration, sample, share, near, near_state.motions.forcing, count
                 )
                 functions.step(functions.slip, functions.law, steps.near, near_state, count)
-                functions.watch(steps.near, steps.parts, near_state, count)
+                functions.add_works(steps.near, steps.parts, near_state, count)
                 begin = time + part * steps.near.dt
                 functions.meet(steps.near, steps.parts, begin, near, count, near_state, table)
+                functions.watch(steps.near, steps.parts, near_state, count)
             copy(near_state.block, all_lanes, state.block, near, count)
         copy(states.before, ended, state.block, ended, ends)
         if cut == cuts - 1:
@@ -244,14 +250,15 @@ def _functions(row: BuildingRow, steps: RowSteps, states: RowStates, table: Impa
     lanes = state.block.shape[1]
     numbers = np.zeros(lanes, np.int64)
     step, slip = step_of(row.law, near, state, lanes)
-    watcher = watch_linked if row.parts.spring.size else watch
+    adder = add_works_of_linked if row.parts.spring.size else add_works
     meet = strike_all if row.contacts.jumps else watch_contacts
     return StepFunctions(
         law=row.law,
         slip=slip,
         step=step,
-        watch=by_pointer(watcher, near, row.parts, state, lanes),
+        add_works=by_pointer(adder, near, row.parts, state, lanes),
         meet=by_pointer(meet, near, row.parts, 0.0, numbers, lanes, state, table),
+        watch=by_pointer(watch, near, row.parts, state, lanes),
         balance=by_pointer(balance, near, row.parts, 0.0, state, lanes),
     )
 
@@ -321,7 +328,7 @@ def run(
         state.block[:] = start
     history = row.at_rest(samples if keep else 0)
     impacts = follow(row, state, ground, pace, history.block)
-    floors = len(row.parts.shear_of_q)
+    floors = len(row.parts.shears)
     return [
         RowResponse(state.of_lane(lane), impacts[impacts["motion"] == lane], history, floors)
         for lane in range(lanes)

@@ -4,11 +4,15 @@ In a step the velocities are constant, ``dq/dt``, and forces have their means. T
 ground, of dashpots and of slips therefore have no error of quadrature: with the energies at both
 ends, they balance to the tolerance of the passes. What a step does not account for is the missing
 energy.
+
+Forces and accelerations are watched at the ends of steps. Where an element begins to yield, the
+accelerations of its floors have a corner, which can be their peak: there they are watched within
+the step.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -16,11 +20,20 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.borrowed import borrowed
 from stochlin.kernels.basics.compiled import called_once, compiled
 from stochlin.kernels.simulation.contacts import stored_in
-from stochlin.kernels.simulation.laws import VISCOUS
-from stochlin.kernels.simulation.links import spring_in_step
-from stochlin.kernels.simulation.row_products import add_product, fill, products, times_row
+from stochlin.kernels.simulation.laws import BILINEAR, VISCOUS
+from stochlin.kernels.simulation.row_products import (
+    add_product,
+    add_row,
+    fill,
+    products,
+    row_product,
+    times_row,
+)
 from stochlin.kernels.simulation.stepping import turned
-from stochlin.kernels.simulation.time_step import COUPLE, POST
+from stochlin.kernels.simulation.time_step import COUPLE, POST, STRENGTH
+
+# elastic part of an extension, over that at yield, beyond which an element had been yielding before
+NEARLY = 1.0 - 1e-6
 
 
 @borrowed
@@ -30,8 +43,11 @@ class Parts(NamedTuple):
     mass: Array  # (n,) [kg]
     elements: int  # number of the elements of structures, which come before those of links
     damping: Array  # (n, n) [N s/m]: the damping matrix of the structures, without links
-    shear_of_q: Array  # rows (f, n) [N/m]: storey shears from coordinates
-    shear_of_z: Array  # rows (f, e) [N/m]: the same from each z
+    shears: Array  # rows (f, e): storey shears from forces of elements
+    of_forces: Array  # rows (f, e) [1/kg]: accelerations of floors by forces of elements
+    of_drags: Array  # rows (f, n) [1/kg]: the same by forces of dashpots on the coordinates
+    of_pushes: Array  # rows (f, c) [1/kg]: the same by forces of contacts
+    carried: Array  # (f,): share by which a floor moves with the ground, as modes leave out mass
     watched: Array  # rows (f + e, n): displacements of floors, and extensions of elements
     limit: Array  # (e,) [m]: extension at which a structure falls; infinite where it cannot
     spring: Array  # (l,): number of the element that is the spring of each link
@@ -39,8 +55,68 @@ class Parts(NamedTuple):
     constant: Array  # (l,) [N s/m]: its linear dashpot
 
 
+def add_works(steps, parts, state, lanes):
+    """Add the energies of a time step: put in by the ground, dissipated by dashpots of structures.
+
+    The mean forces of these dashpots in the step are the means of those at both ends. Structures
+    without links have a function of their own, which is compiled in less time.
+    """
+    dq = state.coordinates.dq
+    drag_after = state.products.v
+    forcing = state.motions.forcing
+    for i in range(parts.mass.size):
+        fill(drag_after[i], 0.0, lanes)
+    add_product(parts.damping, state.coordinates.v, drag_after, lanes)
+    for i in range(parts.mass.size):
+        mass = parts.mass[i]
+        drag = state.coordinates.drag[i]
+        input_energy = state.coordinates.input_energy[i]
+        viscous_energy = state.coordinates.viscous_energy[i]
+        for lane in range(lanes):
+            moved = dq[i, lane]
+            input_energy[lane] += mass * forcing[lane] * moved
+            viscous_energy[lane] += 0.5 * (drag[lane] + drag_after[i, lane]) * moved
+            drag[lane] = drag_after[i, lane]
+
+
 @called_once
-def watch_displacements(steps, parts, state, lanes):
+def _add_works_of_links(steps, parts, state, lanes):
+    """Add the energies dissipated by links."""
+    dt = steps.dt
+    elements = state.elements
+    links = state.links
+    change = state.totals.change
+    energy = state.totals.energy
+    for link in range(parts.spring.size):
+        i = parts.spring[link]
+        c = parts.constant[link]
+        couple = steps.spring[i, COUPLE]
+        times_row(steps.extensions, i, state.coordinates.dq, change, lanes)
+        for lane in range(lanes):
+            slip = elements.slip[i, lane]
+            elastic = couple * (elements.z[i, lane] - 0.5 * (change[lane] - slip))
+            energy[lane] = c * change[lane] / dt * change[lane] + elastic * slip
+        dashpot = parts.dashpot[link]
+        if dashpot >= 0:
+            couple = steps.spring[dashpot, COUPLE]
+            for lane in range(lanes):
+                drag = 0.5 * couple * (change[lane] - elements.slip[dashpot, lane])
+                energy[lane] += drag * change[lane]
+        for lane in range(lanes):
+            links.dissipated[link, lane] += energy[lane]
+
+
+_add_works = called_once(add_works)
+
+
+def add_works_of_linked(steps, parts, state, lanes):
+    """Add the energies of a time step of structures with links."""
+    _add_works(steps, parts, state, lanes)
+    _add_works_of_links(steps, parts, state, lanes)
+
+
+@called_once
+def _watch_displacements(steps, parts, state, lanes):
     """Largest and smallest displacements and extensions, also where they turn within the step."""
     dt = steps.dt
     rows = parts.watched
@@ -59,96 +135,115 @@ def watch_displacements(steps, parts, state, lanes):
 
 
 @called_once
-def _watch_floors(steps, parts, state, lanes):
-    """Largest absolute accelerations, from the change of the velocities in the step, and shears."""
-    dt = steps.dt
-    of_rows = state.products
-    forcing = state.motions.forcing
-    products(steps.shapes, state.coordinates.dq, of_rows.dq, lanes)
-    products(steps.shapes, state.coordinates.v, of_rows.v, lanes)
-    products(parts.shear_of_q, state.coordinates.q, of_rows.q, lanes)
-    products(parts.shear_of_z, state.elements.z, of_rows.z, lanes)
-    for i in range(steps.shapes.shape[0]):
-        acceleration = state.peaks.acceleration[i]
-        shear = state.peaks.shear[i]
-        for lane in range(lanes):
-            change = of_rows.v[i, lane] - of_rows.dq[i, lane] / dt
-            mean = abs(2.0 * change / dt - forcing[lane])
-            acceleration[lane] = max(acceleration[lane], mean)
-            shear[lane] = max(shear[lane], abs(of_rows.q[i, lane] + of_rows.z[i, lane]))
+def _find_forces(steps, parts, extension, state, lanes):
+    """Write the forces of the elements at the end of the step, those of links with their dashpots.
 
-
-@called_once
-def _watch_masses(steps, parts, state, lanes):
-    """Energies put in by the ground, and dissipated by the dashpots of the structures."""
-    dt = steps.dt
-    dq = state.coordinates.dq
-    drag = state.products.v
-    forcing = state.motions.forcing
-    for i in range(parts.mass.size):
-        fill(drag[i], 0.0, lanes)
-    add_product(parts.damping, dq, drag, lanes)
-    for i in range(parts.mass.size):
-        mass = parts.mass[i]
-        input_energy = state.coordinates.input_energy[i]
-        viscous_energy = state.coordinates.viscous_energy[i]
-        for lane in range(lanes):
-            moved = dq[i, lane]
-            input_energy[lane] += mass * forcing[lane] * moved
-            viscous_energy[lane] += drag[i, lane] * moved / dt
-
-
-@called_once
-def _watch_links(steps, parts, state, lanes):
-    """Largest forces of links, as means of steps, and energies dissipated."""
-    dt = steps.dt
-    elements = state.elements
-    links = state.links
-    change = state.totals.change
-    force = state.totals.force
-    energy = state.totals.energy
-    for link in range(parts.spring.size):
-        i = parts.spring[link]
-        c = parts.constant[link]
+    Update the largest forces of links.
+    """
+    force = state.products.z
+    for i in range(steps.kind.size):
         post = steps.spring[i, POST]
         couple = steps.spring[i, COUPLE]
-        times_row(steps.extensions, i, state.coordinates.dq, change, lanes)
         for lane in range(lanes):
-            begin = elements.extension[i, lane]
-            end = begin + change[lane]
-            z_end = elements.z[i, lane]
-            z_begin = z_end - (change[lane] - elements.slip[i, lane])
-            spring, lost = spring_in_step(post, couple, begin, end, z_begin, z_end)
-            drag = c * change[lane] / dt
-            force[lane] = spring + drag
-            energy[lane] = drag * change[lane] + lost
+            force[i, lane] = post * extension[i, lane] + couple * state.elements.z[i, lane]
+    rate = state.totals.change
+    for link in range(parts.spring.size):
+        i = parts.spring[link]
+        constant = parts.constant[link]
         dashpot = parts.dashpot[link]
-        if dashpot >= 0:
-            couple = steps.spring[dashpot, COUPLE]
-            for lane in range(lanes):
-                drag = 0.5 * couple * (change[lane] - elements.slip[dashpot, lane])
-                force[lane] += drag
-                energy[lane] += drag * change[lane]
+        times_row(steps.extensions, i, state.coordinates.v, rate, lanes)
         for lane in range(lanes):
-            links.largest_force[link, lane] = max(links.largest_force[link, lane], abs(force[lane]))
-            links.dissipated[link, lane] += energy[lane]
+            force[i, lane] += constant * rate[lane]
+        if dashpot >= 0:
+            fill(force[dashpot], 0.0, lanes)
+            for lane in range(lanes):
+                c = state.parameters[dashpot, 0, lane]
+                a = state.parameters[dashpot, 1, lane]
+                force[i, lane] += np.copysign(c * abs(rate[lane]) ** a, rate[lane])
+        largest = state.links.largest_force[link]
+        for lane in range(lanes):
+            largest[lane] = max(largest[lane], abs(force[i, lane]))
 
 
-def watch(steps, parts, state, lanes):
-    """`watch_linked` of structures without links, which is compiled in less time."""
-    _watch_floors(steps, parts, state, lanes)
-    _watch_masses(steps, parts, state, lanes)
+@called_once
+def _find_pushes(contacts, state, lanes):
+    """Write the forces of contacts at the end of the step."""
+    push = state.products.q
+    for j in range(contacts.gap.size):
+        for lane in range(lanes):
+            if contacts.jumps:
+                push[j, lane] = state.contacts.sticks[j, lane] * state.contacts.mean_force[j, lane]
+            else:
+                goes_on = not np.isnan(state.impacts.begin[j, lane])
+                push[j, lane] = state.impacts.force[j, lane] if goes_on else 0.0
+
+
+def watch(steps: Any, parts: Any, state: Any, lanes: int) -> None:
+    """Largest displacements, storey shears, accelerations and forces of links, after any impacts."""
+    floors = steps.shapes.shape[0]
+    peaks = state.peaks
+    forcing = state.motions.forcing
+    _watch_displacements(steps, parts, state, lanes)
+    _find_forces(steps, parts, state.products.q[floors:], state, lanes)
+    if steps.contacts.gap.size > 0:
+        _find_pushes(steps.contacts, state, lanes)
+    found = state.products.v
+    for i in range(floors):
+        times_row(parts.shears, i, state.products.z, found[i], lanes)
+        for lane in range(lanes):
+            peaks.shear[i, lane] = max(peaks.shear[i, lane], abs(found[i, lane]))
+    for i in range(floors):
+        carried = parts.carried[i]
+        times_row(parts.of_forces, i, state.products.z, found[i], lanes)
+        add_row(parts.of_drags, i, state.coordinates.drag, found[i], lanes)
+        if steps.contacts.gap.size > 0:
+            add_row(parts.of_pushes, i, state.products.q, found[i], lanes)
+        for lane in range(lanes):
+            found[i, lane] -= carried * forcing[lane]
+            peaks.acceleration[i, lane] = max(peaks.acceleration[i, lane], abs(found[i, lane]))
     if not steps.contacts.jumps:
-        watch_displacements(steps, parts, state, lanes)
+        for i in range(steps.kind.size):
+            if steps.kind[i] == BILINEAR:
+                _watch_yield(steps, parts, i, state.products.dq[floors + i], found, state, lanes)
 
 
-_watch = called_once(watch)
+@called_once
+def _watch_yield(steps, parts, i, change, end, state, lanes):
+    """Accelerations where element ``i`` begins to yield in the step, in which it extends by ``change``.
+
+    Those at the ``end`` of the step are known.
+    """
+    strength = steps.spring[i, STRENGTH]
+    for lane in range(lanes):
+        slip = state.elements.slip[i, lane]
+        if slip != 0.0:
+            before = state.elements.z[i, lane] - (change[lane] - slip)
+            if abs(before) < NEARLY * strength:
+                share = (np.copysign(strength, slip) - before) / change[lane]
+                beyond = share * steps.spring[i, COUPLE] * slip
+                _watch_corner(steps, parts, i, share, beyond, end, state, lane)
 
 
-def watch_linked(steps, parts, state, lanes):
-    """Update all but impacts by a time step; displacements only where there are no blows."""
-    _watch(steps, parts, state, lanes)
-    _watch_links(steps, parts, state, lanes)
+@compiled
+def _watch_corner(steps, parts, i, share, beyond, end, state, lane):
+    """Accelerations at a ``share`` of the step, where the force of element ``i`` has a corner.
+
+    The force is there ``beyond`` what it would be if it grew evenly in the step. All else grows
+    evenly, and the means of the step are those of both ends.
+    """
+    dt = steps.dt
+    coordinates = state.coordinates
+    for floor in range(parts.of_forces.shape[0]):
+        for place in range(parts.of_forces.shape[1]):
+            weight = parts.of_forces[floor, place]["weight"]
+            if parts.of_forces[floor, place]["column"] == i and weight != 0.0:
+                v = row_product(steps.shapes, floor, coordinates.v, lane)
+                moved = row_product(steps.shapes, floor, coordinates.dq, lane)
+                mean = 2.0 * (v - moved / dt) / dt - state.motions.forcing[lane]
+                corner = weight * beyond + 2.0 * (1.0 - share) * mean
+                corner += (2.0 * share - 1.0) * end[floor, lane]
+                largest = state.peaks.acceleration[floor]
+                largest[lane] = max(largest[lane], abs(corner))
 
 
 @called_once

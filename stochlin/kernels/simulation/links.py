@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.borrowed import borrowed
-from stochlin.kernels.basics.compiled import called_often, entry
+from stochlin.kernels.basics.compiled import entry
 from stochlin.kernels.simulation.stepping import LANES, turned
 from stochlin.kernels.simulation.time_step import COUPLE, POST, STRENGTH
 
@@ -28,18 +28,6 @@ class LinkPeaks(NamedTuple):
     dissipated: Array  # (l, LANES) energy so far [J]
     way: Array  # (l, LANES) rate of the extension times the time step [m]
     stroke: Array  # (l, LANES) largest absolute extension, also where it turns within a step [m]
-
-
-@called_often
-def spring_in_step(post, couple, begin, end, z_begin, z_end):
-    """Mean force of a spring in a step [N], and the energy that its slip dissipates [J].
-
-    The extension goes from ``begin`` to ``end``, and its elastic part from ``z_begin`` to
-    ``z_end``.
-    """
-    elastic = 0.5 * couple * (z_begin + z_end)
-    slip = (end - begin) - (z_end - z_begin)
-    return 0.5 * post * (begin + end) + elastic, elastic * slip
 
 
 @entry
@@ -67,13 +55,14 @@ def watch_links(extensions, parameters, dt, peaks):
                 z = elastic[lane]
                 change = end - begin
                 new = min(max(z + change, -strength), strength)
-                spring, lost = spring_in_step(post, couple, begin, end, z, new)
+                slip = change - (new - z)
+                spring = 0.5 * couple * (z + new)
                 rate = abs(change) / dt
                 drag = c * (rate if a == 1.0 else rate**a)
-                mean = spring + (drag if change > 0.0 else -drag)
+                mean = 0.5 * post * (begin + end) + spring + (drag if change > 0.0 else -drag)
                 extension[lane] = end
                 elastic[lane] = new
                 force[lane] = max(force[lane], abs(mean))
-                dissipated[lane] += drag * abs(change) + lost
+                dissipated[lane] += drag * abs(change) + spring * slip
                 turn, way[lane] = turned(begin, end, way[lane])
                 stroke[lane] = max(stroke[lane], abs(turn), abs(end))

@@ -11,7 +11,9 @@ from stochlin.kernels.basics.compiled import called_often, compiled, of_lane
 def rows_of(matrix: Array) -> Array:
     """A matrix (m, n) by the nonzero entries (m, w) in each row; zeros fill shorter rows."""
     width = max(1, int((matrix != 0).sum(axis=1).max(initial=1)))
-    rows = np.empty((len(matrix), width), [("column", np.int64), ("weight", float)])
+    rows = np.zeros((len(matrix), width), [("column", np.int64), ("weight", float)])
+    if matrix.shape[1] == 0:
+        return rows
     rows["column"] = np.argsort(matrix == 0, axis=1, kind="stable")[:, :width]
     rows["weight"] = np.take_along_axis(matrix, rows["column"], axis=1)
     return rows
@@ -31,6 +33,16 @@ def times_row(rows, i, values, out, lanes):
     for lane in range(lanes):
         out[lane] = weight * values[column, lane]
     for place in range(1, rows.shape[1]):
+        weight = rows[i, place]["weight"]
+        column = rows[i, place]["column"]
+        for lane in range(lanes):
+            out[lane] += weight * values[column, lane]
+
+
+@called_often
+def add_row(rows, i, values, out, lanes):
+    """Add row ``i`` of `rows_of` times the values (n, lanes) to ``out`` (lanes,)."""
+    for place in range(rows.shape[1]):
         weight = rows[i, place]["weight"]
         column = rows[i, place]["column"]
         for lane in range(lanes):

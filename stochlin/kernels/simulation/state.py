@@ -42,6 +42,7 @@ class Coordinates(Columns):
     q: Array  # [m]
     v: Array  # its rate [m/s]
     dq: Array  # its increment in the step [m]
+    drag: Array  # of the dashpots of the structure, at the end of the step [N]
     input_energy: Array  # from the ground [J]
     viscous_energy: Array  # dissipated in dashpots of the structure [J]
 
@@ -87,14 +88,14 @@ class Peaks(Columns):
 
     highest: Array  # displacement of the floor, or extension of the element [m]
     lowest: Array  # the same [m]
-    acceleration: Array  # largest absolute one of the floor, as means of steps [m/s^2]
+    acceleration: Array  # largest absolute one of the floor [m/s^2]
     shear: Array  # largest absolute one of the storey below the floor [N]
 
 
 class LinkStates(Columns):
     """Of each link."""
 
-    largest_force: Array  # as means of steps [N]
+    largest_force: Array  # [N]
     dissipated: Array  # so far [J]
 
 
@@ -253,3 +254,12 @@ def copy(source, of, target, to, count):
     for row in range(source.shape[0]):
         for k in range(count):
             target[row, to[k]] = source[row, of[k]]
+
+
+@compiled
+def copy_all(source, target):
+    """Copy all states."""
+    of_source = source.ravel()
+    of_target = target.ravel()
+    for i in range(of_source.size):
+        of_target[i] = of_source[i]

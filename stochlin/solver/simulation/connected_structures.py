@@ -263,13 +263,17 @@ def row_of(system: Assembly, contacts: Contacts, all_states: bool = False) -> Bu
     constant = [
         0.0 if placed.link.is_power_law else placed.link.numbers[3] for placed in placed_links
     ]
+    of_load = elements.system.shapes / storeys.mass
     shares = np.nan_to_num(system.shear_shares)  # shears that are not known are left out later
     parts = Parts(
         mass=storeys.mass,
         elements=n,
         damping=storeys.damping,
-        shear_of_q=rows_of(shares @ (storeys.post[:, None] * storeys.extensions)),
-        shear_of_z=rows_of(shares * storeys.couple),
+        shears=rows_of(shares),
+        of_forces=rows_of(-of_load @ elements.system.extensions.T),
+        of_drags=rows_of(-of_load),
+        of_pushes=rows_of(-of_load @ contacts.weights[:, :n].T),
+        carried=1.0 - elements.system.shapes.sum(axis=1),
         watched=rows_of(np.concatenate([elements.system.shapes, elements.system.extensions])),
         limit=np.concatenate([*(s.limits for s in system.sticks), np.full(others, np.inf)]),
         spring=n + np.arange(len(placed_links)),
