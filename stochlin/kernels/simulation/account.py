@@ -179,7 +179,7 @@ def _find_pushes(contacts, state, lanes):
 
 
 def watch(steps: Any, parts: Any, state: Any, lanes: int) -> None:
-    """Largest displacements, storey shears, accelerations and forces of links, after any impacts."""
+    """Largest displacements, storey shears, accelerations and forces of links, after impacts."""
     floors = steps.shapes.shape[0]
     peaks = state.peaks
     forcing = state.motions.forcing
@@ -187,29 +187,33 @@ def watch(steps: Any, parts: Any, state: Any, lanes: int) -> None:
     _find_forces(steps, parts, state.products.q[floors:], state, lanes)
     if steps.contacts.gap.size > 0:
         _find_pushes(steps.contacts, state, lanes)
-    found = state.products.v
+    shear = state.products.v
     for i in range(floors):
-        times_row(parts.shears, i, state.products.z, found[i], lanes)
+        times_row(parts.shears, i, state.products.z, shear[i], lanes)
         for lane in range(lanes):
-            peaks.shear[i, lane] = max(peaks.shear[i, lane], abs(found[i, lane]))
+            peaks.shear[i, lane] = max(peaks.shear[i, lane], abs(shear[i, lane]))
+    acceleration = state.products.v
     for i in range(floors):
         carried = parts.carried[i]
-        times_row(parts.of_forces, i, state.products.z, found[i], lanes)
-        add_row(parts.of_drags, i, state.coordinates.drag, found[i], lanes)
+        times_row(parts.of_forces, i, state.products.z, acceleration[i], lanes)
+        add_row(parts.of_drags, i, state.coordinates.drag, acceleration[i], lanes)
         if steps.contacts.gap.size > 0:
-            add_row(parts.of_pushes, i, state.products.q, found[i], lanes)
+            add_row(parts.of_pushes, i, state.products.q, acceleration[i], lanes)
         for lane in range(lanes):
-            found[i, lane] -= carried * forcing[lane]
-            peaks.acceleration[i, lane] = max(peaks.acceleration[i, lane], abs(found[i, lane]))
+            acceleration[i, lane] -= carried * forcing[lane]
+            peaks.acceleration[i, lane] = max(
+                peaks.acceleration[i, lane], abs(acceleration[i, lane])
+            )
     if not steps.contacts.jumps:
         for i in range(steps.kind.size):
             if steps.kind[i] == BILINEAR:
-                _watch_yield(steps, parts, i, state.products.dq[floors + i], found, state, lanes)
+                change = state.products.dq[floors + i]
+                _watch_yield(steps, parts, i, change, acceleration, state, lanes)
 
 
 @called_once
 def _watch_yield(steps, parts, i, change, end, state, lanes):
-    """Accelerations where element ``i`` begins to yield in the step, in which it extends by ``change``.
+    """Accelerations where element ``i``, which extends by ``change``, begins to yield in the step.
 
     Those at the ``end`` of the step are known.
     """
