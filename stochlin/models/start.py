@@ -9,7 +9,10 @@ import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief, listed
+from stochlin.models.descriptions import shown_unit, span
 from stochlin.models.parameters import ANY_NUMBER, Model, Parameter, parameter
+
+MOST_SHOWN = 12  # values that are stated one by one
 
 
 @dataclass(frozen=True)
@@ -39,7 +42,7 @@ class Start(Model):
     --------
     >>> import stochlin as sl
     >>> sl.Start(velocity=[0.0, 1.0]).describe()
-    'Start (velocity 0 to 1 m/s over case)'
+    'Start (velocity 0, 1 m/s)'
     """
 
     displacement: Parameter = parameter("m", "displacement at the start", ANY_NUMBER, 0.0)
@@ -57,6 +60,14 @@ class Start(Model):
                     f"{what}; allowed: a list of finite numbers, in {self.units(name)}"
                 )
 
+    def stated(self) -> list[str]:
+        """The values that are not 0, one after the other; of many the range."""
+        return [
+            _stated(name.replace("_", " "), values.values.ravel(), self.units(name))
+            for name, values in self.arrays().items()
+            if values.values.any()
+        ]
+
     def of(self, coordinates: Sequence[str]) -> Array:
         """Displacements and velocities (2, n) of the coordinates with these names."""
         columns = []
@@ -68,3 +79,12 @@ class Start(Model):
                 raise ValueError(f"{what}; allowed: {len(coordinates)}, of {listed(coordinates)}")
             columns.append(np.broadcast_to(values.ravel(), len(coordinates)))
         return np.array(columns, float)
+
+
+def _stated(name: str, values: Array, units: str) -> str:
+    """Values of coordinates in words, in the unit that is shown."""
+    if values.size > MOST_SHOWN:
+        return f"{name} {span(values, units)} in {values.size} coordinates"
+    unit, scale = shown_unit(units, float(np.abs(values).max()))
+    numbers = ", ".join(f"{scale * value:.6g}" for value in values)
+    return f"{name} {numbers} {unit}"

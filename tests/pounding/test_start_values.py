@@ -134,3 +134,20 @@ def test_start_values_are_finite_and_in_their_units():
 def test_a_ground_that_is_still_needs_a_start():
     with pytest.raises(ValueError, match="only zeros"):
         sl.pound([SOFT], motion=still(1.0))
+
+
+def test_results_say_how_motions_begin():
+    pair, record = [SOFT, STIFF], shaking(200)
+    start = sl.Start(velocity=[0.5, 0.0], displacement=[0.01, -0.02], ground_velocity=0.1)
+    said = "Start (displacement 1, -2 cm, velocity 0.5, 0 m/s, ground velocity 0.1 m/s)"
+    table = sl.pound(pair, 0.1, KELVIN, record, start=start)
+    assert table.attrs["start"] == said
+    motions = {"duration": 2.0, "paths": 32, "start": start}
+    assert sl.simulate(pair, sl.WhiteNoise(0.01), **motions).attrs["start"] == said
+    on = sl.pound(pair, 0.1, KELVIN, record, start=table.end_state)
+    assert on.attrs["start"] == "end_state of the motion before"
+    alone = sl.respond(SOFT, record, start=sl.Start(velocity=0.5))
+    assert alone.attrs["start"] == "Start (velocity 0.5 m/s)"
+    assert "start" not in sl.respond(SOFT, record).attrs
+    many = sl.Start(displacement=0.01 * np.arange(20))
+    assert many.describe() == "Start (displacement 0 to 19 cm in 20 coordinates)"

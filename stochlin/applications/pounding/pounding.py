@@ -42,11 +42,15 @@ from stochlin.messages import ImplausibleInput
 from stochlin.models.arguments import Quantiles, Whole, checked
 from stochlin.models.links import Link
 from stochlin.models.plausible import PLAUSIBLE
-from stochlin.models.start import Start
 from stochlin.models.structures import AnyStructure
 from stochlin.models.walls import Wall
 from stochlin.solver.simulation.results.peaks import LINK_PEAKS
-from stochlin.solver.simulation.start_values import END_STATE, AnyStart, as_end_state
+from stochlin.solver.simulation.start_values import (
+    END_STATE,
+    AnyStart,
+    as_end_state,
+    start_in_words,
+)
 from stochlin.solver.simulation.statistics import (
     Columns,
     keeping_apart,
@@ -334,8 +338,7 @@ def pound(
         models |= {f"wall_{side}": wall for side, wall in neighbours.walls.items()}
         models["contact"] = contact
         table = table.assign_attrs(gaps=spaces.tolist())
-    if isinstance(start, Start):
-        models["start"] = start
+    table = table.assign_attrs(start_in_words(start))
     return labels.with_run_information(table, title, f"pound({call})", models, REFERENCES_OF_POUND)
 
 

@@ -33,6 +33,7 @@ from stochlin.solver.simulation.start_values import (
     AnyStart,
     as_end_state,
     checked_end_state,
+    start_in_words,
     start_values,
 )
 from stochlin.solver.tables import labels
@@ -294,7 +295,7 @@ def respond(
         table = stepped_history(structure, ground, int(refine), start)
     table = table.assign_coords(time=("time", time, {"units": "s", "long_name": "time"}))
     call = f"respond(refine={refine})"
-    table = _until_fall(table, structure)
+    table = _until_fall(table, structure).assign_attrs(start_in_words(start))
     return _with_information(table, "Response to a record", call, structure, motions)
 
 

@@ -27,6 +27,7 @@ from stochlin.models.uncertain import median_of
 from stochlin.solver.simulation.checks import check_simulation
 from stochlin.solver.simulation.finite_motions import simulate_finite
 from stochlin.solver.simulation.results import descriptions
+from stochlin.solver.simulation.start_values import start_in_words
 from stochlin.solver.simulation.stationary_motions import stationary_moments
 from stochlin.solver.simulation.structures_in_motion import (
     StructuresInMotion,
@@ -196,9 +197,8 @@ def simulate(
         more = ""
     lone = isinstance(link, Link)
     models = labels.named_models(structures, ground, () if lone else moving.links)
-    models |= {"start": start} if start is not None else {}
     return labels.with_run_information(
-        table,
+        table.assign_attrs(start_in_words(start)),
         f"Simulation of {len(structures)} structures in {state}, {median_of(ground).name} ground",
         f"simulate(paths={paths}, seed={seed}{more})",
         models | ({"link": link} if lone else {}),

@@ -28,6 +28,14 @@ def check_start(name: str, start: object) -> None:
 AnyStart = Annotated[Start | xr.DataArray, check_start]
 
 
+def start_in_words(start: Start | xr.DataArray | None) -> dict[str, str]:
+    """The attribute of a result that says how its motions begin; none from rest."""
+    if start is None:
+        return {}
+    from_end = f"{END_STATE} of the motion before"
+    return {"start": start.describe() if isinstance(start, Start) else from_end}
+
+
 def start_values(system: Assembly, start: Start) -> Array:
     """Displacements and velocities (2, n) of coordinates, checked: no element may yield by them."""
     values = start.of(system.coordinates)
