@@ -75,8 +75,9 @@ class Start(Model):
             values = self.arrays()[name].values
             single = values.size == 1 and (len(coordinates) == 1 or not values.any())
             if not single and values.shape != (len(coordinates),):
-                what = f"start: {name} has {values.size} values"
-                raise ValueError(f"{what}; allowed: {len(coordinates)}, of {listed(coordinates)}")
+                what = f"start: {name} has {values.size} value{'s' * (values.size > 1)}"
+                of_each = f"one for each structure, floor or mode: {listed(coordinates)}"
+                raise ValueError(f"{what}; allowed: {len(coordinates)}, {of_each}")
             columns.append(np.broadcast_to(values.ravel(), len(coordinates)))
         return np.array(columns, float)
 

@@ -97,12 +97,21 @@ def test_free_vibration_after_a_displacement():
 @pytest.mark.parametrize(
     ("start", "error", "said"),
     [
-        (sl.Start(velocity=[1.0]), ValueError, "velocity has 1 values; allowed: 2, of 1, 2"),
+        (
+            sl.Start(velocity=[1.0]),
+            ValueError,
+            "has 1 value; allowed: 2, one for each structure, floor or mode: 1, 2",
+        ),
         (sl.Start(displacement=[0.1] * 3), ValueError, "displacement has 3 values; allowed: 2"),
         (
             sl.Start([0.02, 0.0], [1.0, 0.0]),
             ValueError,
             r"contact 1 is -0.01 m and closes at 1 m/s",
+        ),
+        (
+            sl.Start([0.02, 0.0], [-1.0, 0.0]),
+            ValueError,
+            r"contact 1 is -0.01 m and opens at 1 m/s",
         ),
         (
             sl.Start([0.0, 0.03]),

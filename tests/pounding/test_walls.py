@@ -122,7 +122,9 @@ def test_an_edge_at_mid_storey_hits_half_of_both_floors():
             [0.1, 0.1],
             r"allowed: one number between each two neighbours, 1 in all",
         ),
-        ([sl.Wall(), SOFT], [-0.1], r"-0.1 between .* is out of range; allowed: 0 <= gap"),
+        ([sl.Wall(), SOFT], [-0.1], r"-0.1 between the wall and structure 1 is out of range; al"),
+        ([SOFT, STIFF, sl.Wall()], [0.1, -0.1], r"-0.1 between structure 2 and the wall is out of"),
+        ([sl.Wall(), SOFT, STIFF], [0.1, -0.1], r"-0.1 between structures 1 and 2 is out of range"),
         (
             [SOFT, sl.Wall(levels=[3.0])],
             0.1,

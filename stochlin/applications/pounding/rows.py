@@ -88,9 +88,15 @@ class Neighbours(NamedTuple):
     walls: dict[str, Wall]  # by their side of the row, "left" or "right"
 
     @property
-    def gaps(self) -> int:
-        """Number of gaps."""
-        return len(self.buildings) + len(self.walls) - 1
+    def gaps(self) -> list[str]:
+        """Both sides of each gap in words, from left to right."""
+        numbers = range(1, len(self.buildings))
+        between = [f"structures {number} and {number + 1}" for number in numbers]
+        if SIDES[0] in self.walls:
+            between.insert(0, "the wall and structure 1")
+        if SIDES[1] in self.walls:
+            between.append(f"structure {len(self.buildings)} and the wall")
+        return between
 
 
 class PreparedRow(NamedTuple):
@@ -141,8 +147,12 @@ def checked_row(structures: Sequence[AnyStructure | Wall]) -> Neighbours:
     return Neighbours(buildings, walls)
 
 
-def checked_gaps(gaps: npt.ArrayLike, count: int) -> Array:
-    """So many gaps [m] as an array, checked; a number is enough for a single one."""
+def checked_gaps(gaps: npt.ArrayLike, between: Sequence[str]) -> Array:
+    """Gaps [m] as an array, checked; a number is enough for a single one.
+
+    ``between`` has both sides of each gap in words.
+    """
+    count = len(between)
     allowed = f"one number between each two neighbours, {count} in all"
     if count == 0:
         allowed = "none for one building alone, gaps=(), or a second structure"
@@ -151,7 +161,7 @@ def checked_gaps(gaps: npt.ArrayLike, count: int) -> Array:
         raise ValueError(f"gaps = {brief(gaps)}; allowed: {allowed}")
     bad = np.flatnonzero(~(np.isfinite(values) & (values >= 0)))
     if bad.size:
-        what = f"gaps: {values[bad[0]]:g} between structures {bad[0] + 1} and {bad[0] + 2}"
+        what = f"gaps: {values[bad[0]]:g} between {between[bad[0]]}"
         raise ValueError(f"{what} is out of range; allowed: 0 <= gap, finite, in metres")
     return values.astype(float)
 

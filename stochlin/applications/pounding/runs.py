@@ -143,9 +143,10 @@ def _check_contacts(prepared: PreparedRow, values: Array) -> None:
     depth = weights @ values[0] - contacts.gap
     worst = int(depth.argmax()) if depth.size else 0
     if depth.size and depth[worst] > OVERLAP:
-        what = f"start: the gap of contact {worst + 1} is {-depth[worst]:g} m"
-        rate = f"and closes at {weights[worst] @ values[1]:g} m/s"
-        raise ValueError(f"{what} {rate}; allowed: gaps of 0 or more at the start")
+        rate = weights[worst] @ values[1]
+        way = "closes" if rate > 0 else "opens"
+        what = f"start: the gap of contact {worst + 1} is {-depth[worst]:g} m and {way} at"
+        raise ValueError(f"{what} {abs(rate):g} m/s; allowed: gaps of 0 or more at the start")
 
 
 def responses(
