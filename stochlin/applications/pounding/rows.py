@@ -92,9 +92,9 @@ class Neighbours(NamedTuple):
         """Both sides of each gap in words, from left to right."""
         numbers = range(1, len(self.buildings))
         between = [f"structures {number} and {number + 1}" for number in numbers]
-        if SIDES[0] in self.walls:
+        if CONTACT_SIDES[0] in self.walls:
             between.insert(0, "the wall and structure 1")
-        if SIDES[1] in self.walls:
+        if CONTACT_SIDES[1] in self.walls:
             between.append(f"structure {len(self.buildings)} and the wall")
         return between
 

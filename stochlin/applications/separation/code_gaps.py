@@ -303,23 +303,15 @@ def code_gaps(
     valid = site.valid()
     site = site.with_arrays({name: array.where(valid) for name, array in site.arrays().items()})
     rules = [code_row(code, site) for code in codes]
-    usable = valid & xr.DataArray([not rule.missing for rule in rules], dims="rule")
-    gap = _along_rules([rule.gaps for rule in rules], rules, valid)
-    table = xr.Dataset({"gap": gap, "status": labels.status_where(usable).transpose(*gap.dims)})
-    for name, text in CODE_TEXTS.items():
-        entries = [getattr(rule, name).removeprefix(NEEDS) for rule in rules]
-        table = table.assign_coords({name: ("rule", entries, {"long_name": text})})
+    table = _table_of(rules, valid)
     if correlation is not None and spectrum is not None:
-        table = table.assign(peak_1=site.peak_1)
-        if not site.alone:
-            cqc = [_apart(rule.peaks, correlation) for rule in rules]
-            table = table.assign(
-                cqc=_along_rules(cqc, rules, valid), peak_2=site.peak_2, rho=correlation
-            )
+        table = table.assign(_by_modes(rules, site, correlation, valid))
         source = str(spectrum.attrs.get("source", "a spectrum"))
         table.attrs["spectrum"] = f"{source} ({taken_in_words(spectrum)})"
     table = labels.label(table)
-    peaks = f"{DESIGN_FORCES if site.of_design else DEFINED}{ELASTIC_PEAKS * site.elastic}"
+    peaks = DESIGN_FORCES if site.of_design else DEFINED
+    if site.elastic:
+        peaks += ELASTIC_PEAKS
     checked_not = "Rules whose mark has an M were not compared with their source."
     table.attrs["comment"] = f"The peaks are {peaks}. {checked_not}"
     return labels.with_run_information(
@@ -329,6 +321,32 @@ def code_gaps(
         {name: model for name, model in models.items() if model is not None},
         "; ".join(dict.fromkeys(rule.reference for rule in rules)),
     )
+
+
+def _table_of(rules: Sequence[Rule], valid: xr.DataArray) -> xr.Dataset:
+    """Gaps and status of all rules in the ``valid`` cells, with the texts of the rules."""
+    usable = valid & xr.DataArray([not rule.missing for rule in rules], dims="rule")
+    gap = _along_rules([rule.gaps for rule in rules], rules, valid)
+    table = xr.Dataset({"gap": gap, "status": labels.status_where(usable).transpose(*gap.dims)})
+    for name, text in CODE_TEXTS.items():
+        entries = [getattr(rule, name).removeprefix(NEEDS) for rule in rules]
+        table = table.assign_coords({name: ("rule", entries, {"long_name": text})})
+    return table
+
+
+def _by_modes(
+    rules: Sequence[Rule], site: Site, correlation: xr.DataArray, valid: xr.DataArray
+) -> dict[str, Any]:
+    """The peaks of buildings by their modes and, of two, their correlation and the CQC of both."""
+    if site.alone:
+        return {"peak_1": site.peak_1}
+    cqc = [_apart(rule.peaks, correlation) for rule in rules]
+    return {
+        "peak_1": site.peak_1,
+        "cqc": _along_rules(cqc, rules, valid),
+        "peak_2": site.peak_2,
+        "rho": correlation,
+    }
 
 
 def inputs_in_words(site: Site, numbers: Mapping[str, float] | None) -> str:
