@@ -328,7 +328,7 @@ def run(
         state.block[:] = start
     history = row.at_rest(samples if keep else 0)
     impacts = follow(row, state, ground, pace, history.block)
-    floors = len(row.parts.shears)
+    floors = len(row.parts.carried)
     return [
         RowResponse(state.of_lane(lane), impacts[impacts["motion"] == lane], history, floors)
         for lane in range(lanes)

@@ -12,7 +12,7 @@ the step.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,14 +21,7 @@ from stochlin.kernels.basics.borrowed import borrowed
 from stochlin.kernels.basics.compiled import called_once, compiled
 from stochlin.kernels.simulation.contacts import stored_in
 from stochlin.kernels.simulation.laws import BILINEAR, VISCOUS
-from stochlin.kernels.simulation.row_products import (
-    add_product,
-    add_row,
-    fill,
-    products,
-    row_product,
-    times_row,
-)
+from stochlin.kernels.simulation.row_products import add_product, fill, products, times_row
 from stochlin.kernels.simulation.stepping import turned
 from stochlin.kernels.simulation.time_step import COUPLE, POST, STRENGTH
 
@@ -43,10 +36,10 @@ class Parts(NamedTuple):
     mass: Array  # (n,) [kg]
     elements: int  # number of the elements of structures, which come before those of links
     damping: Array  # (n, n) [N s/m]: the damping matrix of the structures, without links
-    shears: Array  # rows (f, e): storey shears from forces of elements
-    of_forces: Array  # rows (f, e) [1/kg]: accelerations of floors by forces of elements
-    of_drags: Array  # rows (f, n) [1/kg]: the same by forces of dashpots on the coordinates
-    of_pushes: Array  # rows (f, c) [1/kg]: the same by forces of contacts
+    contacts: int  # number of contacts, also of steps without them
+    # rows (2 f, e + n + c): accelerations of floors [1/kg], then storey shears [-], by forces of
+    # elements, dashpots and contacts
+    of_forces: Array
     carried: Array  # (f,): share by which a floor moves with the ground, as modes leave out mass
     watched: Array  # rows (f + e, n): displacements of floors, and extensions of elements
     limit: Array  # (e,) [m]: extension at which a structure falls; infinite where it cannot
@@ -136,16 +129,38 @@ def _watch_displacements(steps, parts, state, lanes):
 
 @called_once
 def _find_forces(steps, parts, extension, state, lanes):
-    """Write the forces of the elements at the end of the step, those of links with their dashpots.
+    """Write the forces at the end of the step: of elements, dashpots of structures, contacts.
 
-    Update the largest forces of links.
+    Those of links have their dashpots with them. Update the largest forces of links.
     """
-    force = state.products.z
-    for i in range(steps.kind.size):
+    contacts = steps.contacts
+    elements = steps.kind.size
+    force = state.products.force
+    for i in range(elements):
         post = steps.spring[i, POST]
         couple = steps.spring[i, COUPLE]
         for lane in range(lanes):
             force[i, lane] = post * extension[i, lane] + couple * state.elements.z[i, lane]
+    _add_dashpots_of_links(steps, parts, force, state, lanes)
+    for i in range(parts.mass.size):
+        drag = force[elements + i]
+        for lane in range(lanes):
+            drag[lane] = state.coordinates.drag[i, lane]
+    first_push = elements + parts.mass.size
+    for j in range(parts.contacts):
+        fill(force[first_push + j], 0.0, lanes)
+    for j in range(contacts.gap.size):  # none in steps without contacts
+        push = force[first_push + j]
+        for lane in range(lanes):
+            if contacts.jumps:
+                push[lane] = state.contacts.sticks[j, lane] * state.contacts.mean_force[j, lane]
+            elif not np.isnan(state.impacts.begin[j, lane]):
+                push[lane] = state.impacts.force[j, lane]
+
+
+@called_once
+def _add_dashpots_of_links(steps, parts, force, state, lanes):
+    """Add the forces of the dashpots of links to those of their springs."""
     rate = state.totals.change
     for link in range(parts.spring.size):
         i = parts.spring[link]
@@ -165,58 +180,33 @@ def _find_forces(steps, parts, extension, state, lanes):
             largest[lane] = max(largest[lane], abs(force[i, lane]))
 
 
-@called_once
-def _find_pushes(contacts, state, lanes):
-    """Write the forces of contacts at the end of the step."""
-    push = state.products.q
-    for j in range(contacts.gap.size):
-        for lane in range(lanes):
-            if contacts.jumps:
-                push[j, lane] = state.contacts.sticks[j, lane] * state.contacts.mean_force[j, lane]
-            else:
-                goes_on = not np.isnan(state.impacts.begin[j, lane])
-                push[j, lane] = state.impacts.force[j, lane] if goes_on else 0.0
-
-
-def watch(steps: Any, parts: Any, state: Any, lanes: int) -> None:
+def watch(steps, parts, state, lanes):
     """Largest displacements, storey shears, accelerations and forces of links, after impacts."""
     floors = steps.shapes.shape[0]
-    peaks = state.peaks
     forcing = state.motions.forcing
+    at_end = state.products.q
     _watch_displacements(steps, parts, state, lanes)
     _find_forces(steps, parts, state.products.q[floors:], state, lanes)
-    if steps.contacts.gap.size > 0:
-        _find_pushes(steps.contacts, state, lanes)
-    shear = state.products.v
+    products(parts.of_forces, state.products.force, at_end, lanes)
     for i in range(floors):
-        times_row(parts.shears, i, state.products.z, shear[i], lanes)
+        acceleration = at_end[i]
+        shear = at_end[floors + i]
+        largest = state.peaks.acceleration[i]
+        largest_shear = state.peaks.shear[i]
         for lane in range(lanes):
-            peaks.shear[i, lane] = max(peaks.shear[i, lane], abs(shear[i, lane]))
-    acceleration = state.products.v
-    for i in range(floors):
-        carried = parts.carried[i]
-        times_row(parts.of_forces, i, state.products.z, acceleration[i], lanes)
-        add_row(parts.of_drags, i, state.coordinates.drag, acceleration[i], lanes)
-        if steps.contacts.gap.size > 0:
-            add_row(parts.of_pushes, i, state.products.q, acceleration[i], lanes)
-        for lane in range(lanes):
-            acceleration[i, lane] -= carried * forcing[lane]
-            peaks.acceleration[i, lane] = max(
-                peaks.acceleration[i, lane], abs(acceleration[i, lane])
-            )
+            acceleration[lane] -= parts.carried[i] * forcing[lane]
+            largest[lane] = max(largest[lane], abs(acceleration[lane]))
+            largest_shear[lane] = max(largest_shear[lane], abs(shear[lane]))
     if not steps.contacts.jumps:
         for i in range(steps.kind.size):
             if steps.kind[i] == BILINEAR:
                 change = state.products.dq[floors + i]
-                _watch_yield(steps, parts, i, change, acceleration, state, lanes)
+                _watch_yield(steps, parts, i, change, at_end, state, lanes)
 
 
 @called_once
-def _watch_yield(steps, parts, i, change, end, state, lanes):
-    """Accelerations where element ``i``, which extends by ``change``, begins to yield in the step.
-
-    Those at the ``end`` of the step are known.
-    """
+def _watch_yield(steps, parts, i, change, at_end, state, lanes):
+    """Accelerations where element ``i``, extending by ``change``, begins to yield in the step."""
     strength = steps.spring[i, STRENGTH]
     for lane in range(lanes):
         slip = state.elements.slip[i, lane]
@@ -225,27 +215,26 @@ def _watch_yield(steps, parts, i, change, end, state, lanes):
             if abs(before) < NEARLY * strength:
                 share = (np.copysign(strength, slip) - before) / change[lane]
                 beyond = share * steps.spring[i, COUPLE] * slip
-                _watch_corner(steps, parts, i, share, beyond, end, state, lane)
+                _watch_corner(steps, parts, i, share, beyond, at_end, state, lane)
 
 
 @compiled
-def _watch_corner(steps, parts, i, share, beyond, end, state, lane):
+def _watch_corner(steps, parts, i, share, beyond, at_end, state, lane):
     """Accelerations at a ``share`` of the step, where the force of element ``i`` has a corner.
 
     The force is there ``beyond`` what it would be if it grew evenly in the step. All else grows
     evenly, and the means of the step are those of both ends.
     """
     dt = steps.dt
-    coordinates = state.coordinates
-    for floor in range(parts.of_forces.shape[0]):
+    for floor in range(steps.shapes.shape[0]):
         for place in range(parts.of_forces.shape[1]):
             weight = parts.of_forces[floor, place]["weight"]
             if parts.of_forces[floor, place]["column"] == i and weight != 0.0:
-                v = row_product(steps.shapes, floor, coordinates.v, lane)
-                moved = row_product(steps.shapes, floor, coordinates.dq, lane)
-                mean = 2.0 * (v - moved / dt) / dt - state.motions.forcing[lane]
+                begin = state.products.v[floor, lane]
+                moved = state.products.dq[floor, lane]
+                mean = 2.0 * (moved / dt - begin) / dt - state.motions.forcing[lane]
                 corner = weight * beyond + 2.0 * (1.0 - share) * mean
-                corner += (2.0 * share - 1.0) * end[floor, lane]
+                corner += (2.0 * share - 1.0) * at_end[floor, lane]
                 largest = state.peaks.acceleration[floor]
                 largest[lane] = max(largest[lane], abs(corner))
 

@@ -39,16 +39,6 @@ def times_row(rows, i, values, out, lanes):
             out[lane] += weight * values[column, lane]
 
 
-@called_often
-def add_row(rows, i, values, out, lanes):
-    """Add row ``i`` of `rows_of` times the values (n, lanes) to ``out`` (lanes,)."""
-    for place in range(rows.shape[1]):
-        weight = rows[i, place]["weight"]
-        column = rows[i, place]["column"]
-        for lane in range(lanes):
-            out[lane] += weight * values[column, lane]
-
-
 @compiled
 def products(rows, values, out, lanes):
     """Write `times_row` of each row to a row of ``out``."""

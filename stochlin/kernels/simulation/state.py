@@ -132,12 +132,12 @@ class Totals(Columns):
 
 
 class Products(Columns):
-    """Products of rows with coordinates and states z."""
+    """Products of rows with coordinates, and the forces at the end of a step [N]."""
 
     q: Array
     dq: Array
     v: Array
-    z: Array
+    force: Array  # of elements, dashpots of structures and contacts
 
 
 class Blows(Columns):
@@ -222,7 +222,7 @@ class State(NamedTuple):
             beginning=zeros_on_a_line(n + e, lanes),
             iteration=Iteration.zeros(lanes),
             totals=Totals.zeros(lanes),
-            products=Products.zeros(max(n, e, contacts, watched), lanes),
+            products=Products.zeros(max(e + n + contacts, 2 * watched), lanes),
             blows=Blows.zeros(n, lanes),
             law=LawStates.zeros(states, lanes),
             parameters=zeros_on_a_line(*like.parameters.shape, lanes),

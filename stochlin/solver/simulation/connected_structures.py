@@ -264,15 +264,17 @@ def row_of(system: Assembly, contacts: Contacts, all_states: bool = False) -> Bu
         0.0 if placed.link.is_power_law else placed.link.numbers[3] for placed in placed_links
     ]
     of_load = elements.system.shapes / storeys.mass
-    shares = np.nan_to_num(system.shear_shares)  # shears that are not known are left out later
+    pushes = contacts.weights[:, :n].T
+    accelerations = -of_load @ np.hstack([elements.system.extensions.T, np.eye(n), pushes])
+    shears = np.zeros_like(accelerations)
+    # Shears that are not known are left out later.
+    shears[:, : system.shear_shares.shape[1]] = np.nan_to_num(system.shear_shares)
     parts = Parts(
         mass=storeys.mass,
         elements=n,
         damping=storeys.damping,
-        shears=rows_of(shares),
-        of_forces=rows_of(-of_load @ elements.system.extensions.T),
-        of_drags=rows_of(-of_load),
-        of_pushes=rows_of(-of_load @ contacts.weights[:, :n].T),
+        contacts=contacts.gap.size,
+        of_forces=rows_of(np.concatenate([accelerations, shears])),
         carried=1.0 - elements.system.shapes.sum(axis=1),
         watched=rows_of(np.concatenate([elements.system.shapes, elements.system.extensions])),
         limit=np.concatenate([*(s.limits for s in system.sticks), np.full(others, np.inf)]),
