@@ -12,7 +12,7 @@ the step.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -180,7 +180,7 @@ def _add_dashpots_of_links(steps, parts, force, state, lanes):
             largest[lane] = max(largest[lane], abs(force[i, lane]))
 
 
-def watch(steps, parts, state, lanes):
+def watch(steps: Any, parts: Any, state: Any, lanes: int) -> None:
     """Largest displacements, storey shears, accelerations and forces of links, after impacts."""
     floors = steps.shapes.shape[0]
     forcing = state.motions.forcing
