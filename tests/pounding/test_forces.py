@@ -1,9 +1,12 @@
 """What floors and storeys bear: accelerations, shears, forces of links, the energy of each hit."""
 
+from pathlib import Path
+
 import numpy as np
+import peaks_of_steps
 import pytest
 from cases import with_slow
-from motions import finer, motion, needs_records, recorded, shaking
+from motions import FOLDER, finer, motion, needs_records, recorded, shaking
 
 import stochlin as sl
 
@@ -175,3 +178,12 @@ def test_the_corner_of_an_acceleration_where_a_storey_begins_to_yield():
     corner = (upper * yields - lower * 0.5 * yields) / mass
     assert float(table.peak_acceleration[0, 0]) == pytest.approx(corner, rel=1e-5)
     assert float(abs(table.acceleration[:, 0, 0]).max()) < 0.98 * corner
+
+
+@needs_records
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore::stochlin.DoubtfulInput")
+def test_the_page_has_the_errors_of_peaks_by_default_steps(capsys):
+    peaks_of_steps.main(FOLDER)
+    page = Path(__file__).parents[2] / "docs" / "pounding.md"
+    assert capsys.readouterr().out in page.read_text(encoding="utf-8")

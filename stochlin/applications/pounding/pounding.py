@@ -252,7 +252,7 @@ def pound(
     storey shears, of accelerations and of forces of links are those at the ends of steps, of
     accelerations also where a bilinear element begins to yield within a step. By default peaks of
     elastic structures are within 0.1 %, of yielding ones within 0.3 %, and accelerations in impacts
-    within 0.15 % in nine of ten cases. Accelerations are up to 1 % too low, which ``step_error``
+    within 0.2 % in nine of ten cases. Accelerations are up to 1 % too low, which ``step_error``
     may not show, with `ModifiedClough` and `Flag`, whose branches have corners too.
 
     An impact ends when the gap opens again; its duration is until the contact force has vanished.

@@ -233,12 +233,12 @@ def _step_error(prepared: PreparedRow, response: RowResponse, finer: RowResponse
     whole = np.maximum.reduceat(finer.peaks, prepared.first[:-1])
     largest = np.repeat(whole, np.diff(prepared.first))
     moved = np.abs(response.peaks - finer.peaks) / np.where(largest > 0, largest, 1.0)
-    pairs = zip(_compared_peaks(prepared, response), _compared_peaks(prepared, finer), strict=True)
+    pairs = zip(compared_peaks(prepared, response), compared_peaks(prepared, finer), strict=True)
     changes = [_largest_change(coarse, fine) for coarse, fine in pairs]
     return float(max(moved.max(), *changes))
 
 
-def _compared_peaks(prepared: PreparedRow, response: RowResponse) -> list[Array]:
+def compared_peaks(prepared: PreparedRow, response: RowResponse) -> list[Array]:
     """Peaks of drifts, storey shears and accelerations, and largest forces of contacts."""
     floors = response.floors
     peaks = response.end.peaks
