@@ -286,11 +286,8 @@ def _longest_period(values: dict[str, Any]) -> float:
     several = values.get("structures")
     row = several if isinstance(several, (list, tuple)) else ()
     models = [median_of(argument) for argument in (values.get("first"), values.get("second"), *row)]
-    periods = [
-        model.mode_periods()[0] if hasattr(model, "mode_periods") else getattr(model, "period", 0.0)
-        for model in models
-    ]
-    return max((float(np.max(period)) for period in periods), default=0.0)
+    structures = [model for model in models if hasattr(model, "first_period")]
+    return max((float(model.first_period().max()) for model in structures), default=0.0)
 
 
 def _of_types(function: Callable[..., Any], values: dict[str, Any]) -> Iterator[str]:

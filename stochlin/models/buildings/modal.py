@@ -429,8 +429,10 @@ class ModalBuilding(MultistoreyBuilding):
 
     def _check_orthogonal(self, name: str) -> None:
         shapes = self._numbers("shapes")
-        for number in np.flatnonzero(~shapes.any(axis=1))[:1] + 1:
-            raise ValueError(f"{name}shapes of mode {number} are all 0; allowed: a mode that moves")
+        without_motion = np.flatnonzero(~shapes.any(axis=1))
+        if without_motion.size:
+            what = f"{name}shapes of mode {without_motion[0] + 1} are all 0"
+            raise ValueError(f"{what}; allowed: a mode that moves")
         shared = _shared(shapes, self._numbers("masses"))
         if shared.max() > ORTHOGONAL:
             i, j = np.sort(np.unravel_index(np.argmax(shared), shared.shape)) + 1
