@@ -45,6 +45,11 @@ MISTAKES = {
     "no percent": ('damping = "5 %"', "damping = 150", "(a ratio, 0.05 for 5 %)$"),
     "negative": ('damping = "5 %"', 'damping = "-5 %"', "out of range; allowed: 0 < value < 1"),
     "ground misspelled": ('"firm"', '"frim"', "did you mean 'firm'?"),
+    "wall fixed to a number": (
+        "[contact]",
+        '[wall_left]\ngap = "2 cm"\nfixed = true\n[contact]',
+        "wall_left.fixed = True is not known; allowed: ground, space$",
+    ),
     "swapped": (
         'rise_end = "4 s"', 'rise_end = "16 s"', "strong_end = 15; allowed: from rise_end, 16"
     ),

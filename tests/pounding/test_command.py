@@ -145,6 +145,13 @@ def test_buildings_stand_between_walls(tmp_path: Path) -> None:
     assert "building 1 hits the wall in" in " ".join(many.output.split())
 
 
+def test_a_wall_beside_one_building_needs_a_contact(tmp_path: Path) -> None:
+    text = example_case().partition("[building_2]")[0] + '[wall_left]\ngap = "1 cm"\n'
+    text += '[separation]\nconfidence = "90 %"\n'
+    said = refused("pound", case_file(tmp_path, text=text), "--motions", 8)
+    assert "needs the contact between building and wall; write [contact]" in said
+
+
 def test_a_wall_has_no_mass(tmp_path: Path) -> None:
     text = 'wall_left = { gap = "1 cm", mass = "5 t" }\n' + example_case()
     path = case_file(tmp_path, ("Strong", 0.5), text=text)

@@ -163,10 +163,11 @@ def _check(case: Case, simulated: bool = False) -> None:
     alone = case.alone
     free = alone and not any(case.walls)
     records = case.site.records or simulated
+    sides = "between the buildings" if not alone else "between building and wall"
     needed = {
         "a record; write [[site.records]], or --motions 100 for simulated ones": records,
         'the existing gap; write existing = "5 cm" in [separation]': alone or case.wanted.existing,
-        "the contact between the buildings; write [contact] with its model": free or case.contact,
+        f"the contact {sides}; write [contact] with its model": free or case.contact,
     }
     for what, present in needed.items():
         if not present:

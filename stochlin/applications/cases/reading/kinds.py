@@ -235,7 +235,8 @@ class Word:
     def read(self, written: Any, warn: Warn) -> str:
         """The word."""
         if written not in self.allowed:
-            raise ValueError(f"is not known; {hint(written, self.allowed)}allowed: {self.words}")
+            near = hint(written, self.allowed) if isinstance(written, str) else ""
+            raise ValueError(f"is not known; {near}allowed: {self.words}")
         return str(written)
 
 
