@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +11,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief, listed
 from stochlin.models.descriptions import shown_unit, span
 from stochlin.models.parameters import ANY_NUMBER, Model, Parameter, parameter
+from stochlin.models.plausible import PLAUSIBLE
 
 MOST_SHOWN = 12  # values that are stated one by one
 
@@ -59,6 +60,13 @@ class Start(Model):
                 raise ValueError(
                     f"{what}; allowed: a list of finite numbers, in {self.units(name)}"
                 )
+
+    def doubts(self) -> Iterator[str]:
+        """Texts on displacements and velocities that are implausible."""
+        for name, values in self.arrays().items():
+            largest = float(np.abs(values.values).max(initial=0.0))
+            if text := PLAUSIBLE[f"{name.removeprefix('ground_')} at the start"].doubt(largest):
+                yield f"{name} = {largest:g}: {text}"
 
     def stated(self) -> list[str]:
         """The values that are not 0, one after the other; of many the range."""

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 from typing import Final, Literal
 
 import numpy as np
+import xarray as xr
 
 from stochlin.messages import brief
 from stochlin.models.arguments import as_numbers, check_fields
-from stochlin.models.parameters import Model
+from stochlin.models.parameters import Model, check_units
 
 TO_GROUND: Final = "ground"
 IN_SPACE: Final = "space"
@@ -30,13 +31,14 @@ class Wall(Model):
         it; one that is fixed in space has that of the ground with the opposite sign.
     levels : sequence of float, optional
         Levels above the ground at which the wall touches the building [m], as a rigid slab does. A
-        level within 0.05 m of a floor meets its slab, any other the column of the storey. By
-        default the wall is plane and meets the slabs of all floors.
+        level within 0.05 m of a floor meets its slab, any other the column of the storey; no slab
+        is met twice. By default the wall is plane and meets the slabs of all floors.
 
     Raises
     ------
     ValueError, TypeError
-        If ``fixed`` is another word, or ``levels`` are not positive numbers that differ.
+        If ``fixed`` is another word, or ``levels`` are not positive numbers that differ, or are in
+        another unit by their attribute.
 
     References
     ----------
@@ -59,6 +61,8 @@ class Wall(Model):
         super().__post_init__()
         check_fields(self, "Wall: ")
         if self.levels is not None:
+            if isinstance(self.levels, xr.DataArray):
+                check_units("Wall: levels", self.levels.attrs.get("units"), "m")
             levels = as_numbers("Wall: levels", self.levels, ALLOWED_LEVELS)
             allowed = np.isfinite(levels) & (levels > 0)
             several = levels.ndim == 1 and levels.size > 0 and np.unique(levels).size == levels.size

@@ -153,6 +153,12 @@ def pushover(folder: Path, displacement: float = 0.2, force: float = 1e6) -> Pat
     return folder / "push.csv"
 
 
+def drifts(x: float) -> object:
+    """A building beside a wall in space, from which the ground moves away so far in 2 s."""
+    row, concrete = [sl.Wall("space"), PAIR[0]], sl.Kelvin(STIFF, restitution=0.65)
+    return sl.pound(row, 0.5, concrete, motion(np.full(101, x / 2)))
+
+
 def pressed(depth: float) -> object:
     """Two buildings whose contact is pressed together so much: all is linear, and without a gap."""
     shaken = motion(SINE)
@@ -263,6 +269,9 @@ PYTHON: dict[str, Callable[[float, Path], object]] = {
     "mode downwards": lambda x, _: sl.ModalBuilding([0.4], [[x, 1.0]], [2e5] * 2, [3.0] * 2, 0.05),
     "yield drift": lambda x, _: storey(hardening=0.05, yield_drifts=3 * x),
     "pga of 475 years": lambda x, _: hazard(x),
+    "displacement at the start": lambda x, _: sl.Start([0.0, -x]),
+    "velocity at the start": lambda x, _: sl.Start(ground_velocity=x),
+    "displacement of the ground": lambda x, _: drifts(x),
     "penetration": lambda x, _: pressed(x),
     "peak of a record": lambda x, folder: sl.read_record(record(folder, peak=x)),
     "velocity of a record": lambda x, _: sl.recorded_gap(*PAIR, shaken(x, acceleration=4.0)),
@@ -525,10 +534,11 @@ FILES: dict[str, Callable[[float, Path], dict[str, str]]] = {
     "scale of a record": lambda x, folder: with_record(record(folder), f"scale = {x!r}"),
 }
 # In a case file a gap is `existing`, displacements are those of a design, and years are 50; forces
-# in contacts are those of `stochlin pound`.
+# in contacts and walls are those of `stochlin pound`; motions begin from rest.
 OF_PYTHON = {
     *("gap of a result", "gaps", "peak", "peak_factor", "penetration", "years"),
     *("damping_constant", "importance", "link over buildings"),
+    *("displacement at the start", "velocity at the start", "displacement of the ground"),
 }
 OF_FILES = {"peak over that of the site", "importance_factor", "displacement upwards"}
 # to which the explorer fits a ground

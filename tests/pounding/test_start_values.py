@@ -1,5 +1,7 @@
 """Throws, and motions that go on from the end of others: exact values, bits, and refusals."""
 
+import re
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -129,6 +131,20 @@ def test_free_vibration_after_a_displacement():
 def test_starts_that_do_not_fit_are_refused(start, error, said):
     with pytest.raises(error, match=said):
         sl.pound([SOFT, STIFF], 0.01, KELVIN, shaking(), start=start)
+
+
+@pytest.mark.parametrize(
+    ("values", "said"),
+    [
+        ({"velocity": [0.0, -50.0]}, r"velocity = 50: .*; is it in cm/s or km/h\?"),
+        ({"displacement": 3.0}, r"displacement = 3: .*; is it in cm\?"),
+        ({"ground_velocity": 30.0}, "ground_velocity = 30: usual are 0 to 2 m/s"),
+    ],
+)
+def test_implausible_start_values_are_doubted(values, said):
+    [text] = sl.Start(**values).doubts()
+    assert re.match(said, text)
+    assert not [*sl.Start([0.5, -0.5], [2.0, 0.0]).doubts()]
 
 
 def test_start_values_are_finite_and_in_their_units():

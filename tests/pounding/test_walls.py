@@ -1,10 +1,15 @@
 """Rigid walls at the ends of a row: symmetry, energy, what meets, and what is refused."""
 
+import re
+
 import numpy as np
 import pytest
-from motions import shaking
+import xarray as xr
+from motions import motion, shaking
 
 import stochlin as sl
+from stochlin.applications.pounding.rows import checked_row, doubts_of_walls
+from stochlin.applications.records.cells import checked_motions
 
 pytestmark = [pytest.mark.invariant, pytest.mark.extreme]
 
@@ -135,6 +140,16 @@ def test_an_edge_at_mid_storey_hits_half_of_both_floors():
             0.1,
             r"above the roof .* 10.5 m; allowed: levels up to the",
         ),
+        (
+            [TOWER, sl.Wall(levels=[7.0, 7.04])],
+            0.1,
+            r"meets the slab at 7 m twice; allowed: one level within 0.05 m of a slab",
+        ),
+        (
+            [SOFT, sl.Wall()],
+            xr.DataArray(10.0, attrs={"units": "cm"}),
+            r"gaps is in 'cm', by its attribute units; allowed: m",
+        ),
     ],
 )
 def test_walls_that_cannot_stand_there_are_refused(row, gaps, said):
@@ -155,6 +170,41 @@ def test_velocities_do_not_jump_at_a_column():
 def test_levels_of_walls_are_positive_and_differ(levels):
     with pytest.raises(ValueError, match=r"Wall: levels = .*; allowed: levels above the ground"):
         sl.Wall(levels=levels)
+
+
+def test_levels_of_walls_are_in_metres():
+    levels = xr.DataArray([350.0], dims="level", attrs={"units": "cm"})
+    with pytest.raises(ValueError, match=r"Wall: levels is in 'cm', .*; allowed: m, so convert"):
+        sl.Wall(levels=levels)
+
+
+def test_a_row_has_buildings_and_walls():
+    with pytest.raises(TypeError, match=r"number 2 = 'wall' is of the wrong kind; .*, Wall$"):
+        sl.pound([SOFT, "wall"], 0.1, ELEMENTS[0], shaking())
+
+
+@pytest.mark.parametrize(
+    ("row", "gaps", "sign", "said"),
+    [
+        ([SOFT, sl.Wall("space")], 0.9, 1, r"a wall fixed in space moves by 2.45 m against the gr"),
+        ([sl.Wall(), SOFT, sl.Wall("space")], [0.1, 0.2], 1, r"2.45 m closer .* 0.3 m in all; has"),
+        ([sl.Wall("space"), SOFT, sl.Wall()], [0.1, 0.2], -1, r"2.45 m closer .* 0.3 m in all; h"),
+    ],
+)
+def test_walls_in_space_that_drift_are_doubted(row, gaps, sign, said):
+    offset = motion(np.full(351, sign * 0.1))
+    neighbours = checked_row(row)
+    grounds = checked_motions(offset).grounds
+    assert re.search(said, *doubts_of_walls(neighbours, np.atleast_1d(gaps), grounds, 0.0))
+
+
+def test_walls_in_space_that_stay_or_go_away_are_not_doubted():
+    grounds = checked_motions(motion(np.full(101, 0.1))).grounds
+    for row in ([sl.Wall("space"), SOFT, sl.Wall()], [SOFT, sl.Wall("space")], [SOFT, sl.Wall()]):
+        gaps = np.full(len(row) - 1, 0.05)
+        assert not [*doubts_of_walls(checked_row(row), gaps, grounds, 0.0)]
+    row = checked_row([SOFT, sl.Wall("space")])
+    assert [*doubts_of_walls(row, np.array([0.05]), grounds, 2.0)]  # by the ground at the start
 
 
 def test_a_wall_has_no_mass():

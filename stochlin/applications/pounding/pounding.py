@@ -25,6 +25,7 @@ from stochlin.applications.pounding.rows import (
     checked_gaps,
     checked_links,
     checked_row,
+    doubts_of_walls,
 )
 from stochlin.applications.pounding.runs import (
     STEPS_PER_CONTACT,
@@ -42,6 +43,7 @@ from stochlin.messages import ImplausibleInput
 from stochlin.models.arguments import Quantiles, Whole, checked
 from stochlin.models.links import Link
 from stochlin.models.plausible import PLAUSIBLE
+from stochlin.models.start import Start
 from stochlin.models.structures import AnyStructure
 from stochlin.models.walls import Wall
 from stochlin.solver.simulation.results.peaks import LINK_PEAKS
@@ -228,8 +230,9 @@ def pound(
     Warns
     -----
     ImplausibleInput
-        If a gap is above 1 m, or a contact is pressed together by more than 2 cm, as if its
-        stiffness were in another unit.
+        If a gap is above 0.9 m; if a contact is pressed together by more than 2 cm, as if its
+        stiffness were in another unit; or if a wall fixed in space moves by more than 2 m against
+        the ground, or comes closer to the other wall than the gaps allow.
 
     Notes
     -----
@@ -303,6 +306,9 @@ def pound(
     motions, over, names = checked_ensemble(motion, may_be_still=start is not None)
     links = checked_links(link, len(buildings))
     prepared = build_row(neighbours, spaces, contact, links)
+    velocity = start.ground_velocity if isinstance(start, Start) else 0.0
+    for text in doubts_of_walls(neighbours, spaces, motions.grounds, velocity):
+        warnings.warn(f"pound: {text}", ImplausibleInput, stacklevel=3)
     paces = paces_of(prepared, contact, motions.grounds, steps_per_contact)
     if progress is not None:
         progress(0.0)

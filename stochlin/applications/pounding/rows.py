@@ -2,23 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import Annotated, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+import xarray as xr
+from scipy.integrate import cumulative_trapezoid
 
 from stochlin.applications.records.cells import check_structure
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.systems import System
 from stochlin.kernels.pounding.run import BuildingRow
+from stochlin.kernels.records.runs import SampledMotion
 from stochlin.kernels.simulation.contacts import Contacts, ForceLaw
 from stochlin.messages import brief
 from stochlin.models.arguments import as_numbers
 from stochlin.models.contacts.elements import Contact, Element
 from stochlin.models.links import Link
-from stochlin.models.parameters import expect
+from stochlin.models.parameters import check_units, expect
+from stochlin.models.plausible import PLAUSIBLE
 from stochlin.models.structures import AnyStructure
 from stochlin.models.systems import (
     LEVEL,
@@ -138,6 +142,7 @@ def checked_row(structures: Sequence[AnyStructure | Wall]) -> Neighbours:
             side = CONTACT_SIDES[0] if number == 1 else CONTACT_SIDES[1]
             walls[side] = structure
             continue
+        expect(structure, (AnyStructure, Wall), role)
         check_structure(role, structure)
         check_scalars(structure, role, NUMBERS)
         check_mass(structure, role)
@@ -156,6 +161,8 @@ def checked_gaps(gaps: npt.ArrayLike, between: Sequence[str]) -> Array:
     allowed = f"one number between each two neighbours, {count} in all"
     if count == 0:
         allowed = "none for one building alone, gaps=(), or a second structure"
+    if isinstance(gaps, xr.DataArray):
+        check_units("gaps", gaps.attrs.get("units"), "m")
     values = np.atleast_1d(as_numbers("gaps", gaps, allowed))
     if values.ndim != 1 or values.size != count:
         raise ValueError(f"gaps = {brief(gaps)}; allowed: {allowed}")
@@ -176,6 +183,33 @@ def check_contact(name: str, contact: Contact | None) -> None:
 
 
 BetweenBuildings = Annotated[Contact, check_contact]
+
+
+def doubts_of_walls(
+    neighbours: Neighbours, gaps: Array, grounds: Iterable[SampledMotion], velocity: float
+) -> Iterator[str]:
+    """Texts on walls fixed in space that move too far, from this velocity of the ground [m/s]."""
+    in_space = [side for side, wall in neighbours.walls.items() if wall.fixed == IN_SPACE]
+    if not in_space:
+        return
+    limits = PLAUSIBLE["displacement of the ground"]
+    moved = [ground_displacement(ground, velocity) for ground in grounds]
+    away = -1.0 if in_space == [CONTACT_SIDES[0]] else 1.0  # by which both walls come closer
+    closer = max(float((away * u).max()) for u in moved)
+    opposite = len(neighbours.walls) == 2 and len(in_space) == 1
+    if opposite and closer > gaps.sum():
+        what = f"the walls come {closer:.3g} m closer to each other than at the start, and the gaps"
+        yield f"{what} are {gaps.sum():.3g} m in all; {limits.above}"
+        return
+    farthest = max(float(np.abs(u).max()) for u in moved)
+    if text := limits.doubt(farthest):
+        yield f"a wall fixed in space moves by {farthest:.3g} m against the ground; {text}"
+
+
+def ground_displacement(ground: SampledMotion, velocity: float) -> Array:
+    """Displacement of the ground [m] at its samples, by the trapezoidal rule."""
+    rates = velocity + cumulative_trapezoid(ground.acceleration, dx=ground.dt, initial=0.0)
+    return cumulative_trapezoid(rates, dx=ground.dt, initial=0.0)
 
 
 def checked_links(link: Link | Sequence[Link | None] | None, count: int) -> tuple[Link | None, ...]:
@@ -288,12 +322,17 @@ def _on_wall(wall: Wall, side: str, levels: Sequence[Array]) -> list[ContactPlac
         what = f"{wall.describe()} stands beside an oscillator, which has no levels"
         raise ValueError(f"{what}; allowed: a wall without levels, or a building with storeys")
     contacts = []
+    slabs: set[int] = set()
     for level in touched:
         floor = int(np.searchsorted(floors, level - LEVEL))  # the first one that is not below
         if floor == floors.size:
             what = f"{wall.describe()} is above the roof of its building at {floors[-1]:g} m"
             raise ValueError(f"{what}; allowed: levels up to the roof")
         struck = other if floors[floor] - level >= LEVEL else ""
+        if not struck and floor in slabs:
+            what = f"{wall.describe()} meets the slab at {floors[floor]:g} m twice"
+            raise ValueError(f"{what}; allowed: one level within {LEVEL:g} m of a slab")
+        slabs |= set() if struck else {floor}
         share = float(shares_at(floors, level)[floor]) if struck else 1.0
         sides = (-1, floor) if side == CONTACT_SIDES[0] else (floor, -1)
         contacts.append(
