@@ -133,6 +133,60 @@ def test_starts_that_do_not_fit_are_refused(start, error, said):
         sl.pound([SOFT, STIFF], 0.01, KELVIN, shaking(), start=start)
 
 
+def test_no_motion_goes_on_from_one_of_other_arguments():
+    record, wall = shaking(200), sl.Wall()
+    first = sl.pound([SOFT, STIFF], 0.01, KELVIN, record[:101]).end_state
+    others = {
+        r"with structure_1 = .* 1.2 s, .*; allowed: that of one with structure_1 = .* 0.6 s": (
+            [STIFF, SOFT],
+            0.01,
+            KELVIN,
+            None,
+        ),
+        r"with contact = Kelvin .*; allowed: that of one with contact = Stereomechanical": (
+            [SOFT, STIFF],
+            0.01,
+            sl.Stereomechanical(0.4),
+            None,
+        ),
+        r"with gaps = 0.01 m; allowed: that of one with gaps = 0.02 m, or a Start": (
+            [SOFT, STIFF],
+            0.02,
+            KELVIN,
+            None,
+        ),
+        r"without wall_right; allowed: that of one with wall_right = Wall": (
+            [SOFT, STIFF, wall],
+            [0.01, 0.01],
+            KELVIN,
+            None,
+        ),
+        r"without link_1; allowed: that of one with link_1 = Link": (
+            [SOFT, STIFF],
+            0.01,
+            KELVIN,
+            sl.Link(1e7, 1e6),
+        ),
+    }
+    for said, (row, gaps, contact, link) in others.items():
+        with pytest.raises(ValueError, match=f"start is the end_state of a motion {said}"):
+            sl.pound(row, gaps, contact, record[100:], link=link, start=first)
+    with pytest.raises(ValueError, match=r"with function = pound; allowed: .* function = respond"):
+        sl.respond(SOFT, record[100:], start=first)
+    with pytest.raises(ValueError, match=r"with structure = .*; allowed: .* structure = .* 0.6 s"):
+        sl.respond(STIFF, record[100:], start=sl.respond(SOFT, record[:101]).end_state)
+    finer = sl.pound([SOFT, STIFF], 0.01, KELVIN, record[100:], start=first, steps_per_contact=32)
+    assert float(finer.energy_balance_error.max()) < 1e-9
+
+
+def test_no_motion_goes_on_from_a_fall():
+    falling = sl.Bilinear(1.2, 0.05, -0.1, yield_displacement=0.02)
+    fallen = sl.respond(falling, shaking(400))
+    assert fallen.attrs["collapse_s"] > 0
+    with pytest.raises(ValueError, match=r"start has NaN, .* falls; allowed: the end_state of one"):
+        sl.respond(falling, shaking(400), start=fallen.end_state)
+
+
 @pytest.mark.parametrize(
     ("values", "said"),
     [

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Any
 
 import numpy as np
@@ -42,6 +42,7 @@ from stochlin.kernels.pounding.run import StepCounts
 from stochlin.messages import ImplausibleInput
 from stochlin.models.arguments import Quantiles, Whole, checked
 from stochlin.models.links import Link
+from stochlin.models.parameters import Model
 from stochlin.models.plausible import PLAUSIBLE
 from stochlin.models.start import Start
 from stochlin.models.structures import AnyStructure
@@ -51,7 +52,9 @@ from stochlin.solver.simulation.start_values import (
     END_STATE,
     AnyStart,
     as_end_state,
+    check_arguments,
     start_in_words,
+    with_arguments,
 )
 from stochlin.solver.simulation.statistics import (
     Columns,
@@ -174,9 +177,10 @@ def pound(
         ``peak_link_stroke`` [m], the largest absolute extension, and ``link_energy`` [J], which the
         link dissipates.
 
-        For one motion ``end_state`` over ``state``, from which ``start`` goes on. Histories,
-        energies and peaks of the second of two motions are then those of one motion of both, with
-        the same bits; its impacts begin with one that was going on.
+        For one motion ``end_state`` over ``state``, from which ``start`` goes on, with a motion
+        that begins with the last sample of the one before. Histories, energies and peaks of the
+        second are then those of one motion of both, with the same bits; its impacts begin with one
+        that was going on.
 
         For one motion ``step_error`` [-]: the largest relative change from steps twice as long of a
         peak displacement, drift, storey shear or acceleration, or of the largest force of a
@@ -221,7 +225,8 @@ def pound(
         the number of gaps or links is wrong; if a link names a floor or structure that does not
         exist; if the output step is not positive or is given with several motions; if there is no
         motion, or a motion is not a record, has NaN, or from rest only zeros; if the start has
-        another number of values, yields or overlaps; or if the computation would take too long.
+        another number of values, yields or overlaps, or is of a motion of other arguments; or if
+        the computation would take too long.
     ArithmeticError
         If the response is no longer finite, since a law runs away. Also if a structure with a
         negative stiffness after yielding falls, as in `simulate`. With several motions the results
@@ -305,6 +310,12 @@ def pound(
     levels = np.asarray(quantiles, float)
     motions, over, names = checked_ensemble(motion, may_be_still=start is not None)
     links = checked_links(link, len(buildings))
+    models = labels.named_models(buildings, links=links)
+    if spaces.size:
+        models |= {f"wall_{side}": wall for side, wall in neighbours.walls.items()}
+        models["contact"] = contact
+    arguments = described_arguments(models, spaces)
+    check_arguments(start, arguments)
     prepared = build_row(neighbours, spaces, contact, links)
     velocity = start.ground_velocity if isinstance(start, Start) else 0.0
     for text in doubts_of_walls(neighbours, spaces, motions.grounds, velocity):
@@ -337,15 +348,18 @@ def pound(
         if over == PATH:
             described = f"{len(motions.grounds)} simulated motions"
     table = labels.label(table).assign_attrs(motion=described.removeprefix("record: "))
-    models = labels.named_models(buildings, links=links)
     title = "A building alone in a motion"
     if spaces.size:
         title = "Pounding of buildings in a row"
-        models |= {f"wall_{side}": wall for side, wall in neighbours.walls.items()}
-        models["contact"] = contact
         table = table.assign_attrs(gaps=spaces.tolist())
-    table = table.assign_attrs(start_in_words(start))
+    table = with_arguments(table.assign_attrs(start_in_words(start)), arguments)
     return labels.with_run_information(table, title, f"pound({call})", models, REFERENCES_OF_POUND)
+
+
+def described_arguments(models: Mapping[str, Model], gaps: Array) -> dict[str, str]:
+    """The arguments of a motion in words, which must be those of a motion that goes on from it."""
+    described = {"function": "pound"} | {role: model.describe() for role, model in models.items()}
+    return described | ({"gaps": ", ".join(f"{gap:g} m" for gap in gaps)} if gaps.size else {})
 
 
 def checked_ensemble(

@@ -32,9 +32,11 @@ from stochlin.solver.simulation.start_values import (
     END_STATE,
     AnyStart,
     as_end_state,
+    check_arguments,
     checked_end_state,
     start_in_words,
     start_values,
+    with_arguments,
 )
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import check_scalars
@@ -247,15 +249,17 @@ def respond(
         about a third of it. If the structure falls (see `simulate`), histories are NaN from then
         on, and the attribute ``collapse_s`` is the time.
 
-        Over ``state``, ``end_state``, from which ``start`` goes on. The histories of two records
-        are then those of one record of both. They have the same bits for `Bilinear`, and with
-        ``refine`` of 1 for all structures if their time steps are the same.
+        Over ``state``, ``end_state``, from which ``start`` goes on, with a record that begins with
+        the last sample of the one before. The histories of two records are then those of one record
+        of both. They have the same bits for `Bilinear`, and with ``refine`` of 1 for all structures
+        if their time steps are the same.
 
     Raises
     ------
     ValueError, TypeError
         If the structure has arrays or a reduction factor, the record is not valid, ``refine`` is
-        not a whole number from 1, or the start has another number of values, or yields.
+        not a whole number from 1, or the start has another number of values, yields, or is of
+        another structure or of one that has fallen.
     ArithmeticError
         If the response is not finite, as with a law whose states run away.
 
@@ -285,6 +289,11 @@ def respond(
     if not isinstance(record, xr.DataArray):
         raise TypeError(f"record is a {type(record).__name__}; allowed: one xarray.DataArray")
     motions = checked_motions(record, may_be_still=start is not None)
+    arguments = {"function": "respond", "structure": structure.describe()}
+    check_arguments(start, arguments)
+    if isinstance(start, xr.DataArray) and start.isnull().any():
+        what = f"start has NaN, as the {END_STATE} of a motion in which the structure falls"
+        raise ValueError(f"{what}; allowed: the {END_STATE} of one without a fall, or a Start")
     [ground] = motions.grounds
     intervals = ground.acceleration.size - 1
     time = float(record["time"][0]) + ground.dt / refine * np.arange(refine * intervals + 1)
@@ -296,6 +305,7 @@ def respond(
     table = table.assign_coords(time=("time", time, {"units": "s", "long_name": "time"}))
     call = f"respond(refine={refine})"
     table = _until_fall(table, structure).assign_attrs(start_in_words(start))
+    table = with_arguments(table, arguments)
     return _with_information(table, "Response to a record", call, structure, motions)
 
 
@@ -310,6 +320,7 @@ def _until_fall(table: xr.Dataset, structure: AnyStructure) -> xr.Dataset:
     histories = {
         n: v.where(table.time <= falls) for n, v in table.data_vars.items() if "time" in v.dims
     }
+    histories[END_STATE] = xr.full_like(table[END_STATE], np.nan)
     return table.assign(histories).assign_attrs(collapse_s=falls)
 
 

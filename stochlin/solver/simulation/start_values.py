@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated
 
 import numpy as np
@@ -15,6 +16,7 @@ from stochlin.models.systems import Assembly
 
 END_STATE = "end_state"
 STATE_DIMENSION = "state"
+ARGUMENTS = "arguments"  # attribute of a state at the end
 ROUNDING_OF_EXTENSIONS = 1e-9  # of extensions at yield
 
 
@@ -64,6 +66,30 @@ def first_block(row: BuildingRow, values: Array, ground_velocity: float) -> Arra
 def as_end_state(values: Array) -> xr.DataArray:
     """The state at the end of a motion, as a result has it."""
     return xr.DataArray(values, dims=STATE_DIMENSION)
+
+
+def with_arguments(table: xr.Dataset, arguments: Mapping[str, str]) -> xr.Dataset:
+    """A result whose state at the end, if it has one, says of which arguments it is."""
+    if END_STATE not in table:
+        return table
+    text = "\n".join(f"{name} = {value}" for name, value in arguments.items())
+    return table.assign({END_STATE: table[END_STATE].assign_attrs({ARGUMENTS: text})})
+
+
+def check_arguments(start: AnyStart | None, arguments: Mapping[str, str]) -> None:
+    """Raise a ValueError if a motion goes on from the end of one of other arguments."""
+    if not isinstance(start, xr.DataArray) or ARGUMENTS not in start.attrs:
+        return
+    before = dict(line.split(" = ", 1) for line in str(start.attrs[ARGUMENTS]).splitlines())
+    for name in ["function", *sorted(before.keys() ^ arguments.keys()), *before]:
+        was, now = before.get(name), arguments.get(name)
+        if was != now:
+            what = f"with {name} = {was}" if was is not None else f"without {name}"
+            allowed = f"with {name} = {now}" if now is not None else f"without {name}"
+            raise ValueError(
+                f"start is the {END_STATE} of a motion {what}; allowed: that of one {allowed}, or "
+                "a Start"
+            )
 
 
 def checked_end_state(start: xr.DataArray, size: int) -> Array:
