@@ -127,9 +127,8 @@ class Model(ByValue, metaclass=_ModelType):
     is_base: ClassVar[bool] = True
     # arguments of a function; messages then omit the class name
     of_arguments: ClassVar[bool] = False
-    other_limits: ClassVar[
-        Mapping[str, Plausible]
-    ] = {}  # of parameters that mean something else here
+    # limits of parameters that mean something else here
+    other_limits: ClassVar[Mapping[str, Plausible]] = {}
     number_of: ClassVar[str] = ""  # what a parameter that is no array is a number of, for messages
     instead: ClassVar[str] = ""  # advice in the message of a function that does not take this model
 
@@ -319,9 +318,8 @@ def check(prefix: str, name: str, value: Any, declared: Mapping[str, Any]) -> fl
     """
     label = f"{prefix}{name}"
     allowed = declared["allowed"]
-    if (
-        isinstance(value, pd.Series) and type(value.index) is pd.Index
-    ):  # of labels, which must agree
+    # The index has labels, which must agree.
+    if isinstance(value, pd.Series) and type(value.index) is pd.Index:
         value = xr.DataArray(value.to_numpy(), {CASE: value.index.to_numpy()}, CASE)
     array = value if isinstance(value, xr.DataArray) else as_array(value)
     if array.dtype.kind not in "iuf":

@@ -185,11 +185,10 @@ class UncertainModel(ByValue, WithoutCells):
         """The call that makes an equal one; what was changed since is described."""
         if inspect.isclass(self.build):
             return call(self.build.__name__, self.arguments)
-        of_class = getattr(
-            self.build, "__self__", None
-        )  # whose method builds it, as ``regular`` does
-        if inspect.isclass(of_class):
-            return call(f"{of_class.__name__}.{self.build.__name__}", self.arguments)
+        # the class whose method builds it, as ``regular`` does
+        owner = getattr(self.build, "__self__", None)
+        if inspect.isclass(owner):
+            return call(f"{owner.__name__}.{self.build.__name__}", self.arguments)
         return f"<{self.describe()}, changed>"
 
     @property

@@ -51,9 +51,8 @@ _SIZES_IN_SI: dict[tuple[float, ...], dict[str, float]] = {
 # The case of letters changes the prefix of these from milli to mega; of all others it changes
 # nothing.
 _WITH_CASE = {name.lower(): name for name in ("mm", "ms", "msec", "MN", "mg")}
-_TON = re.compile(
-    r"\s*tons?\s*", re.IGNORECASE
-)  # of force, as in "ton s^2/m", but alone also of mass
+# a ton of force, as in "ton s^2/m", but alone also of mass
+_TON = re.compile(r"\s*tons?\s*", re.IGNORECASE)
 _QUANTITIES = {
     "length": "m",
     "mass": "kg",

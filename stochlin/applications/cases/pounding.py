@@ -205,9 +205,8 @@ def displacement_beside(table: xr.Dataset, side: str) -> xr.DataArray:
     if "floor" in table.dims:
         at["floor"] = table[f"floor_{side}"].drop_vars(table[f"floor_{side}"].coords).clip(min=1)
     beside = table.displacement.sel(at)
-    if (
-        "column" in table.coords
-    ):  # a column moves between its floors, or the ground and the first one
+    # A column moves between its floors, or between the ground and the first floor.
+    if "column" in table.coords:
         share = table.share.where(table.column == side, 1.0)
         below = table.displacement.shift(floor=1, fill_value=0.0).sel(at)
         beside = share * beside + (1.0 - share) * below

@@ -55,9 +55,8 @@ AS_BUILT = "as built"
 GIVEN_MEASURE = "given"
 LEAST_MEASURE = "least"
 QUANTILE = 0.95  # of the forces, strokes and energies of devices over motions
-CONSTANTS = np.append(
-    0.0, np.geomspace(1e-3, 10, 13)
-)  # damping constants that are tried, over 2 m w
+# Damping constants that are tried, over 2 m w.
+CONSTANTS = np.append(0.0, np.geomspace(1e-3, 10, 13))
 # numbered as those of rules
 MEASURE_VERDICTS = "answer enough not_enough within_error not_available no_verdict"
 USUAL_SIMULATIONS = 60  # usual number of simulations of all searches together

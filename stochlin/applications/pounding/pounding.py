@@ -331,9 +331,8 @@ def pound(
         table = table.drop_dims(OF_CONTACTS, errors="ignore")
     else:
         table = table.merge(between_neighbours(table))
-        deepest = float(
-            table["deepest_compression"].max()
-        )  # NaN of impacts without one is left out
+        # Impacts without a compression are NaN, which the maximum leaves out.
+        deepest = float(table["deepest_compression"].max())
         if text := PLAUSIBLE["penetration"].doubt(deepest):
             what = f"pound: a contact is pressed together by {deepest:.3g} m"
             warnings.warn(f"{what}; {text}", ImplausibleInput, stacklevel=3)

@@ -169,9 +169,8 @@ class TextFile(NamedTuple):
         """What else may be given for a table in which no column is known."""
         if not self.head.titles:
             return self._or_wrapped()
-        named = not any(
-            column.is_unknown() for column in columns_of(self.head)
-        )  # titles, not remarks
+        # The lines above the table are titles, not remarks.
+        named = not any(column.is_unknown() for column in columns_of(self.head))
         return "" if named else f", or skip={self.head.titles} without titles"
 
     def _time(

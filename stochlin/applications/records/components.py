@@ -45,9 +45,8 @@ _TABLE = {
 }
 _WORDS = {text: word for word, texts in _TABLE.items() for text in texts.split()}
 _BELOW = {"BOREHOLE", "DOWNHOLE", "UNDERGROUND"}
-_SEED = re.compile(
-    r"[BCDEFGHLMS][HLNG]([ZNERT123])(\d{0,2})"
-)  # band, instrument, orientation, location
+# band, instrument, orientation, location
+_SEED = re.compile(r"[BCDEFGHLMS][HLNG]([ZNERT123])(\d{0,2})")
 _SEED_ANGLES = {"N": 0.0, "R": 0.0, "1": 0.0, "E": 90.0, "T": 90.0, "2": 90.0}
 # vertical where it is stated, of any instrument
 _VERTICAL_CHANNEL = re.compile(r"[A-Z]{1,2}Z\d{0,2}")
@@ -64,9 +63,8 @@ _BEHIND = re.compile(
     rf"{_AZIMUTH_BEHIND}|.*(?:\d(?P<word>[^\W\d_]+[12]?)|[a-z](?P<capitals>[A-Z]+))"
 )
 _AHEAD = re.compile(r"([^\W\d_]+)\d{3,}")
-_ENDING = re.compile(
-    r"V?\d+[A-Z]?", re.IGNORECASE
-)  # of a file, such as V2 and 191, is no component
+# the ending of a file name, such as V2 and 191, which is no component
+_ENDING = re.compile(r"V?\d+[A-Z]?", re.IGNORECASE)
 
 
 class Place(NamedTuple):

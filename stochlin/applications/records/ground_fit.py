@@ -95,9 +95,8 @@ class _Problem(NamedTuple):
     """A kind of ground; its parameters are fitted by logarithms, times over the ground period."""
 
     kind: type[Ground]
-    bounds: Mapping[
-        str, tuple[float, float]
-    ]  # of the period, the parameters of `Fit`, the intensity
+    # bounds of the period, of the parameters of `Fit`, and of the intensity
+    bounds: Mapping[str, tuple[float, float]]
     starts: Sequence[tuple[float, ...]]  # of the parameters of `Fit`
 
     def over_period(self, name: str) -> bool:

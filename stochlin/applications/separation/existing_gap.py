@@ -135,9 +135,8 @@ class Required:
     def _edge(self, low: float, high: float) -> Edge:
         """The edge between two values of which one is sufficient, by a few motions at least."""
         root = min(low, high, key=lambda value: abs(self._excess(value)))
-        if (
-            self._excess(low) * self._excess(high) < 0
-        ):  # else it is close, or all contradict the few
+        # Otherwise the gap at this value is close, or all motions contradict the few.
+        if self._excess(low) * self._excess(high) < 0:
             root = scipy.optimize.brentq(self._excess, low, high, rtol=CLOSE_GAPS, xtol=1e-6)
         rate = (self(high) - self(low)) / (high - low) or SMALLEST_RATE
         gap, *ends = self._at(root, self.paths)
@@ -146,9 +145,8 @@ class Required:
         )
         value = float(np.interp(self.most, *np.transpose(between)))
         ends = [value + (gap - end) / rate for end in ends]
-        if (
-            max(self(low), self(high)) >= GAP_OF_FALLEN
-        ):  # a structure falls there, so that the rate has no use
+        # A structure falls there, so that the rate has no use.
+        if max(self(low), self(high)) >= GAP_OF_FALLEN:
             ends += [low, high]
         return Edge(value, min(ends), max(ends))
 

@@ -40,6 +40,5 @@ def in_order(
             if progress is not None:
                 progress(done / count)
     finally:
-        pool.shutdown(
-            wait=False, cancel_futures=True
-        )  # after an interrupt, do not wait for the rest
+        # After an interrupt, do not wait for the rest.
+        pool.shutdown(wait=False, cancel_futures=True)

@@ -37,9 +37,8 @@ def double_difference(peak_1: Array, peak_2: Array, rho: Array) -> Array:
     product = 2 * np.sqrt(peak_1) * np.sqrt(peak_2)  # its square is 4 p1 p2
     near_one = np.hypot(peak_1 - peak_2, product * np.sqrt((1 - rho) / 2))
     opposed = rho < -0.5
-    whole = np.where(
-        opposed, peak_1 + peak_2, np.hypot(peak_1, peak_2)
-    )  # the gap at rho of -1 and 0
+    # the gap at rho of -1 and 0
+    whole = np.where(opposed, peak_1 + peak_2, np.hypot(peak_1, peak_2))
     share = np.minimum(np.where(opposed, 1 + rho, rho), 0.5)  # difference of rho from these values
     ratio = product / np.where(whole > 0, whole, 1)
     gap = whole * np.sqrt(1 - 0.5 * share * ratio**2)

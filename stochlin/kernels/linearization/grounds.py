@@ -156,9 +156,8 @@ def clough_penzien(system: Any, ground: Any) -> tuple[Signal, tuple[Pair, Pair],
     w2, d, h, p, k = system
     (_, mu_rate), (v_place, v_rate), _ = of_layer
     drive = (1 - p) * v_place, (1 - p) * v_rate + (mu - y)
-    _, z_rate = _divide(
-        layer, k, -1.0, drive
-    )  # not as a difference, which is small if slip is large
+    # Not as a difference, which is small if the slip is large.
+    _, z_rate = _divide(layer, k, -1.0, drive)
     signal = -v_rate, (w2 - h) * mu_rate + d * v_rate + h * z_rate, -k * z_rate - p * v_rate
     return signal, ends, of_layer
 

@@ -70,9 +70,8 @@ def follow(
     """
     m = springs
     n = elastic.shape[1]
-    slope = np.ones_like(
-        elastic
-    )  # of the unknowns by the level, first that of the elastic response
+    # slope of the unknowns by the level, first that of the elastic response
+    slope = np.ones_like(elastic)
     slope[2 * m : 3 * m] = 0.0  # which keeps its correlations
     strongest = elastic[m : 2 * m].max(axis=0, initial=-np.inf)
     level = np.minimum(0.0, np.log(WEAK_SHAKING) - strongest) - FIRST_RISE

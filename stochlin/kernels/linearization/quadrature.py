@@ -24,9 +24,8 @@ DENSITY_REACH = 12.0
 CELLS_OF_EXPECTATIONS = 64
 # Kept, because a fixed point asks for the same nodes in every iteration.
 gauss_legendre = cache(np.polynomial.legendre.leggauss)
-GRADED = np.concatenate(
-    [[0.0], 4.0 ** np.arange(-6, 1)]
-)  # edges of panels growing by a factor of 4
+# edges of panels that grow by a factor of 4
+GRADED = np.concatenate([[0.0], 4.0 ** np.arange(-6, 1)])
 
 
 class SlipRate(NamedTuple):

@@ -30,9 +30,8 @@ FIRST_PHASE = 0.1  # the same while a motion begins
 LENGTH_OF_BEGINNING = 30.0  # how long that is, as phase [rad]
 STABLE = 3.0  # ratio of the fastest oscillation or decay of all to the one that is followed
 LEAST_PHASE = 4e-3  # shortest step, as the same phase
-FIRST_STEPS = 0.5 ** np.arange(
-    12, 0, -1
-)  # ends within the first interval, where an envelope is steep
+# ends of steps within the first interval, where an envelope is steep
+FIRST_STEPS = 0.5 ** np.arange(12, 0, -1)
 LEAST_Z = 0.04  # sz over the yield displacement below which closures are those of this sz
 LEAST_RATE = 1e-12  # sv over the yield displacement to which it is limited [1/s]
 LARGEST_CORRELATION = 1 - 1e-12  # to which corr(v, z) is limited

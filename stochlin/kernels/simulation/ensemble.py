@@ -97,9 +97,8 @@ class SteppedStructures:
 
     elements: Elements
     law: Any  # the result of `laws.by_number`
-    samples: Sequence[
-        Elements
-    ] = ()  # with uncertain parameters: one for each motion, group after group
+    # elements with uncertain parameters: one set for each motion, group after group
+    samples: Sequence[Elements] = ()
     # (w, n): which of the first n elements belongs to each displacement, if any; None if it is its
     # own
     element: Array | None = None

@@ -71,9 +71,8 @@ def _modified_clough(lanes, v, w, parameters, dt, new, apart):
         along = z + stiffness * abs(move)
         crosses = unloads and end >= crossing
         zero = crossing if crosses else zero
-        way = _backbone(peak, parameters, lane) * (
-            (end - zero) / (peak - zero)
-        )  # to the largest mu so far
+        # the way to the largest mu so far
+        way = _backbone(peak, parameters, lane) * ((end - zero) / (peak - zero))
         way = way if end < peak else _backbone(end, parameters, lane)
         after = way if crosses or (not unloads and way < along) else along
         beyond = max(ahead, end - limit)

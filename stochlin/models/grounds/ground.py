@@ -80,9 +80,8 @@ class Fit(NamedTuple):
     """
 
     bounds: Mapping[str, tuple[float, float]]  # lower and upper bound, by name of the parameter
-    starts: Sequence[
-        tuple[float, ...]
-    ]  # starting values of all these parameters, one tuple a search
+    # starting values of all these parameters, one tuple a search
+    starts: Sequence[tuple[float, ...]]
 
 
 class Calibration(NamedTuple):
@@ -120,9 +119,8 @@ class Ground(Model, base=True):
     fit: ClassVar[Fit | None] = None
     calibration: ClassVar[Calibration | None] = None
     source: str = field(default="", compare=False, kw_only=True)
-    scatter: float = field(
-        default=0.0, kw_only=True
-    )  # of its motions between earthquakes, by default
+    # scatter of its motions between earthquakes, by default
+    scatter: float = field(default=0.0, kw_only=True)
     # Duration [s] and envelope of the motions for which it was fitted to a spectrum, and the
     # longest period [s] of that.
     fitted_for: tuple[float, Any, float] | None = field(default=None, compare=False, kw_only=True)

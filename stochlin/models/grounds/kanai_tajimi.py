@@ -68,9 +68,10 @@ class KanaiTajimi(Ground):
 
     name: ClassVar[str] = "Kanai-Tajimi"
     fit: ClassVar[Fit] = Fit({"damping": (2e-3, 3.0)}, ((0.02,), (0.06,), (0.2,), (0.6,)))
+    # errors of the correlation, from 555 pairs
     calibration: ClassVar[Calibration] = Calibration(
         (0.02, 0.03, 0.02, 0.03), soil=("period", "damping")
-    )  # of 555 pairs
+    )
     period: Parameter = parameter("s", "ground period", PERIODS)
     damping: Parameter = parameter("1", "ground damping ratio", POSITIVE_DAMPING)
     intensity: Parameter = parameter("m^2/s^3", "two-sided PSD of the white noise", POSITIVE, 1.0)

@@ -112,9 +112,8 @@ class StructuresInMotion(NamedTuple):
     # (w,) or (motions, w) [m], drifts at which structures fall; see `StickModel.limits`
     limits: Array
     run: SimulationRun  # whose duration is still open
-    factors: Mapping[
-        str, Mapping[str, Array]
-    ]  # by model and parameter: samples (motions,) over median
+    # by model and parameter: samples (motions,) over the median
+    factors: Mapping[str, Mapping[str, Array]]
     samples: Samples
     assemblies: Sequence[Assembly]  # the system alone, or its samples, one for each motion
 

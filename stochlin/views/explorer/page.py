@@ -174,9 +174,8 @@ class Page:
     def _leave(self) -> None:
         self._job.wanted = False
         self._remove_folder()
-        asyncio.get_running_loop().call_later(
-            1.0, gc.collect
-        )  # the parts of a page refer to each other
+        # The parts of a page refer to each other.
+        asyncio.get_running_loop().call_later(1.0, gc.collect)
 
     def _remove_folder(self) -> None:
         """Remove the files of this page; those with which the server started are of all pages."""

@@ -116,9 +116,8 @@ def serve(start: Upload, port: int, show: bool) -> None:
 
     @ui.page("/")
     async def page() -> None:
-        await ui.context.client.connected(
-            PATIENCE
-        )  # what only loads the page is not worth the controls
+        # A program that only loads the page is not worth the controls.
+        await ui.context.client.connected(PATIENCE)
         Page(start, worker)
 
     async def ready() -> None:

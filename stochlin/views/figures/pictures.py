@@ -65,10 +65,8 @@ PANEL_PAD = 0.06  # around panels
 THREE_LINES = 0.5  # inches: of three lines above a panel
 ROOM = 0.065  # around a number on a line
 SYMBOLS_OF_PARAMETERS = {"damping": r"$\xi$", "reduction_factor": "R"}
-MARKERS_OF_CURVES = (
-    "os^Dvp",
-    "xxxxxx",
-)  # of the simulated points of each curve, and of those in finite motions
+# markers of the simulated points of each curve, and of those in finite motions
+MARKERS_OF_CURVES = "os^Dvp", "xxxxxx"
 THIN = 0.8  # line width of other results
 TWICE = 1.96  # half a 95 % interval, in standard errors
 POINT: Any = {"ms": 3.6, "mew": 0.8, "elinewidth": 0.8, "zorder": 4}
@@ -382,9 +380,8 @@ def planes(
         label_axis(axes, "y", up)
         mesh = _triangles(across.values, up.values, table.values)
         filled = axes.tricontourf(*mesh, levels, cmap=shades, norm=BoundaryNorm(levels, shades.N))
-        below = (
-            levels < float(table.max()) - 1e-9
-        )  # at the very top a line would be dots along a ridge
+        # At the very top a line would be dots along a ridge.
+        below = levels < float(table.max()) - 1e-9
         widths = np.where(levels[below] == thick, 1.5, 0.6)
         lines.append(axes.tricontour(*mesh, levels[below], colors="0.1", linewidths=widths))
         axes.set_title(title, loc="left")

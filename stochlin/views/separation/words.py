@@ -335,9 +335,8 @@ def _storeys(answer: CaseAnswer) -> str:
         storeys = table.isel(
             element=(table.element_structure.values == number) & (table.storey.values > 0)
         )
-        yields = bool(
-            (storeys.ductility > 0).any()
-        )  # not of a building by its modes, of which modes yield
+        # In a building that is described by its modes, modes yield in place of storeys.
+        yields = bool((storeys.ductility > 0).any())
         worst = storeys.ductility if yields else storeys.peak_drift_mean
         row = storeys.isel(element=int(worst.argmax("element")))
         drift = float(row.peak_drift_mean)

@@ -254,9 +254,8 @@ class ByModes(WithFloors):
         path = self.table.path("modes")
         options = self.values_of("direction", "points", "tower", "mass_units", "length_units")
         with self.table.naming("modes", "cannot be read: "), warnings.catch_warnings():
-            warnings.simplefilter(
-                "ignore", DoubtfulInput
-            )  # the building of these modes is asked about
+            # Doubts are raised about the building of these modes instead.
+            warnings.simplefilter("ignore", DoubtfulInput)
             return read_modes(path, **options)
 
     def described(self) -> Any:

@@ -31,9 +31,8 @@ _NUMBERS_FIRST = re.compile(
 _STATED_UNITS = re.compile(
     r"\bUNITS?(?:\s+OF)?[\s:=(\[]+([A-Z]+\d?(?:(?:/|\^|\*\*)[A-Z\d]+)*)", re.IGNORECASE
 )
-_OF_PEER = re.compile(
-    r"STRONG.MOTION", re.IGNORECASE
-)  # first line of a file whose second is a title
+# first line of a file whose second line is a title
+_OF_PEER = re.compile(r"STRONG.MOTION", re.IGNORECASE)
 _EXAMPLES = "'NPTS= 5372, DT= .0100 SEC' or '4096 0.0100 NPTS, DT', the time step in SEC or MSEC"
 
 

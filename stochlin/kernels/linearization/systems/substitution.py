@@ -41,9 +41,8 @@ BACK = 0.25  # share of a step that is tried again where it led to no response
 ROUNDS_AT_LEVEL = 30  # rounds at one level of shaking, where a solution is followed
 HARDLY_YIELDING = 2.0  # by which log sigma_z of a system that hardly yields is smaller
 SOLVED = 1e-7  # largest mismatch of a solution; rounding leaves this much in stiff equations
-IDLE = np.log(
-    1e-6
-)  # log sigma of the rate [m/s] of a dashpot below which it may be a rounding error
+# log sigma of the rate [m/s] of a dashpot below which it may be a rounding error
+IDLE = np.log(1e-6)
 
 
 class EquivalentCoefficients(NamedTuple):

@@ -30,9 +30,8 @@ class EndedMotions:
     """
 
     moving: StructuresInMotion
-    largest: Mapping[
-        str, Array
-    ]  # (2, paths, m) [m], of all `StructuresInMotion.functions`, both sides
+    # (2, paths, m) [m]: largest values of all `StructuresInMotion.functions`, to both sides
+    largest: Mapping[str, Array]
     fallen: Array  # (paths, s), whether each structure has fallen
     links: Mapping[str, Array]  # (paths, l) each: "force" [N], "stroke" [m] and "energy" [J]
     displacement: Array  # (paths, w) [m] of all that is watched, at the end
