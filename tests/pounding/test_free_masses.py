@@ -19,7 +19,7 @@ from hypothesis import given
 import stochlin as sl
 from stochlin.kernels.basics.systems import System
 from stochlin.kernels.pounding import run as kernel
-from stochlin.kernels.pounding.impacts import REST
+from stochlin.kernels.pounding.impacts import LEAST_REBOUND_STEPS
 from stochlin.kernels.simulation import contacts as forces
 from stochlin.kernels.simulation.account import Parts
 from stochlin.kernels.simulation.laws import LINEAR, by_number
@@ -323,7 +323,7 @@ def test_a_mass_bounces_on_a_wall_and_rests_until_it_is_pulled_away(e):
         ahead = np.linspace(1e-6, 0.5, 100_001)
         first = ahead[np.argmax(beyond(ahead) > 0)]
         after = scipy.optimize.brentq(beyond, first - 5e-6, first)
-        if touches and after < REST * dt:
+        if touches and after < LEAST_REBOUND_STEPS * dt:
             break
         approach = speed * np.cos(w * after) - place * w * np.sin(w * after) - u
         t += after

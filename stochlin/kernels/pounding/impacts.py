@@ -2,8 +2,8 @@
 
 A contact has an impact from the time at which the penetration becomes positive until it is negative
 again. A stereomechanical blow multiplies the rate of penetration by ``-e`` at the time of touch,
-eq. (13). A rebound that would last less than `REST` time steps ends in rest: both sides then move
-together, as one impact, until they are pulled apart.
+eq. (13). A rebound that would last less than `LEAST_REBOUND_STEPS` ends in rest: both sides
+then move together, as one impact, until they are pulled apart.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ from stochlin.kernels.simulation.laws import VISCOUS
 from stochlin.kernels.simulation.row_products import row_product
 from stochlin.kernels.simulation.state import PresentImpacts
 
-LINES = 256  # length of the table for each motion, if it is long enough
-REST = 2.0  # time steps that a rebound takes at least
-ROUNDING = 1e-12  # rate of penetration that may be rounding, over the largest velocity
+LINES_PER_MOTION = 256  # of the table of impacts; it is made longer if these are too few
+LEAST_REBOUND_STEPS = 2.0  # fewest time steps of a rebound
+ROUNDING_OF_RATES = 1e-12  # rate of penetration that may be rounding, over the largest velocity
 MOST_BLOWS = 200  # of all contacts after one time step; then all sides that still approach rest
 
 _COLUMNS = [
@@ -141,10 +141,10 @@ def _watch_contact(steps, j, time, before, change, state, lane):
     after = before + change
     if np.isnan(impacts.begin[j, lane]):
         touch = time + (dt * -before / change if before < 0.0 else 0.0)
-        at_once = (
+        first_force = (
             law.damping * speed if law.damping_exponent == 0.0 and not law.over_approach else 0.0
         )
-        _begin_impact(impacts, j, touch, speed, at_once, lane)
+        _begin_impact(impacts, j, touch, speed, first_force, lane)
     v0 = speed if speed > state.motions.least_approach[lane] else 0.0
     total, elastic = mean_force(law, v0, before, change, dt)
     _dissipate(state, j, (total - elastic) * change, lane)
@@ -158,8 +158,8 @@ def _watch_contact(steps, j, time, before, change, state, lane):
     impacts.largest_penetration[j, lane] = max(impacts.largest_penetration[j, lane], after, turn)
     if total != 0.0:
         margin = separation_margin(law, before, change / dt)
-        left = separation_margin(law, after, change / dt)
-        within = margin / (margin - left) if left < 0.0 < margin else 1.0
+        margin_after = separation_margin(law, after, change / dt)
+        within = margin / (margin - margin_after) if margin_after < 0.0 < margin else 1.0
         impacts.end[j, lane] = time + dt * within
 
 
@@ -188,7 +188,7 @@ def strike_all(steps, parts, time, near, count, state, table):
     for lane in range(count):
         rounding = 0.0
         for k in range(coordinates.q.shape[0]):
-            rounding = max(rounding, ROUNDING * abs(coordinates.v[k, lane]))
+            rounding = max(rounding, ROUNDING_OF_RATES * abs(coordinates.v[k, lane]))
             change = coordinates.v[k, lane] - coordinates.dq[k, lane] / steps.dt
             state.blows.acceleration[k, lane] = 2.0 * change / steps.dt
         for j in range(steps.contacts.gap.size):
@@ -278,12 +278,12 @@ def _blow(steps, parts, j, rate, pressed, time, state, lane):
     since = 0.0
     mobility = _mobility(rows, parts.mass, j)
     gain = row_product(rows, j, blows.acceleration, lane)
-    at_touch = np.sqrt(max(rate * rate - 2.0 * gain * depth, 0.0))
-    if at_touch > 0.0:  # the penetration is a parabola
-        since = min(2.0 * depth / (rate + at_touch), dt)
+    rate_at_touch = np.sqrt(max(rate * rate - 2.0 * gain * depth, 0.0))
+    if rate_at_touch > 0.0:  # the penetration is a parabola
+        since = min(2.0 * depth / (rate + rate_at_touch), dt)
         rate -= since * gain
     e = steps.contacts.restitution
-    if 2.0 * e * rate < REST * dt * pressed:
+    if 2.0 * e * rate < LEAST_REBOUND_STEPS * dt * pressed:
         e = 0.0
     impulse = (1.0 + e) * rate / mobility
     if state.contacts.sticks[j, lane] == 0.0:

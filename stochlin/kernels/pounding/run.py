@@ -17,7 +17,7 @@ from stochlin.kernels.basics.borrowed import borrowed
 from stochlin.kernels.basics.compiled import by_pointer, called_once, compiled, entry
 from stochlin.kernels.pounding.impacts import (
     IMPACT,
-    LINES,
+    LINES_PER_MOTION,
     PRESENT,
     ImpactTable,
     strike_all,
@@ -146,7 +146,9 @@ class RowStates(NamedTuple):
 
 @called_once
 def _near(contacts, dt, state, lanes, near):
-    """Write lanes in contact in the step taken without it, or that may be; returns their number.
+    """Write the lanes that are in contact in the step, or may be; returns their number.
+
+    The step was taken without contacts.
 
     Within a step the penetration is a parabola, which rises above the ends by an eighth of the
     change of the rate times ``dt`` at most.
@@ -174,10 +176,10 @@ def _near(contacts, dt, state, lanes, near):
 
 
 @compiled
-def _set_forcing(acceleration, sample, share, of, forcing, lanes):
-    """Write the forcing at a share of an interval of the motion, in the lanes ``of``."""
+def _set_forcing(acceleration, sample, share, members, forcing, lanes):
+    """Write the forcing at a share of an interval of the motion, in these lanes."""
     for k in range(lanes):
-        lane = of[k]
+        lane = members[k]
         rise = acceleration[sample + 1, lane] - acceleration[sample, lane]
         forcing[k] = -(acceleration[sample, lane] + share * rise)
 
@@ -280,7 +282,7 @@ def _last_impacts(contacts: Contacts, state: State) -> Array:
 def follow(
     row: BuildingRow, state: State, ground: GroundMotions, pace: StepCounts, history: Array
 ) -> Array:
-    """Motions ``state`` (n lanes) from their state on, which is changed.
+    """Motions ``state`` (n lanes) that go on from this state, which is changed.
 
     The states of the first motion are written to ``history`` (rows, samples), if it has columns,
     NaN after the end of one that fails. Returns the table of `impacts`, as they begin.
@@ -298,7 +300,7 @@ def follow(
         cuts=pace.cuts,
         substeps=pace.substeps,
     )
-    table = ImpactTable(np.empty(LINES * lanes, IMPACT), np.zeros(1, np.int64))
+    table = ImpactTable(np.empty(LINES_PER_MOTION * lanes, IMPACT), np.zeros(1, np.int64))
     functions = _functions(row, steps, states, table)
     history[:] = np.nan
     _run(functions=functions, steps=steps, ground=ground, states=states, table=table)

@@ -42,7 +42,8 @@ from stochlin.kernels.simulation.time_step import (
     system_block,
 )
 
-STRENGTH_STREAM = 1  # number of the stream, within that of a group, of the factors on the motions
+# number of the stream, within that of a group, of the factors by which motions scatter
+SCATTER_STREAM = 1
 SAMPLES = 32  # default number of samples of a block, which then fits the second-level cache
 
 Block = Callable[..., None]
@@ -99,9 +100,9 @@ class SteppedStructures:
     law: Any  # the result of `laws.by_number`
     # elements with uncertain parameters: one set for each motion, group after group
     samples: Sequence[Elements] = ()
-    # (w, n): which of the first n elements belongs to each displacement, if any; None if it is its
-    # own
-    element: Array | None = None
+    # (w, n): 1 for the element, of the first n, that belongs to a displacement, else 0; None if
+    # each displacement is that of its element
+    incidence: Array | None = None
     _steps: dict[float, Steps] = field(default_factory=dict, init=False)
 
     @property
@@ -114,7 +115,7 @@ class SteppedStructures:
         return State.at_rest(self._of(group) or [self.elements], lanes)
 
     def begin(self, state: State, start: Array) -> None:
-        """Begin motions with values (2, n) of the coordinates, as in `Oscillators`."""
+        """Begin motions with values (2, n) of the coordinates, as in `SteppedOscillators`."""
         coordinates = state.coordinates
         coordinates.q[:], coordinates.v[:] = start[..., None]
         springs = self.elements.kind != VISCOUS
@@ -130,7 +131,7 @@ class SteppedStructures:
         return self.samples[group * LANES : (group + 1) * LANES]
 
     def block(self, dt: float, group: int = 0) -> Block:
-        """The function for blocks of time steps of this group of motions, as in `Oscillators`."""
+        """Function for blocks of time steps of a group of motions, as in `SteppedOscillators`."""
         if self.samples:
             steps = sampled_steps(self._of(group), dt)
             block_of = sampled_block
@@ -151,7 +152,7 @@ class SteppedStructures:
         n = self.elements.system.mass.size
         extensions = self.elements.system.extensions[:n] @ state.coordinates.q
         plastic: Array = extensions - state.elements.z[:n]
-        return plastic if self.element is None else self.element @ plastic
+        return plastic if self.incidence is None else self.incidence @ plastic
 
 
 class UncertainGround(NamedTuple):
@@ -329,7 +330,7 @@ class MotionGroup:
 def strengths(plan: Plan, group: int) -> Array:
     """Random factors (LANES,) on the ground accelerations of the motions of a group."""
     normal = np.empty((1, LANES))
-    fill_normal(generator_state(plan.seed, group, LANES, STRENGTH_STREAM), normal)
+    fill_normal(generator_state(plan.seed, group, LANES, SCATTER_STREAM), normal)
     factors: Array = np.exp(plan.scatter * normal[0])
     return factors
 
@@ -414,8 +415,8 @@ def finite_extremes(
             if links.parameters.size:
                 extensions = functions_of(out, links.extensions)
                 watch_links(extensions, links.parameters, ensemble.plan.dt, peaks)
-        lost = ~np.isfinite(functions_of(out[-1:], rows)[0])
-        highest[lost] = lowest[lost] = np.nan
+        not_finite = ~np.isfinite(functions_of(out[-1:], rows)[0])
+        highest[not_finite] = lowest[not_finite] = np.nan
         return Extremes(
             highest=highest,
             lowest=lowest,

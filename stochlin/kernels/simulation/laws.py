@@ -32,10 +32,10 @@ LOST = 1e3  # extension of a lane that has run away in a step, over the yield ex
 class RateLaw:
     """A law with states, in time steps.
 
-    ``step(lanes, v, w, own, dt, new, apart)`` writes the states after ``dt`` [s] to ``new``, which
-    may be ``w``, and 1 to ``apart`` (lanes,) where the step is too long. ``v`` (lanes,) is the rate
-    of the extension over the yield extension [1/s], ``w`` (states, lanes) are the states before the
-    step, and ``parameters`` (k, lanes) the parameters of the law.
+    ``step(lanes, v, w, parameters, dt, new, too_long)`` writes the states after ``dt`` [s] to
+    ``new``, which may be ``w``, and 1 to ``too_long`` (lanes,) where the step is too long. ``v``
+    (lanes,) is the rate of the extension over the yield extension [1/s], ``w`` (states, lanes) are
+    the states before the step, and ``parameters`` (k, lanes) those of the law.
     """
 
     step: Any
@@ -49,50 +49,50 @@ def advance(law, kind, lanes, v, w, parameters, dt, new):
 
     Lanes in which a step is too long are integrated again in substeps, as many as each needs.
     """
-    apart = np.zeros(lanes)
-    rough = 0
-    law(kind, lanes, v, w, parameters, dt, new, apart)
+    too_long = np.zeros(lanes)
+    count = 0
+    law(kind, lanes, v, w, parameters, dt, new, too_long)
     for lane in range(lanes):
-        rough += apart[lane] > 0.0
-    if rough:
-        _again(law, kind, lanes, v, w, parameters, dt, new, apart)
+        count += too_long[lane] > 0.0
+    if count:
+        _again(law, kind, lanes, v, w, parameters, dt, new, too_long)
 
 
 @compiled
-def _again(law, kind, lanes, v, w, parameters, dt, new, apart):
-    """Integrate the lanes that are ``apart`` side by side, in twice as many substeps each time."""
+def _again(law, kind, lanes, v, w, parameters, dt, new, too_long):
+    """Integrate the lanes whose step is too long, in twice as many substeps each time."""
     for lane in range(lanes):  # a lane that is lost stays as it is
         for k in range(w.shape[0]):
-            apart[lane] = apart[lane] if np.isfinite(w[k, lane]) else 0.0
-        apart[lane] = apart[lane] if abs(v[lane]) * dt < LOST else 0.0
+            too_long[lane] = too_long[lane] if np.isfinite(w[k, lane]) else 0.0
+        too_long[lane] = too_long[lane] if abs(v[lane]) * dt < LOST else 0.0
     rows = np.empty((2, lanes))
-    tried = np.empty(w.shape)
-    of_few = np.empty(parameters.shape)
+    states = np.empty(w.shape)
+    constants = np.empty(parameters.shape)
     pace = rows[0]
-    differ = rows[1]
-    few = 1
+    rough = rows[1]
+    count = 1
     substeps = 1
-    while few and substeps < MOST_SUBSTEPS:
-        few = 0
+    while count and substeps < MOST_SUBSTEPS:
+        count = 0
         substeps = 2 * substeps
         for lane in range(lanes):
-            if apart[lane] > 0.0:
-                pace[few] = v[lane]
-                differ[few] = 0.0
+            if too_long[lane] > 0.0:
+                pace[count] = v[lane]
+                rough[count] = 0.0
                 for k in range(w.shape[0]):
-                    tried[k, few] = w[k, lane]
+                    states[k, count] = w[k, lane]
                 for k in range(parameters.shape[0]):
-                    of_few[k, few] = parameters[k, lane]
-                few += 1
-        for _ in range(substeps if few else 0):
-            law(kind, few, pace, tried, of_few, dt / substeps, tried, differ)
-        few = 0
+                    constants[k, count] = parameters[k, lane]
+                count += 1
+        for _ in range(substeps if count else 0):
+            law(kind, count, pace, states, constants, dt / substeps, states, rough)
+        count = 0
         for lane in range(lanes):
-            if apart[lane] > 0.0:
-                apart[lane] = differ[few]
+            if too_long[lane] > 0.0:
+                too_long[lane] = rough[count]
                 for k in range(w.shape[0]):
-                    new[k, lane] = tried[k, few]
-                few += 1
+                    new[k, lane] = states[k, count]
+                count += 1
 
 
 def named(name: str, function: Any) -> Any:
@@ -107,7 +107,7 @@ def named(name: str, function: Any) -> Any:
 
 
 def rate_law(write: Any, states: int, name: str) -> RateLaw:
-    """The law of which ``write(lane, v, w, own, rates)`` writes the rates of the states in a lane.
+    """Law whose rates of states in a lane ``write(lane, v, w, parameters, rates)`` writes.
 
     Each law has a ``name`` of its own. Each stage has loops of its own: where rates have powers,
     processors wait for each stage of a lane, and work on several lanes of a short loop meanwhile.
@@ -116,7 +116,7 @@ def rate_law(write: Any, states: int, name: str) -> RateLaw:
 
     @called_often
     @partial(named, name)
-    def step(lanes, v, w, parameters, dt, new, apart):
+    def step(lanes, v, w, parameters, dt, new, too_long):
         inner = np.empty((states, lanes))
         rates = np.empty((4, states, lanes))
         for k in range(states):
@@ -136,38 +136,42 @@ def rate_law(write: Any, states: int, name: str) -> RateLaw:
                 mean = (rates[0, k, lane] + rates[3, k, lane]) + 2.0 * (second + rates[2, k, lane])
                 after = before + dt * (mean * SIXTH)
                 near = abs(after - (before + dt * second)) - ROUGH * (1.0 + abs(after)) <= 0.0
-                apart[lane] = apart[lane] if near else 1.0
+                too_long[lane] = too_long[lane] if near else 1.0
                 new[k, lane] = after
 
     return RateLaw(step, states, name)
 
 
 @called_often
-def _bouc_wen_rate(v, z, parameters, lane, less):
-    """``z' = v - |z|^n (beta |v| sign z + gamma v)``; own: beta, gamma, n; ``less = |z|^(n-1)``."""
+def _bouc_wen_rate(v, z, parameters, lane, power):
+    """``z' = v - |z|^n (beta |v| sign z + gamma v)``, with ``power = |z|^(n-1)``.
+
+    Parameters: beta, gamma, n.
+    """
     shape = parameters[0, lane] * np.copysign(1.0, v * z) + parameters[1, lane]
-    return v * (1.0 - abs(z) * (less * shape))
+    return v * (1.0 - abs(z) * (power * shape))
 
 
-def _linear(lane, v, w, parameters, rates):
+def _linear_rate(lane, v, w, parameters, rates):
     rates[0, lane] = _bouc_wen_rate(v, w[0, lane], parameters, lane, 1.0)
 
 
-def _of_any_power(lane, v, w, parameters, rates):
-    less = exponential((parameters[2, lane] - 1.0) * logarithm(abs(w[0, lane])))
-    rates[0, lane] = _bouc_wen_rate(v, w[0, lane], parameters, lane, less)
+def _power_rate(lane, v, w, parameters, rates):
+    power = exponential((parameters[2, lane] - 1.0) * logarithm(abs(w[0, lane])))
+    rates[0, lane] = _bouc_wen_rate(v, w[0, lane], parameters, lane, power)
 
 
-LINEAR_BOUC_WEN = rate_law(_linear, 1, "Bouc-Wen, n = 1")
-BOUC_WEN = rate_law(_of_any_power, 1, "Bouc-Wen")
+LINEAR_BOUC_WEN = rate_law(_linear_rate, 1, "Bouc-Wen, n = 1")
+BOUC_WEN = rate_law(_power_rate, 1, "Bouc-Wen")
 
 
 @cache
 def by_number(laws: tuple[RateLaw, ...]) -> Any:
-    """One function ``law(kind, lanes, v, w, own, dt, new, apart)`` for laws with rates or branches.
+    """One function for laws with rates or branches.
 
-    The ``laws`` have the kinds OTHER_LAW, OTHER_LAW + 1 and so on. The function is a C function, so
-    that a new law compiles no time step.
+    It is ``law(kind, lanes, v, w, parameters, dt, new, too_long)``. The ``laws`` have the kinds
+    OTHER_LAW, OTHER_LAW + 1 and so on. The function is a C function, so that a new law compiles no
+    time step.
     """
     chosen = _no_law
     names = repr([(law.name, law.states) for law in laws])
@@ -179,7 +183,7 @@ def by_number(laws: tuple[RateLaw, ...]) -> Any:
 
 
 @compiled
-def _no_law(kind, lanes, v, w, parameters, dt, new, apart):
+def _no_law(kind, lanes, v, w, parameters, dt, new, too_long):
     """An unknown kind: the state z after the step is NaN."""
     for lane in range(lanes):
         new[0, lane] = np.nan
@@ -191,10 +195,10 @@ def _either(number: int, law: Any, others: Any, name: str) -> Any:
 
     @compiled
     @partial(named, name)
-    def chosen(kind, lanes, v, w, parameters, dt, new, apart):
+    def chosen(kind, lanes, v, w, parameters, dt, new, too_long):
         if kind == kind_of_law:
-            law(lanes, v, w, parameters, dt, new, apart)
+            law(lanes, v, w, parameters, dt, new, too_long)
         else:
-            others(kind, lanes, v, w, parameters, dt, new, apart)
+            others(kind, lanes, v, w, parameters, dt, new, too_long)
 
     return chosen

@@ -42,14 +42,15 @@ def _unloading(peak, parameters, lane):
 
 
 @compiled
-def _modified_clough(lanes, v, w, parameters, dt, new, apart):
+def _modified_clough(lanes, v, w, parameters, dt, new, too_long):
     """Peak-oriented branches.
 
-    own: the exponent of the unloading stiffness; z and mu of cracking, and the slope from there to
-    yielding (1, 1 and 0 without cracking); mu of the cap (infinite without one), the slope beyond
-    it, downwards, and the least z of the backbone. States: z; mu; the mu at which z was last zero;
-    the largest mu so far beyond that of cracking, up and down. Once one side has yielded, the other
-    is cracked up to yielding, too. Formulas are those of an upward motion; others are mirrored.
+    Parameters: the exponent of the unloading stiffness; z and mu of cracking, and the slope from
+    there to yielding (1, 1 and 0 without cracking); mu of the cap (infinite without one), the slope
+    beyond it, downwards, and the least z of the backbone. States: z; mu; the mu at which z was last
+    zero; the largest mu so far beyond that of cracking, up and down. Once one side has yielded, the
+    other is cracked up to yielding, too. Formulas are those of an upward motion; others are
+    mirrored.
     """
     for lane in range(lanes):
         move = v[lane] * dt
@@ -84,8 +85,11 @@ def _modified_clough(lanes, v, w, parameters, dt, new, apart):
 
 
 @compiled
-def _flag(lanes, v, w, parameters, dt, new, apart):
-    """Flag-shaped branches; own: the width of the flag, 2 for the bilinear law. States: z; mu."""
+def _flag(lanes, v, w, parameters, dt, new, too_long):
+    """Flag-shaped branches.
+
+    Parameter: the width of the flag, 2 for the bilinear law. States: z; mu.
+    """
     for lane in range(lanes):
         move = v[lane] * dt
         low = 1.0 - parameters[0, lane]

@@ -116,7 +116,7 @@ class Iteration(Columns):
     """Of each motion, while the passes of a step are repeated."""
 
     change: Array  # of the extension or penetration of the present element or contact [m]
-    more_slip: Array  # of the present element [m]
+    slip_change: Array  # of the present element in this pass [m]
     largest_change: Array  # of an extension, without slips [m]
     active: Array  # 1 if the passes go on, else 0
     active_next: Array  # the same for the next pass
@@ -249,17 +249,17 @@ class State(NamedTuple):
 
 
 @compiled
-def copy(source, of, target, to, count):
-    """Copy states (rows, lanes) from the lanes ``of`` to the lanes ``to``."""
+def copy(source, source_lanes, target, target_lanes, count):
+    """Copy states (rows, lanes) from some lanes to others."""
     for row in range(source.shape[0]):
         for k in range(count):
-            target[row, to[k]] = source[row, of[k]]
+            target[row, target_lanes[k]] = source[row, source_lanes[k]]
 
 
 @compiled
 def copy_all(source, target):
     """Copy all states."""
-    of_source = source.ravel()
-    of_target = target.ravel()
-    for i in range(of_source.size):
-        of_target[i] = of_source[i]
+    flat_source = source.ravel()
+    flat_target = target.ravel()
+    for i in range(flat_source.size):
+        flat_target[i] = flat_source[i]

@@ -21,10 +21,10 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.compiled import called_often, entry, of_lane, variant
 
 # Independent motions in the innermost loop, which fit vector registers and first-level cache.
-LANES = 32
-# Loops with many constants take the number of lanes from an array. If the compiler knows it, it
-# unrolls them completely, which takes up to twice as long, since constants do not stay in
+# Loops with many constants take this number from the shape of an array. If the compiler knows it,
+# it unrolls them completely, which takes up to twice as long, since constants do not stay in
 # registers.
+LANES = 32
 
 
 def whole_groups(motions: int) -> int:
@@ -128,10 +128,8 @@ def _any_states(xi, q, transition, gain, row, direct, f):
                 q[i, lane] = moved[i, lane]
 
 
-any_ground, ground_of_each_lane = (
-    entry(_any_states),
-    entry(variant(_any_states, "ground_of_each_lane")),
-)
+any_ground = entry(_any_states)
+ground_of_each_lane = entry(variant(_any_states, "ground_of_each_lane"))
 
 
 @entry
@@ -185,7 +183,7 @@ def bilinear_block(f, dt, parameters, u, v, z, every, out, first):
     for n in range(u.shape[0]):
         d, k, h, scale = parameters[n]
         elastic = half / (1.0 + half * d + half * half * (k + h))
-        push, keep, pull, trial = (
+        push, carry, pull, trial = (
             dt * scale * elastic,
             2.0 * elastic,
             dt * k * elastic,
@@ -193,15 +191,15 @@ def bilinear_block(f, dt, parameters, u, v, z, every, out, first):
         )
         ease = half * h / (1.0 + half * d + half * half * k)
         shift = half * ease
-        most = np.inf if h == 0.0 else 1.0  # of a linear structure z is kept at u
+        limit = np.inf if h == 0.0 else 1.0  # of a linear structure z is kept at u
         un, vn, zn = u[n], v[n], z[n]
         sample = 0
         for s in range(f.shape[0]):
             for lane in range(f.shape[1]):
                 disp, vel, hyst = un[lane], vn[lane], zn[lane]
-                moved = (push * f[s, lane] - trial * hyst) + (keep * vel - pull * disp)
+                moved = (push * f[s, lane] - trial * hyst) + (carry * vel - pull * disp)
                 z_trial = hyst + moved
-                z_new = min(max(z_trial, -most), most)
+                z_new = min(max(z_trial, -limit), limit)
                 excess = z_trial - z_new
                 zn[lane] = z_new
                 un[lane] = (disp + moved) + shift * excess
@@ -241,22 +239,25 @@ def add_products(out, total):
 @called_often
 def _value(displacements, row, value):
     """Write a weighted sum of the displacements (n, LANES) at one sample to ``value`` (LANES,)."""
-    first, share = displacements[row[0]["column"]], row[0]["weight"]
+    first, weight = displacements[row[0]["column"]], row[0]["weight"]
     for lane in range(LANES):
-        value[lane] = share * first[lane]
+        value[lane] = weight * first[lane]
     for k in range(1, len(row)):
-        more, share = displacements[row[k]["column"]], row[k]["weight"]
-        if share != 0.0:
+        displacement, weight = displacements[row[k]["column"]], row[k]["weight"]
+        if weight != 0.0:
             for lane in range(LANES):
-                value[lane] += share * more[lane]
+                value[lane] += weight * displacement[lane]
 
 
 @entry
-def observe(out, rows, seen):
-    """Write functions by `rows_of` of the displacements ``out`` to ``seen`` (samples, m, LANES)."""
+def observe(out, rows, values):
+    """Write functions of the displacements ``out`` to ``values`` (samples, m, LANES).
+
+    The ``rows`` are those of `rows_of`.
+    """
     for s in range(out.shape[0]):
         for i in range(len(rows)):
-            _value(out[s], rows[i], seen[s, i])
+            _value(out[s], rows[i], values[s, i])
 
 
 @called_often
@@ -266,8 +267,8 @@ def turned(begin, end, way):
     ``way`` is the velocity times the time step. By the trapezoidal rule the change of the
     displacement is its mean at both ends, and the displacement within the step a parabola.
     """
-    then = 2.0 * (end - begin) - way
-    return (begin + 0.5 * way * way / (way - then) if way * then < 0.0 else end), then
+    end_way = 2.0 * (end - begin) - way
+    return (begin + 0.5 * way * way / (way - end_way) if way * end_way < 0.0 else end), end_way
 
 
 @entry
@@ -288,6 +289,6 @@ def keep_extremes(out, rows, begin, way, highest, lowest):
                 turn, way[i, lane] = turned(begin[i, lane], end, way[i, lane])
                 begin[i, lane] = end
                 high, low = highest[i, lane] + 0.0, lowest[i, lane] + 0.0
-                most, least = (turn, end) if turn > end else (end, turn)
-                highest[i, lane] = most if most > high else high
-                lowest[i, lane] = least if least < low else low
+                larger, smaller = (turn, end) if turn > end else (end, turn)
+                highest[i, lane] = larger if larger > high else high
+                lowest[i, lane] = smaller if smaller < low else low

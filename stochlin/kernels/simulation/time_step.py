@@ -54,13 +54,14 @@ from stochlin.kernels.simulation.state import CLOSE_SLIP, Elements, State
 
 MOST_PASSES = 60  # largest number of passes of a step
 # the same with dashpots with an exponent, whose forces can tie many floors together
-MOST_VISCOUS = 600
-MOST_ROOTS = 60  # largest number of steps of Newton's method, which mostly needs four or five
+MOST_VISCOUS_PASSES = 600
+MOST_NEWTON_STEPS = 60  # largest number for a dashpot, which mostly takes four or five
 # relative change of a root after which the error of Newton's method is about its square
-NEARLY = 1e-5
-SOFT = 0.1  # stiffness of a dashpot's spring over that with which the floors resist a step
+CLOSE_ROOT = 1e-5
+# stiffness of a dashpot's spring, over that with which the floors resist a step
+DASHPOT_STIFFNESS = 0.1
 # increment of a dashpot's extension, over the largest of the step, that may be rounding
-HARDLY = 1e-6
+ROUNDING_OF_INCREMENTS = 1e-6
 POST, COUPLE, STRENGTH, RELIEF = range(4)  # columns of `Steps.spring`
 
 
@@ -74,9 +75,9 @@ class Steps(NamedTuple):
 
     dt: float  # [s]
     # (n, n + e): the effect of velocities and element forces on the increments dq
-    of_beginning: Array
-    of_forcing: Array  # (n,): the effect of the forcing
-    of_slips: Array  # (n, e): the effect of the slips
+    beginning_effect: Array
+    forcing_effect: Array  # (n,): the effect of the forcing
+    slip_effects: Array  # (n, e): the effect of the slips
     # (e, 4): post, couple (of a dashpot with an exponent that of its spring), strength, and the
     # effect of the slip on the extension of its own element
     spring: Array
@@ -86,7 +87,7 @@ class Steps(NamedTuple):
     shapes: Array  # the same
     passes: int  # largest number of passes
     contacts: Contacts
-    of_contacts: Array  # (n, c): the effect of the mean forces of contacts
+    contact_effects: Array  # (n, c): the effect of the mean forces of contacts
     contact_relief: Array  # (c,): by how much each lessens the penetration of its own contact
 
 
@@ -103,27 +104,27 @@ def steps_of(elements: Elements, dt: float, contacts: Contacts | None = None) ->
     viscous = elements.kind == VISCOUS
     if viscous.any():
         soft = np.einsum("en,nm,em->e", b, np.linalg.inv(resisting), b)
-        couple = np.where(viscous, SOFT * 2 / (dt * soft), couple)
+        couple = np.where(viscous, DASHPOT_STIFFNESS * 2 / (dt * soft), couple)
         resisting += 0.5 * dt * (b.T * np.where(viscous, couple, 0.0)) @ b
     flexible = np.linalg.inv(resisting)
-    of_forces = dt * flexible @ b.T
-    of_slips = 0.5 * of_forces * couple
-    of_contacts = -dt * flexible @ w.T
-    relief = np.einsum("en,ne->e", b, of_slips)
+    force_effects = dt * flexible @ b.T
+    slip_effects = 0.5 * force_effects * couple
+    contact_effects = -dt * flexible @ w.T
+    relief = np.einsum("en,ne->e", b, slip_effects)
     return Steps(
         dt=dt,
-        of_beginning=np.hstack([2 * flexible @ mass, -of_forces]),
-        of_forcing=dt * flexible @ system.mass,
-        of_slips=of_slips,
+        beginning_effect=np.hstack([2 * flexible @ mass, -force_effects]),
+        forcing_effect=dt * flexible @ system.mass,
+        slip_effects=slip_effects,
         spring=np.stack([system.post, couple, system.strength, relief], axis=1),
         kind=elements.kind,
         states=elements.states,
         extensions=rows_of(b),
         shapes=rows_of(system.shapes),
-        passes=MOST_VISCOUS if viscous.any() else MOST_PASSES,
+        passes=MOST_VISCOUS_PASSES if viscous.any() else MOST_PASSES,
         contacts=contacts,
-        of_contacts=of_contacts,
-        contact_relief=-np.einsum("cn,nc->c", w, of_contacts),
+        contact_effects=contact_effects,
+        contact_relief=-np.einsum("cn,nc->c", w, contact_effects),
     )
 
 
@@ -131,9 +132,9 @@ def sampled_steps(elements: Sequence[Elements], dt: float) -> Steps:
     """Steps of sets of elements that differ only in their properties, one for each lane."""
     samples = [steps_of(sample, dt) for sample in elements]
     return samples[0]._replace(
-        of_beginning=np.stack([steps.of_beginning for steps in samples], axis=-1),
-        of_forcing=np.stack([steps.of_forcing for steps in samples], axis=-1),
-        of_slips=np.stack([steps.of_slips for steps in samples], axis=-1),
+        beginning_effect=np.stack([steps.beginning_effect for steps in samples], axis=-1),
+        forcing_effect=np.stack([steps.forcing_effect for steps in samples], axis=-1),
+        slip_effects=np.stack([steps.slip_effects for steps in samples], axis=-1),
         spring=np.stack([steps.spring for steps in samples], axis=-1),
     )
 
@@ -142,13 +143,13 @@ def sampled_steps(elements: Sequence[Elements], dt: float) -> Steps:
 def _add_slip(effect, i, slip, dq, lanes):
     """Add the effect of a slip (lanes,) of element ``i``, or of its change, to the increments."""
     for k in range(effect.shape[0]):
-        of_slip = effect[k, i]
+        slip_effect = effect[k, i]
         for lane in range(lanes):
-            dq[k, lane] += of_lane(of_slip, lane) * slip[lane]
+            dq[k, lane] += of_lane(slip_effect, lane) * slip[lane]
 
 
 @called_once
-def _bilinear(strength, relief, i, elements, iteration, lanes):
+def _bilinear_slip(strength, relief, i, elements, iteration, lanes):
     """Write the change of a slip of the bilinear law."""
     z = elements.z[i]
     slip = elements.slip[i]
@@ -157,11 +158,11 @@ def _bilinear(strength, relief, i, elements, iteration, lanes):
         uy = of_lane(strength, lane)
         y = z[lane] + (iteration.change[lane] - g * slip[lane])
         new = (y - min(max(y, -uy), uy)) * (1.0 / (1.0 - g))
-        iteration.more_slip[lane] = new - slip[lane]
+        iteration.slip_change[lane] = new - slip[lane]
 
 
 @called_once
-def _by_law(law, steps, state, i, lanes):
+def _rate_law_slip(law, steps, state, i, lanes):
     """Write the change of a slip of an element whose law has rates.
 
     The slip that belongs to the increment of the extension changes that increment, by ``g``. With
@@ -191,7 +192,7 @@ def _by_law(law, steps, state, i, lanes):
         g = of_lane(relief, lane)
         new = change - of_lane(strength, lane) * (after[0, lane] - before[0, lane])
         share = min(max(new / change if change != 0.0 else 0.0, 0.0), 1.0)
-        iteration.more_slip[lane] = (new - slip[lane]) * (1.0 / (1.0 - g * share))
+        iteration.slip_change[lane] = (new - slip[lane]) * (1.0 / (1.0 - g * share))
     for k in range(1, count):
         remembered = state.memory_after[i, k - 1]
         for lane in range(lanes):
@@ -200,7 +201,7 @@ def _by_law(law, steps, state, i, lanes):
 
 
 @called_once
-def _dashpot(couple, relief, dt, i, elements, parameters, iteration, lanes):
+def _dashpot_slip(couple, relief, dt, i, elements, parameters, iteration, lanes):
     """Write the change of a slip of a dashpot with an exponent.
 
     Its ``parameters`` are its constant and the exponent. Its rate ``r`` solves ``(1 - g) dt r + g y
@@ -213,12 +214,12 @@ def _dashpot(couple, relief, dt, i, elements, parameters, iteration, lanes):
         g = of_lane(relief, lane)
         c = parameters[i, 0, lane]
         a = parameters[i, 1, lane]
-        of_rate = dt
-        of_force = 2.0 * c / of_lane(couple, lane)
+        rate_factor = dt
+        force_factor = 2.0 * c / of_lane(couple, lane)
         slow = a <= 1.0
         power = 1.0 / a if slow else a
-        first = g * of_force
-        second = (1.0 - g) * of_rate
+        first = g * force_factor
+        second = (1.0 - g) * rate_factor
         if not slow:
             first, second = second, first
         change = iteration.change[lane]
@@ -227,34 +228,34 @@ def _dashpot(couple, relief, dt, i, elements, parameters, iteration, lanes):
         size = abs(alone)
         root = 0.0
         if before != 0.0:  # start from the root of the pass before, or of the step before
-            root = abs(change - before) / of_force if slow else abs(change) / of_rate
+            root = abs(change - before) / force_factor if slow else abs(change) / rate_factor
         steep = root ** (power - 1.0)
-        less = (first * root + second * root * steep - size) / (first + power * second * steep)
-        if power * abs(less) < NEARLY * root:
-            steep *= 1.0 - (power - 1.0) * less / root
-            root -= less
+        decrement = (first * root + second * root * steep - size) / (first + power * second * steep)
+        if power * abs(decrement) < CLOSE_ROOT * root:
+            steep *= 1.0 - (power - 1.0) * decrement / root
+            root -= decrement
         else:
-            most = min(size / first, (size / second) ** (1.0 / power))
-            root = max(min(root - less, most), 0.0)
-            for _ in range(MOST_ROOTS):
+            bound = min(size / first, (size / second) ** (1.0 / power))
+            root = max(min(root - decrement, bound), 0.0)
+            for _ in range(MOST_NEWTON_STEPS):
                 steep = root ** (power - 1.0)
-                less = (first * root + second * root * steep - size) / (
+                decrement = (first * root + second * root * steep - size) / (
                     first + power * second * steep
                 )
-                root = max(min(root - less, most), 0.0)
-                if not power * abs(less) > NEARLY * root:
+                root = max(min(root - decrement, bound), 0.0)
+                if not power * abs(decrement) > CLOSE_ROOT * root:
                     break
             steep = root ** (power - 1.0)
         rate = root * steep if slow else root
         force = root if slow else root * steep
-        total = of_rate * rate - of_force * force
-        iteration.more_slip[lane] = (total if alone > 0.0 else -total) - before
-        least = HARDLY * iteration.largest_change[lane]
+        total = rate_factor * rate - force_factor * force
+        iteration.slip_change[lane] = (total if alone > 0.0 else -total) - before
+        least = ROUNDING_OF_INCREMENTS * iteration.largest_change[lane]
         elements.tolerance[i, lane] = CLOSE_SLIP * max(least, size)
 
 
 def _no_slip(law, steps, state, i, lanes):
-    """`_other_slip` where all elements are linear or bilinear, which takes no time to compile."""
+    """`_other_slip` if all elements are linear or bilinear; it takes no time to compile."""
 
 
 def _other_slip(law, steps, state, i, lanes):
@@ -262,11 +263,11 @@ def _other_slip(law, steps, state, i, lanes):
     if steps.kind[i] == VISCOUS:
         couple = steps.spring[i, COUPLE]
         relief = steps.spring[i, RELIEF]
-        _dashpot(
+        _dashpot_slip(
             couple, relief, steps.dt, i, state.elements, state.parameters, state.iteration, lanes
         )
     else:
-        _by_law(law, steps, state, i, lanes)
+        _rate_law_slip(law, steps, state, i, lanes)
 
 
 @called_once
@@ -276,35 +277,35 @@ def _pass_springs(other, law, steps, state, lanes):
     elements = state.elements
     iteration = state.iteration
     dq = state.coordinates.dq
-    more_slip = iteration.more_slip
+    slip_change = iteration.slip_change
     active_next = iteration.active_next
     for i in range(steps.kind.size):
         if steps.kind[i] == LINEAR:
             continue
         times_row(steps.extensions, i, dq, iteration.change, lanes)
         if steps.kind[i] == BILINEAR:
-            _bilinear(spring[i, STRENGTH], spring[i, RELIEF], i, elements, iteration, lanes)
+            _bilinear_slip(spring[i, STRENGTH], spring[i, RELIEF], i, elements, iteration, lanes)
         else:
             other(law, steps, state, i, lanes)
         for lane in range(lanes):
-            more_slip[lane] *= iteration.active[lane]
-        if not any_of(more_slip, lanes):
+            slip_change[lane] *= iteration.active[lane]
+        if not any_of(slip_change, lanes):
             continue
         tolerance = elements.tolerance[i]
         for lane in range(lanes):
-            beyond = 1.0 if abs(more_slip[lane]) > tolerance[lane] else 0.0
+            beyond = 1.0 if abs(slip_change[lane]) > tolerance[lane] else 0.0
             active_next[lane] = max(active_next[lane], beyond)
         slip = elements.slip[i]
         for lane in range(lanes):
-            slip[lane] += more_slip[lane]
-        _add_slip(steps.of_slips, i, more_slip, dq, lanes)
+            slip[lane] += slip_change[lane]
+        _add_slip(steps.slip_effects, i, slip_change, dq, lanes)
 
 
 @called_once
 def _pass_contacts(steps, state, lanes):
     """One pass over all contacts, lane by lane: most have no force."""
     dt = steps.dt
-    effect = steps.of_contacts
+    effect = steps.contact_effects
     iteration = state.iteration
     contacts = state.contacts
     dq = state.coordinates.dq
@@ -331,12 +332,12 @@ def _pass_contacts(steps, state, lanes):
                 v0 = v0 if v0 > state.motions.least_approach[lane] else 0.0
                 new = solve_force(law, v0, depth, alone, g, dt)
             if new != force:
-                more = new - force
-                if g * abs(more) > CLOSE_SLIP * (abs(depth) + abs(alone)):
+                force_change = new - force
+                if g * abs(force_change) > CLOSE_SLIP * (abs(depth) + abs(alone)):
                     iteration.active_next[lane] = 1.0
                 contacts.mean_force[j, lane] = new
                 for k in range(effect.shape[0]):
-                    dq[k, lane] += effect[k, j] * more
+                    dq[k, lane] += effect[k, j] * force_change
 
 
 @called_once
@@ -346,7 +347,7 @@ def _begin_contacts(steps, state, lanes):
     Forces start from those of the last step.
     """
     gap = steps.contacts.gap
-    effect = steps.of_contacts
+    effect = steps.contact_effects
     contacts = state.contacts
     dq = state.coordinates.dq
     products(steps.contacts.rows, state.coordinates.q, contacts.penetration, lanes)
@@ -366,18 +367,18 @@ def _begin(steps, state, lanes):
 
     These are the slips of dashpots and of laws with rates.
     """
-    n = steps.of_forcing.shape[0]
+    n = steps.forcing_effect.shape[0]
     v = state.coordinates.v
     dq = state.coordinates.dq
     elements = state.elements
     beginning = state.beginning
     forcing = state.motions.forcing
     for i in range(n):
-        of_forcing = steps.of_forcing[i]
+        effect = steps.forcing_effect[i]
         for lane in range(lanes):
             beginning[i, lane] = v[i, lane]
         for lane in range(lanes):
-            dq[i, lane] = of_lane(of_forcing, lane) * forcing[lane]
+            dq[i, lane] = of_lane(effect, lane) * forcing[lane]
     products(steps.extensions, state.coordinates.q, elements.extension, lanes)
     for i in range(steps.kind.size):
         post = steps.spring[i, POST]
@@ -387,12 +388,12 @@ def _begin(steps, state, lanes):
         for lane in range(lanes):
             elastic = of_lane(post, lane) * extension[lane]
             beginning[n + i, lane] = elastic + of_lane(couple, lane) * z[lane]
-    add_product(steps.of_beginning, beginning, dq, lanes)
+    add_product(steps.beginning_effect, beginning, dq, lanes)
     for i in range(steps.kind.size):
         if steps.kind[i] < VISCOUS:
             fill(elements.slip[i], 0.0, lanes)
         else:
-            _add_slip(steps.of_slips, i, elements.slip[i], dq, lanes)
+            _add_slip(steps.slip_effects, i, elements.slip[i], dq, lanes)
 
 
 @called_once
@@ -449,7 +450,7 @@ def take_step(other, law, steps, state, lanes):
     _begin(steps, state, lanes)
     if steps.contact_relief.size > 0:
         _begin_contacts(steps, state, lanes)
-    if steps.passes == MOST_VISCOUS:
+    if steps.passes == MOST_VISCOUS_PASSES:
         _find_largest_change(steps, state, lanes)
     fill(active, 1.0, lanes)
     for _ in range(steps.passes):
