@@ -123,7 +123,7 @@ def amplification(
         if brief(closure) != brief(GAUSSIAN):
             raise ValueError(f"closure = {brief(closure)} has no use with of='peak'; leave it out")
         motion = {"duration": duration, "envelope": envelope, "paths": paths, "seed": seed}
-        return _of_peaks(models, motion)
+        return _peak_table(models, motion)
     if not (duration is None and envelope is None):
         what = "duration and envelope belong to finite motions"
         raise ValueError(f"{what}; leave them out, or ask for of='peak'")
@@ -143,11 +143,11 @@ def amplification(
     )
 
 
-def _of_peaks(models: dict[str, Any], motion: dict[str, Any]) -> xr.Dataset:
+def _peak_table(models: dict[str, Any], motion: dict[str, Any]) -> xr.Dataset:
     """The dataset that `amplification` returns for peaks."""
     duration = check_duration(motion["duration"], {"structure": models["structure"]})
     long_enough = models["structure"].first_period() <= duration
-    table = labels.label(over_cells(partial(_of_cell, motion), models, long_enough))
+    table = labels.label(over_cells(partial(_peaks_of_cell, motion), models, long_enough))
     labels.raise_if_lone_failure(table, "amplification", *models.values())
     return labels.with_run_information(
         table,
@@ -158,7 +158,7 @@ def _of_peaks(models: dict[str, Any], motion: dict[str, Any]) -> xr.Dataset:
     )
 
 
-def _of_cell(motion: dict[str, Any], structure: AnyStructure, ground: Ground) -> xr.Dataset:
+def _peaks_of_cell(motion: dict[str, Any], structure: AnyStructure, ground: Ground) -> xr.Dataset:
     """Amplification of the peaks of one structure, which moves beside its elastic counterpart."""
     motions = simulate([structure, structure.elastic()], ground, scatter=0.0, **motion)
     n = motions.peak.shape[1] // 2
@@ -166,20 +166,19 @@ def _of_cell(motion: dict[str, Any], structure: AnyStructure, ground: Ground) ->
     ratios = _ratios(peaks[:, :n], peaks[:, n:])
     attrs = {key: value for key, value in motions.attrs.items() if not key.startswith("structure")}
     if structure.has_storeys:
-        of_storeys = motions.isel({FLOOR: slice(None, n), ELEMENT: slice(None, n)})[
-            ["peak_mean", "ductility"]
-        ]
+        inelastic = motions.isel({FLOOR: slice(None, n), ELEMENT: slice(None, n)})
+        response = inelastic[["peak_mean", "ductility"]]
         columns = {name: (FLOOR, values) for name, values in ratios.items()}
-        table = xr.Dataset(columns, of_storeys.coords).assign(ductility=of_storeys.ductility)
+        table = xr.Dataset(columns, response.coords).assign(ductility=response.ductility)
         # The yield drift is the mean peak drift over the ductility; compared without a division.
-        most = motions.peak_drift.max("path") * motions.ductility
-        stayed = not bool((most > motions.peak_drift_mean).any())
+        scaled_drift = motions.peak_drift.max("path") * motions.ductility
+        elastic = not bool((scaled_drift > motions.peak_drift_mean).any())
     else:
         strength = float(solve_elastic(structure.first_mode(), ground).yield_displacement)
         table = xr.Dataset({name: float(values[0]) for name, values in ratios.items()})
         table["ductility"] = table.peak_mean / strength
-        stayed = bool((peaks[:, 0] <= strength).all())
-    status = np.int8(labels.ELASTIC_LIMIT if stayed else labels.CONVERGED)
+        elastic = bool((peaks[:, 0] <= strength).all())
+    status = np.int8(labels.ELASTIC_LIMIT if elastic else labels.CONVERGED)
     return table.assign(status=status).assign_attrs(attrs)
 
 
@@ -188,14 +187,14 @@ def _ratios(inelastic: Array, elastic: Array) -> dict[str, Array]:
     """Means of peaks (motions, n), their ratio, standard errors; that of the ratio from pairs."""
     scale = np.sqrt(len(inelastic))
     mean = inelastic.mean(axis=0)
-    other = elastic.mean(axis=0)
-    ratio = mean / other
-    left = (inelastic - ratio * elastic).std(axis=0, ddof=1)
+    elastic_mean = elastic.mean(axis=0)
+    ratio = mean / elastic_mean
+    residual = (inelastic - ratio * elastic).std(axis=0, ddof=1)
     return {
         "amplification": ratio,
-        "amplification_standard_error": left / scale / other,
+        "amplification_standard_error": residual / scale / elastic_mean,
         "peak_mean": mean,
         "peak_mean_standard_error": inelastic.std(axis=0, ddof=1) / scale,
-        "elastic_peak_mean": other,
+        "elastic_peak_mean": elastic_mean,
         "elastic_peak_mean_standard_error": elastic.std(axis=0, ddof=1) / scale,
     }

@@ -168,11 +168,11 @@ def correlate(
     query = Query(method, closure, tolerance, effective_rule(rule), bias, simulation)
     check_closure(first, closure)
     check_closure(second, closure)
-    pairs = partial(_of_pairs, query)
+    pairs = partial(_pair_table, query)
     table = pairs(first, second, ground) if method == SIMULATION else in_blocks(pairs, models)
     if method == "linearization" and closure != DRIFT and bias and is_lazy(models):
         # What does not need the bias has blocks of its own, so that to compute it alone costs none.
-        alone = in_blocks(partial(_of_pairs, query._replace(bias=False)), models)
+        alone = in_blocks(partial(_pair_table, query._replace(bias=False)), models)
         table = table.assign(alone.drop_vars([f"{DIFFERENCE}_bias", f"{DIFFERENCE}_caution"]))
     labels.raise_if_lone_failure(table, "correlate", first, second, ground)
     last = labels.NOT_RESOLVED if method == SIMULATION else labels.TOO_STRONG
@@ -206,7 +206,7 @@ class Query(NamedTuple):
         return f"closure={self.closure!r}{rule}"
 
 
-def _of_pairs(query: Query, first: Structure, second: Structure, ground: Ground) -> xr.Dataset:
+def _pair_table(query: Query, first: Structure, second: Structure, ground: Ground) -> xr.Dataset:
     """Variables of `correlate`."""
     check_table(12, first, second, ground)
     variables, attrs = ANSWERS_BY_METHOD[query.method](query, (first, second), ground)
@@ -227,14 +227,14 @@ def _by_linearization(query: Query, pair: Pair, ground: Ground) -> Answer:
 
 def _by_white_noise(query: Query, pair: Pair, ground: Ground) -> Answer:
     inputs = [s.cells()[name] for name in ("period", "damping") for s in pair]
-    return _shown(inputs, solved_together(pair, ground)), {}
+    return _eq_4_variables(inputs, solved_together(pair, ground)), {}
 
 
 def _by_effective_properties(query: Query, pair: Pair, ground: Ground) -> Answer:
     solved = solved_together(pair, ground, query.closure, query.tolerance)
     effective = effective_pair(solved, query.rule)
     comment = f"Peak ductilities are linearized. {labels.CAUTION_SIGMA}"
-    variables = _shown([effective[name] for name in EQ_4], solved) | effective
+    variables = _eq_4_variables([effective[name] for name in EQ_4], solved) | effective
     return variables, {"comment": comment, "rule": query.rule.describe()}
 
 
@@ -254,13 +254,13 @@ ANSWERS_BY_METHOD: Mapping[Method, Callable[[Query, Pair, Ground], Answer]] = {
 }
 
 
-def _shown(inputs: list[Cells], solved: Solved) -> dict[str, Cells]:
+def _eq_4_variables(inputs: list[Cells], solved: Solved) -> dict[str, Cells]:
     """Correlation by eq. (4) of ``inputs``, and responses of both structures; NaN for failures."""
     sides = [solved.labelled(n, (*STRUCTURE_VARIABLES, "status")) for n in (0, 1)]
     rho, status = by_eq_4(inputs, *(side["status"] for side in sides))
-    shown = {
+    responses = {
         f"{name}_{n}": side[name]
         for name in STRUCTURE_VARIABLES
         for n, side in enumerate(sides, start=1)
     }
-    return {"rho": rho, **shown, "status": status}
+    return {"rho": rho, **responses, "status": status}

@@ -77,14 +77,14 @@ def rho_white_noise(
     """
     pair = LinearPair(period_1, period_2, damping_1, damping_2)
     return labels.with_run_information(
-        labels.label(in_blocks(_of_linear, {"pair": pair})),
+        labels.label(in_blocks(_linear_table, {"pair": pair})),
         "Stationary correlation of two linear structures under white noise, eq. (4)",
         "rho_white_noise()",
         {"pair": pair},
     )
 
 
-def _of_linear(pair: LinearPair) -> xr.Dataset:
+def _linear_table(pair: LinearPair) -> xr.Dataset:
     check_table(4, pair)
     rho, status = by_eq_4(pair.cells().values(), labels.status_where(valid_cells(pair)))
     return xr.Dataset({"rho": rho, "status": status})
@@ -154,7 +154,7 @@ def rho_effective(
     pair = YieldingPair(
         period_1, period_2, damping_1, damping_2, hardening_1, hardening_2, ductility_1, ductility_2
     )
-    table = labels.label(in_blocks(partial(_of_rule, chosen), {"pair": pair}))
+    table = labels.label(in_blocks(partial(_effective_table, chosen), {"pair": pair}))
     return labels.with_run_information(
         table.assign_attrs(rule=chosen.describe()),
         f"Stationary correlation of two yielding structures by eq. (4) and the rule {chosen.name}",
@@ -164,7 +164,7 @@ def rho_effective(
     )
 
 
-def _of_rule(rule: EffectiveRule, pair: YieldingPair) -> xr.Dataset:
+def _effective_table(rule: EffectiveRule, pair: YieldingPair) -> xr.Dataset:
     valid = valid_cells(pair)
     effective = effective_properties(pair.cells(), rule, valid)
     rho, status = by_eq_4(effective.values(), labels.status_where(valid))
@@ -181,15 +181,14 @@ def effective_properties(
     properties: dict[str, Cells] = dict.fromkeys(EQ_4, np.nan)
 
     @np.errstate(all="ignore")  # invalid cells, and periods that overflow, are NaN
-    def effective(good: Array, *properties_of_one: Array) -> tuple[Array, Array]:
-        mu, alpha, period, xi = (np.where(good, value, np.nan) for value in properties_of_one)
+    def effective(good: Array, *parameters: Array) -> tuple[Array, Array]:
+        mu, alpha, period, xi = (np.where(good, value, np.nan) for value in parameters)
         longer = period * rule.period_ratio(mu, alpha)
         return np.where(np.isfinite(longer), longer, np.nan), rule.damping(mu, alpha, xi)
 
+    names = "ductility", "hardening", "period", "damping"
     for n in (1, 2):
-        columns = [
-            values[f"{name}_{n}"] for name in ("ductility", "hardening", "period", "damping")
-        ]
+        columns = [values[f"{name}_{n}"] for name in names]
         properties[f"period_eq_{n}"], properties[f"damping_eq_{n}"] = cellwise(
             effective, valid, *columns, kinds=(float, float)
         )

@@ -42,11 +42,11 @@ from stochlin.solver.tables.checks import USUAL_TOLERANCE
 
 LEAST_DRIFT_SHARE = 1e-6  # of the drift in a standard deviation
 # Kinds of pairs with larger errors: logarithm of the ratio of periods, damping of the ground,
-# smaller frequency over that of the ground, and strong shaking over the longer period.
+# smaller frequency over that of the ground, and cycles of the longer period in strong shaking.
 ALIKE_PERIODS = 0.08
 NARROW_GROUND_DAMPING = 0.2
 STIFF_FREQUENCY_RATIO = 1.2
-BRIEF = 0.7
+BRIEF_CYCLES = 0.7
 ROUNDING_OF_DAMPING = 1e-9  # a damping of 0.2 counts as narrow
 # Mean absolute error of the gap for 90 % by kind, of 900 simulated pairs
 # (benchmarks/finite_drift.py).
@@ -216,7 +216,7 @@ def expected_errors(
         narrow = damping < NARROW_GROUND_DAMPING * (1 + ROUNDING_OF_DAMPING)
         stiff = frequencies.min(axis=0) > STIFF_FREQUENCY_RATIO * frequency
     cycles = course.strong_seconds * frequencies.min(axis=0) / (2 * np.pi)
-    error = np.where(cycles < BRIEF, GAP_ERRORS["brief"], GAP_ERRORS["usual"])
+    error = np.where(cycles < BRIEF_CYCLES, GAP_ERRORS["brief"], GAP_ERRORS["usual"])
     error = np.where(alike, GAP_ERRORS["alike"], error)
     error = np.where(stiff, GAP_ERRORS["stiff"], np.where(narrow, GAP_ERRORS["narrow"], error))
     error = np.where(narrow & np.asarray(stiff), GAP_ERRORS["stiff on narrow"], error)
@@ -235,6 +235,7 @@ def _pair_rows(solved: SolvedLevels, first: Array, second: Array) -> PairRows:
     both = drifting(solved.solved, USUAL_TOLERANCE)
     count = solved.levels.size
     frequency = np.sqrt(solved.system.stiffness)
+    nodes = np.broadcast_to(L1_NODES, (len(L1_NODES), frequency.size))
     structures = AtLevels(
         solved.system,
         solved.forcing,
@@ -242,25 +243,25 @@ def _pair_rows(solved: SolvedLevels, first: Array, second: Array) -> PairRows:
         both.side,
         solved.rows,
         np.tile(solved.levels, frequency.size // count),
-        solved.soil.later(
-            solved.system, np.broadcast_to(L1_NODES, (len(L1_NODES), frequency.size))
-        ),
+        solved.soil.later(solved.system, nodes),
     )
     places = [(side[:, None] * count + np.arange(count)).ravel() for side in (first, second)]
     unused = np.full(len(BOUNDS) + 1, np.nan)  # errors of rho
     rho = over_pairs(partial(drifting_pair, unused), both, both, places, 6)[0]
     derived = over_pairs(drifting_correlation, both.side, both.side, places)[0]
-    share = np.maximum(
-        solved.solved.values["drift_std"] / np.sqrt(both.side.variance), LEAST_DRIFT_SHARE
-    )
+    share = solved.solved.values["drift_std"] / np.sqrt(both.side.variance)
+    share = np.maximum(share, LEAST_DRIFT_SHARE)
     added = (rho - derived) / (share[places[0]] * share[places[1]])
-    of_first = taken(structures, places[0])
-    of_second = taken(structures, places[1])
-    return pair_rows(of_first, of_second, np.clip(np.nan_to_num(added), -1, 1))
+    firsts = taken(structures, places[0])
+    seconds = taken(structures, places[1])
+    return pair_rows(firsts, seconds, np.clip(np.nan_to_num(added), -1, 1))
 
 
 def _levels_of_load(cells: Sequence[Oscillators], ground: Ground, course: EnvelopesInTime) -> Array:
-    """Levels (n m, instants, levels) of the load where it is that which is Gaussian, eq. (20)."""
+    """Levels (n m, instants, levels) of the load, where not the response but the load is Gaussian.
+
+    See eq. (20); without such pairs the array is empty.
+    """
     soil = ground.filter_of(cells[0].soil)
     none = np.empty((0, 0, 0))
     if not soil.oscillators:
@@ -268,18 +269,16 @@ def _levels_of_load(cells: Sequence[Oscillators], ground: Ground, course: Envelo
     frequency = np.sqrt(soil.oscillators[0])
     damping = soil.oscillators[1] / (2 * frequency)
     frequencies = np.array([2 * np.pi / oscillators.period for oscillators in cells])
-    shares = np.array(
-        [share_of_load(*of_pair) for of_pair in zip(frequencies.T, frequency, damping, strict=True)]
-    )
+    pairs = zip(frequencies.T, frequency, damping, strict=True)
+    shares = np.array([share_of_load(*pair) for pair in pairs])
     if not shares.any():
         return none
     count = shares.size
     instants, motions = course.envelope.shape
     result = np.empty((count, motions, instants, RELATIVE_LEVELS.size))
     result[:] = RELATIVE_LEVELS
-    std = course.scale * np.sqrt(
-        np.pi * soil.intensity * frequency * (1 + 4 * damping**2) / (2 * damping)
-    )
+    variance = np.pi * soil.intensity * frequency * (1 + 4 * damping**2) / (2 * damping)
+    std = course.scale * np.sqrt(variance)
     levels = levels_for(course.spread)
     structures = [yielding(oscillators) for oscillators in cells]
     for cell in np.flatnonzero(shares):
@@ -297,7 +296,7 @@ def _levels_of_load(cells: Sequence[Oscillators], ground: Ground, course: Envelo
             load_levels(harmonics, std[cell] * level, shares[cell], RELATIVE_LEVELS)
             for level in levels
         ]
-        of_level = Tables.of(levels, np.array(rows).T)
-        at_instants = of_level.at(course.envelope**2, np.zeros(motions, int))
-        result[cell] = at_instants.transpose(2, 1, 0)
+        tables = Tables.of(levels, np.array(rows).T)
+        levels_in_time = tables.at(course.envelope**2, np.zeros(motions, int))
+        result[cell] = levels_in_time.transpose(2, 1, 0)
     return result.reshape(count * motions, instants, RELATIVE_LEVELS.size)

@@ -117,16 +117,16 @@ class _Pairs(NamedTuple):
         columns["status"] = np.where(not_physical, np.int8(labels.NOT_PHYSICAL), status)
         return columns
 
-    def worst(self, name: str, of_pair: Array | None = None) -> Array:
+    def worst(self, name: str, flags_of_pairs: Array | None = None) -> Array:
         """The largest flag of both structures, and of their pair."""
         flags = self.solved.values[name]
         worst = np.maximum(flags[self.places[0]], flags[self.places[1]])
-        return worst if of_pair is None else np.maximum(worst, of_pair)
+        return worst if flags_of_pairs is None else np.maximum(worst, flags_of_pairs)
 
-    def labelled(self, columns: dict[str, Array], of_sides: Sequence[str]) -> dict[str, Cells]:
+    def labelled(self, columns: dict[str, Array], names: Sequence[str]) -> dict[str, Cells]:
         """The variables of the table: rho, those of both structures, and the others."""
-        of_structures = [self.solved.labelled(n, of_sides) for n in (0, 1)]
-        sides = {f"{name}_{n}": of_structures[n - 1][name] for name in of_sides for n in (1, 2)}
+        variables = [self.solved.labelled(n, names) for n in (0, 1)]
+        sides = {f"{name}_{n}": variables[n - 1][name] for name in names for n in (1, 2)}
         pairs = Flat(self.table, np.flatnonzero(self.good), {})
         arrays = {
             name: pairs.array(
@@ -150,14 +150,14 @@ def difference(table: Mapping[Any, Cells]) -> dict[str, Cells]:
     (std,) = cellwise(std_of_difference, *values)
     bias = std * np.nan
     off = std * np.nan
-    most = DOUBTFUL_BIAS
+    limit = DOUBTFUL_BIAS
     if "rho_standard_error" in table:
         shares = [table[f"displacement_std_standard_error_{n}"] / values[n - 1] for n in (1, 2)]
         rest = table["rho_standard_error"] / (1 - table["rho"])
-        of_sides = values[0], shares[0], values[1], shares[1]
+        arguments = values[0], shares[0], values[1], shares[1], values[2], rest, 0.0
         kinds = float, float
-        off, bias = cellwise(error_of_difference, *of_sides, values[2], rest, 0.0, kinds=kinds)
-        most = EXPECTED
-    (flag,) = cellwise(caution_of, off, kinds=(np.int8,), most=most)
+        off, bias = cellwise(error_of_difference, *arguments, kinds=kinds)
+        limit = EXPECTED
+    (flag,) = cellwise(caution_of, off, kinds=(np.int8,), most=limit)
     std = table.get(f"{DIFFERENCE}_std", std)  # a building with storeys has it already
     return {f"{DIFFERENCE}_std": std, f"{DIFFERENCE}_bias": bias, f"{DIFFERENCE}_caution": flag}

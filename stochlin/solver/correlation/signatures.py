@@ -56,14 +56,14 @@ from stochlin.solver.linearization.equivalent_systems import (
 )
 from stochlin.solver.tables.checks import Tolerance
 
-# off the diagonal of a matrix
-PAIRS = tuple((i, j) for i in range(PARAMETER_AXES) for j in range(i))
-# The map of `Nearness` has R/p from the first value up, and hardening up to the second.
-KNOWN_NEARNESS = (0.5, 0.5)
-# T/Tg for which a Kanai-Tajimi ground of damping 1 acts on the structure like white noise.
+# places below the diagonal of a matrix
+OFF_DIAGONAL = tuple((i, j) for i in range(PARAMETER_AXES) for j in range(i))
+# least R/p and largest hardening in the map of `Nearness`
+RANGE_OF_NEARNESS = (0.5, 0.5)
+# T/Tg from which a Kanai-Tajimi ground of damping 1 acts on the structure like white noise
 AS_ON_WHITE_NOISE = 5.0
 CACHED_GROUNDS = 64  # number of grounds with scalar parameters whose solved references are kept
-BLUR = 0.1  # share of the square of a correction, over which the limit of eq. (10) is rounded
+BLUR = 0.1  # share of the square of a correction over which the limit of eq. (10) is smoothed
 # share of the unit matrix in the correlations of references, against ill-conditioning
 UNIT_SHARE = 0.01
 SIGNATURES_AT_ONCE = 512  # signatures that are computed together
@@ -95,11 +95,11 @@ def solved_references(
     """
     assert ground.calibration is not None
     assert ground.calibration.soil is not None
-    of_soil, _ = ground.calibration.soil
+    period_name, _ = ground.calibration.soil
     names = "period", "damping", "hardening", "elastic_ductility_std"
     rows = [np.tile(table[f"reference_{name}"].values, soil.shape[1]) for name in names]
     soils = np.repeat(soil, table.sizes[DRIFT_REFERENCE], axis=1)
-    period = rows[0] * dict(zip(ground.cells(), soils, strict=True))[of_soil]
+    period = rows[0] * dict(zip(ground.cells(), soils, strict=True))[period_name]
     ones = np.ones_like(period)
     cells = Oscillators(period, rows[1], rows[2], rows[3], ones, ones, soils)
     law = LawOfCells.bilinear(period.size, DRIFT)
@@ -189,13 +189,13 @@ def _corrections(
     point = solved.point
     calibration = ground.calibration
     ones = np.ones(point.shape[1])
-    nothing = np.zeros((ENTRIES, ones.size))
-    signature = Signature(nothing, nothing, ones, ones)
+    zeros = np.zeros((ENTRIES, ones.size))
+    signature = Signature(zeros, zeros, ones, ones)
     yields = any(
         structure.yields and isinstance(structure, Bilinear) for structure in solved.structures
     )
     if calibration is None or not yields:
-        return signature, Nearness(nothing[:PARAMETER_AXES], nothing, np.zeros_like(ones))
+        return signature, Nearness(zeros[:PARAMETER_AXES], zeros, np.zeros_like(ones))
     if calibration.soil is None:
         point = np.stack([*point, ones, AS_ON_WHITE_NOISE * ones])
     else:
@@ -211,30 +211,30 @@ def _corrections(
             references = _solved_once(ground.with_arrays({"intensity": 1.0}), tolerance)
         derived = derived_signatures(side, references, number.ravel())
         signature = corrected(derived, hold_at_ends(SIGNATURE, ground, point))
-    least, most = KNOWN_NEARNESS
-    trust = np.log(point[0] / ELASTIC_DEMAND) / np.log(least / ELASTIC_DEMAND)
-    trust = eased(trust) * eased(np.log(point[1]) / np.log(most))
+    least_ratio, most_hardening = RANGE_OF_NEARNESS
+    trust = np.log(point[0] / ELASTIC_DEMAND) / np.log(least_ratio / ELASTIC_DEMAND)
+    trust = eased(trust) * eased(np.log(point[1]) / np.log(most_hardening))
     place = np.log([solved.oscillators.period, *point[:3]])
     return signature, Nearness(place, matrix_of(hold_at_ends(NEARNESS, ground, point)), trust)
 
 
 def corrected(derived: Array, correction: Array) -> Signature:
     """The signatures (k, n) that are derived, with their corrections, eq. (10)."""
-    simulated = derived + correction
+    signature = derived + correction
     # A signature has a length of at most 1, since it is the projection of a unit vector.
-    square = (simulated**2).sum(axis=0)
+    square = (signature**2).sum(axis=0)
     blur = BLUR * (correction**2).sum(axis=0)
-    simulated = simulated / np.sqrt((square + 1 + np.hypot(square - 1, 2 * blur)) / 2)
-    left = np.maximum(1 - (simulated**2).sum(axis=0), 0)
-    left_derived = np.maximum(1 - (derived**2).sum(axis=0), 0)
-    ratio = np.sqrt((left + ADDED_VARIANCE) / (left_derived + ADDED_VARIANCE))
-    return Signature(simulated, ratio * derived, ratio, np.sqrt(left))
+    signature = signature / np.sqrt((square + 1 + np.hypot(square - 1, 2 * blur)) / 2)
+    remaining = np.maximum(1 - (signature**2).sum(axis=0), 0)
+    remaining_derived = np.maximum(1 - (derived**2).sum(axis=0), 0)
+    ratio = np.sqrt((remaining + ADDED_VARIANCE) / (remaining_derived + ADDED_VARIANCE))
+    return Signature(signature, ratio * derived, ratio, np.sqrt(remaining))
 
 
 def matrix_of(form: Array) -> Array:
     """Lower triangles (ENTRIES, n) of matrices G, whose slopes and correlations the map has."""
     slopes = np.exp(form[:PARAMETER_AXES])
-    across = dict(zip(PAIRS, form[PARAMETER_AXES:], strict=True))
+    across = dict(zip(OFF_DIAGONAL, form[PARAMETER_AXES:], strict=True))
     triangle = [(i, j) for i in range(PARAMETER_AXES) for j in range(i + 1)]
     return np.stack([slopes[i] * slopes[j] * across.get((i, j), 1.0) for i, j in triangle])
 

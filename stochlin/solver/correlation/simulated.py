@@ -54,12 +54,11 @@ def _on_one_ground(
     parts = (slice(begin), slice(begin, None))
     table = xr.Dataset()
     statuses = []
-    for n, (side, part, structure) in enumerate(
-        zip(sides, parts, (first, second), strict=True), start=1
-    ):
-        columns = {
-            name: xr.DataArray(side.array(motions[name].values[part])) for name in MOTION_VARIABLES
-        }
+    pair = zip(sides, parts, (first, second), strict=True)
+    for n, (side, part, structure) in enumerate(pair, start=1):
+        columns = {}
+        for name in MOTION_VARIABLES:
+            columns[name] = xr.DataArray(side.array(motions[name].values[part]))
         strength = solve_elastic(structure, ground).yield_displacement
         columns |= {
             "yield_displacement": strength,
@@ -84,8 +83,8 @@ def _check_grounds(
     structures: list[Structure], ground: Ground, options: dict[str, Any], grounds: int
 ) -> None:
     """Raise a ValueError if simulations on all grounds, if each is as long, would take too long."""
-    drawn = {name: options[name] for name in ("paths", "seed", "steps_per_period")}
-    run = structures_in_motion(structures, ground, None, True, **drawn).run
+    choices = {name: options[name] for name in ("paths", "seed", "steps_per_period")}
+    run = structures_in_motion(structures, ground, None, True, **choices).run
     check_work(
         f"the simulations on {grounds} grounds would take",
         "take fewer grounds at a time, lower paths or relaxation_times, or leave out structures "

@@ -68,7 +68,7 @@ def oscillator_groups(sticks: Sequence[StickModel], watched: Array) -> list[Step
     simple = [bool(stick.law.step() == BILINEAR or not stick.yields.any()) for stick in sticks]
     groups = []
     if any(simple):
-        together = [stick for stick, it_is in zip(sticks, simple, strict=True) if it_is]
+        together = [stick for stick, is_simple in zip(sticks, simple, strict=True) if is_simple]
         groups.append(_simple_oscillators(together, watched[simple]))
     for n, stick in enumerate(sticks):
         if not simple[n]:
@@ -133,16 +133,16 @@ def _connected(system: Assembly, members: Array, samples: Sequence[Assembly] = (
     watched = _watched(system, members)
     coordinates = numbers_of(system.first_coordinate, members)
 
-    def shown(elements: Elements) -> Elements:
+    def with_watched(elements: Elements) -> Elements:
         """The elements with the displacements that are watched."""
         shapes = system.displacements[np.ix_(watched, coordinates)]
         return elements._replace(system=elements.system._replace(shapes=shapes))
 
     systems = [whole, *(system.sticks[number].system for number in members)]
-    element = system.of_watched[watched][:, None] == coordinates
-    sampled = [shown(elements_of(sample, members)[0]) for sample in samples]
+    incidence = system.of_watched[watched][:, None] == coordinates
+    sampled = [with_watched(elements_of(sample, members)[0]) for sample in samples]
     return SteppedGroup(
-        SteppedStructures(shown(elements), law, sampled, element.astype(float)),
+        SteppedStructures(with_watched(elements), law, sampled, incidence.astype(float)),
         watched,
         shortest=min(shortest_mode(part, of_displacements=True) for part in systems),
         slowest=whole.slowest_decay,
@@ -157,10 +157,9 @@ def numbers_of(first: Array, members: Array) -> Array:
 
 def _watched(system: Assembly, members: Array) -> Array:
     """Numbers of displacements of the structures ``members``: their floors and yielding modes."""
+    floors = numbers_of(system.first, members)
     modes = np.isin(system.yielding_modes, numbers_of(system.first_coordinate, members))
-    return np.append(
-        numbers_of(system.first, members), int(system.first[-1]) + np.flatnonzero(modes)
-    )
+    return np.append(floors, int(system.first[-1]) + np.flatnonzero(modes))
 
 
 def elements_of(system: Assembly, members: Array, all_states: bool = False) -> tuple[Elements, Any]:
@@ -186,16 +185,16 @@ def elements_of(system: Assembly, members: Array, all_states: bool = False) -> t
         kinds.extend(stick.law.step() if by_law else LINEAR for by_law in depends)
     force = np.transpose(storeys).tolist()
     parameters = [row for stick in sticks for row in stick.law_parameters]
-    for along, placed in zip(drifts[n:], placed_links, strict=True):
+    for extension, placed in zip(drifts[n:], placed_links, strict=True):
         *spring, constant, _ = placed.link.numbers
         force.append(spring)
         if not placed.link.is_power_law:
-            damping += constant * np.outer(along, along)
+            damping += constant * np.outer(extension, extension)
         kinds.append(BILINEAR if placed.link.yields else LINEAR)
         parameters.append(np.empty(0))
-    for along, placed in zip(drifts[n:], placed_links, strict=True):
+    for extension, placed in zip(drifts[n:], placed_links, strict=True):
         if placed.link.is_power_law:
-            drifts = np.vstack([drifts, along])
+            drifts = np.vstack([drifts, extension])
             force.append([0.0, 0.0, np.inf])
             kinds.append(VISCOUS)
             parameters.append(np.array(placed.link.numbers[3:]))
@@ -230,10 +229,10 @@ def shortest_mode(system: System, of_displacements: bool = False) -> float:
     if of_displacements:
         static = shares * periods**2
         strained = np.abs(system.extensions @ shapes)
-        yields = strained[system.couple > 0].max(
-            axis=0, initial=0.0
-        ) > ROUNDING_OF_STRAINS * strained.max(axis=0)
-        matter &= yields | (static >= LEAST_DISPLACEMENT * static.max())
+        largest = strained.max(axis=0)
+        yielding = strained[system.couple > 0].max(axis=0, initial=0.0)
+        strains_yielding = yielding > ROUNDING_OF_STRAINS * largest
+        matter &= strains_yielding | (static >= LEAST_DISPLACEMENT * static.max())
     return float(periods[matter].min())
 
 
@@ -242,10 +241,10 @@ def laws_of(steps: Sequence[int | RateLaw]) -> tuple[Array, Array, Any]:
 
     Each law is what `Structure.step` gives.
     """
-    of_users = list(dict.fromkeys(law for law in steps if isinstance(law, RateLaw)))
-    kinds = [OTHER_LAW + of_users.index(law) if isinstance(law, RateLaw) else law for law in steps]
+    rate_laws = list(dict.fromkeys(law for law in steps if isinstance(law, RateLaw)))
+    kinds = [OTHER_LAW + rate_laws.index(law) if isinstance(law, RateLaw) else law for law in steps]
     states = [law.states if isinstance(law, RateLaw) else 1 for law in steps]
-    return np.array(kinds), np.array(states), by_number(tuple(of_users))
+    return np.array(kinds), np.array(states), by_number(tuple(rate_laws))
 
 
 def row_of(system: Assembly, contacts: Contacts, all_states: bool = False) -> BuildingRow:
@@ -263,9 +262,9 @@ def row_of(system: Assembly, contacts: Contacts, all_states: bool = False) -> Bu
     constant = [
         0.0 if placed.link.is_power_law else placed.link.numbers[3] for placed in placed_links
     ]
-    of_load = elements.system.shapes / storeys.mass
-    pushes = contacts.weights[:, :n].T
-    accelerations = -of_load @ np.hstack([elements.system.extensions.T, np.eye(n), pushes])
+    mobility = elements.system.shapes / storeys.mass  # accelerations of floors by unit forces
+    forces = [elements.system.extensions.T, np.eye(n), contacts.weights[:, :n].T]
+    accelerations = -mobility @ np.hstack(forces)
     shears = np.zeros_like(accelerations)
     # Shears that are not known are left out later.
     shears[:, : system.shear_shares.shape[1]] = np.nan_to_num(system.shear_shares)

@@ -26,7 +26,7 @@ from stochlin.solver.linearization.equivalent_systems import solved_together
 from stochlin.solver.simulation.connected_structures import SteppedGroup
 from stochlin.solver.tables.checks import Tolerance
 
-# The response is sampled this often in the shortest period. More samples would hardly make the
+# The response is sampled so often in the shortest period. More samples would hardly make the
 # estimated variance more accurate.
 SAMPLES_PER_PERIOD = 2
 
@@ -77,8 +77,8 @@ def drift_time_of(structure: Structure, ground: Ground) -> float:
         solved = solved_together((structure,), ground, GAUSSIAN, Tolerance(1e-6, 200))
     except ArithmeticError:
         return 0.0
-    pace = float((solved.oscillators.hardening * solved.values["k_eq"])[0])
-    return 1 / pace if pace > 0 else 0.0
+    rate = float((solved.oscillators.hardening * solved.values["k_eq"])[0])
+    return 1 / rate if rate > 0 else 0.0
 
 
 def prepare(
@@ -116,15 +116,16 @@ def prepare(
         The simulation, without its duration.
     """
     watched = np.concatenate([group.watched for group in groups])
-    order, (scale, period) = np.argsort(watched), np.empty((2, watched.size))
+    order = np.argsort(watched)
+    scale, period = np.empty((2, watched.size))
     for group in groups:
-        scale[group.watched], period[group.watched] = group.scale, group.period
+        scale[group.watched] = group.scale
+        period[group.watched] = group.period
     soil = ground.lone_filter()
     rates = -np.linalg.eigvals(soil.arrays.matrix).real if soil.states else np.array([np.inf])
     soils = [sampled.lone_filter() for sampled in grounds] or [soil]
-    periods = [
-        float(2 * np.pi / np.float64(sampled.fastest)) for sampled in soils if sampled.states
-    ]
+    fastest = [np.float64(sampled.fastest) for sampled in soils if sampled.states]
+    periods = [float(2 * np.pi / frequency) for frequency in fastest]
     periods += [group.shortest for group in groups]
     memory = max(float((1 / rates).max()), *(group.slowest for group in groups))
     dt = step or min(periods) / steps_per_period

@@ -46,9 +46,8 @@ def simulate_finite(
     run = moving.run
     system = moving.system
     functions = moving.functions
-    extremes = extremes_of(
-        run, [*functions.values()], (duration, envelope), progress, links_of(system)
-    )
+    motion = duration, envelope
+    extremes = extremes_of(run, [*functions.values()], motion, progress, links_of(system))
     motions = _ended(moving, functions, extremes)
     check_response(system, ~np.isnan(motions.largest["floors"][0]))
     samples = columns_of(motions)
@@ -61,13 +60,13 @@ def simulate_finite(
     means = _means(samples)
     if moving.system.has_storeys:
         means["ductility"] = [ELEMENT], means["peak_drift_mean"][1] / system.watched_strength
-    (_, *over_pairs), apart_most = samples["separation"]
-    quantile = quantile_columns("separation", over_pairs, apart_most, levels)
+    (_, *over_pairs), separations = samples["separation"]
+    separation_quantiles = quantile_columns("separation", over_pairs, separations, levels)
     if np.isfinite(moving.limits).any():
         means |= share_columns("collapse_probability", [STRUCTURE], motions.fallen)
     coords["quantile"] = "quantile", levels, {"units": "1", "long_name": "quantile"}
     # Made at once, because each addition to a dataset takes a millisecond.
-    columns = samples | means | quantile | moving.input_factors()
+    columns = samples | means | separation_quantiles | moving.input_factors()
     return xr.Dataset(columns, coords, finite_attributes(run, duration, envelope))
 
 
@@ -96,7 +95,8 @@ def extremes_of(
     duration, envelope = motion
     check_finite(run, duration, len(matrix))
     extensions, parameters = links or (np.zeros((0, 1)), np.zeros((0, 5)))
-    middle = run.plan.dt * (np.arange(int(np.ceil(duration / run.plan.dt))) + 0.5)  # of the steps
+    count = int(np.ceil(duration / run.plan.dt))
+    middle = run.plan.dt * (np.arange(count) + 0.5)  # of the steps
     ensemble = run.with_plan(every=1, samples=STEPS_AT_ONCE).ensemble
     watched = Links(run.rows(extensions), parameters)
     return finite_extremes(
@@ -120,12 +120,12 @@ def _ended(
     largest[:, lost] = np.inf
     peaks = {"force": extremes.force, "stroke": extremes.stroke, "energy": extremes.energy}
     falls = fallen.any(axis=1, keepdims=True)
-    links = {
-        name: np.where(falls, np.inf, peak) for name, peak in peaks.items() if system.placed_links
-    }
-    ends_at = moving.run.watched(extremes.last)
+    links: dict[str, Array] = {}
+    if system.placed_links:
+        links = {name: np.where(falls, np.inf, peak) for name, peak in peaks.items()}
+    displacement = moving.run.watched(extremes.last)
     plastic = moving.run.watched(extremes.plastic)
-    return EndedMotions(moving, blocks, fallen, links, ends_at, plastic)
+    return EndedMotions(moving, blocks, fallen, links, displacement, plastic)
 
 
 def _means(samples: Columns) -> Columns:

@@ -97,10 +97,10 @@ def simulated_motions(
     time = step * np.arange(steps)
     groups = -(-paths // LANES)
     plan = Plan(step, 1, 0, 0, groups, seed, STEPS_AT_ONCE, scatter=scatter)
-    made, root = ground_steps(soil, step)
+    soil_steps, root = ground_steps(soil, step)
     if soil.states:  # the value at the beginning of each step, in place of its mean
-        made = made._replace(row=soil.arrays.output, direct=0.0)
-    values = ground_motions(Ensemble((), made, root, plan), steps, progress)[:paths]
+        soil_steps = soil_steps._replace(row=soil.arrays.output, direct=0.0)
+    values = ground_motions(Ensemble((), soil_steps, root, plan), steps, progress)[:paths]
     # The forcing f of a structure is minus the ground acceleration.
     values *= -envelope_at(envelope, time)
     motions = xr.DataArray(

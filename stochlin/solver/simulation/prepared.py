@@ -26,8 +26,8 @@ from stochlin.solver.tables.checks import check_duration
 SHORT_SIMULATION = 0.5  # [s] of a simulation whose number of motions is open
 FEWEST_MOTIONS = 256  # motions of such a simulation
 MOST_MOTIONS = 2048
-PRECISION = 0.1  # half of an interval over a gap
-MARGIN = 1.2  # motions over those that the precision needs
+PRECISION = 0.1  # half a 95 % interval of a gap over the gap, at which motions are enough
+MARGIN = 1.2  # motions that are simulated, over those that the precision needs
 
 
 class FiniteMotion(NamedTuple):
@@ -70,12 +70,11 @@ class PreparedStructures:
         many ``times`` of the simulation would take too long.
         """
         usual = median_of(ground)
-        described = list(by_role.values())
-        checked_structures(described, usual)
+        models = list(by_role.values())
+        checked_structures(models, usual)
         check_duration(motion.duration, {role: median_of(model) for role, model in by_role.items()})
-        in_metres = [
-            applied(partial(strength_in_metres, ground=usual), model) for model in described
-        ]
+        metres_of = partial(strength_in_metres, ground=usual)
+        in_metres = [applied(metres_of, model) for model in models]
         medians = tuple(map(median_of, in_metres))
         moving = in_finite_motions(medians, usual, paths=paths or LANES)
         functions = sum(map(len, moving.functions.values()))
@@ -83,9 +82,9 @@ class PreparedStructures:
         fewest = paths
         if fewest is None:
             steps = motion.duration / moving.run.plan.dt
-            of_motion = seconds_of(moving.run, steps, 2.0 * functions) / LANES
-            in_short = np.clip(SHORT_SIMULATION / of_motion, FEWEST_MOTIONS, MOST_MOTIONS)
-            fewest = whole_groups(int(in_short))
+            seconds_per_motion = seconds_of(moving.run, steps, 2.0 * functions) / LANES
+            affordable = SHORT_SIMULATION / seconds_per_motion
+            fewest = whole_groups(int(np.clip(affordable, FEWEST_MOTIONS, MOST_MOTIONS)))
         return cls(
             structures=tuple(in_metres),
             ground=ground,
@@ -130,7 +129,7 @@ def enough_motions(simulated: Callable[[int], xr.Dataset], paths: int, most: int
     """As many simulated motions as the first quantile needs, from ``paths`` to ``most``.
 
     They are enough if the 95 % interval of the gap is no longer than `PRECISION` times the gap to
-    both sides. ``simulated`` are the motions for a number.
+    both sides. ``simulated`` simulates a number of motions.
     """
     motions = simulated(paths)
     gap, lower, upper = required_gaps(motions)

@@ -34,8 +34,8 @@ def start_in_words(start: Start | xr.DataArray | None) -> dict[str, str]:
     """The attribute of a result that says how its motions begin; none from rest."""
     if start is None:
         return {}
-    from_end = f"{END_STATE} of the motion before"
-    return {"start": start.describe() if isinstance(start, Start) else from_end}
+    words = f"{END_STATE} of the motion before"
+    return {"start": start.describe() if isinstance(start, Start) else words}
 
 
 def start_values(system: Assembly, start: Start) -> Array:

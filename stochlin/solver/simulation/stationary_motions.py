@@ -33,16 +33,16 @@ from stochlin.solver.tables.labels import ELEMENT
 ROUNDING_OF_SUMS = 1e-13
 # change of a variance, in standard errors, above which a run is not stationary
 NOT_STATIONARY = 5.0
-# A drift is waited for if each motion then has at most this number of time steps. With 256 motions
-# of one structure this takes some ten seconds.
+# The run is long enough for a drift if each motion then has at most this number of time steps. With
+# 256 motions of one structure this takes some ten seconds.
 MOST_STEPS_FOR_DRIFT = 1e7
 BURN_IN = 5.0  # burn-in over memory
-# Measurement of the time constant: groups of motions, burn-in and duration in time constants by
-# linearization, and instants at which the plastic displacements are sampled.
+# Measurement of the time constant: groups of motions, instants at which the plastic displacements
+# are sampled, and burn-in and duration in time constants by linearization.
 MEASURED_GROUPS = 4
 MEASURED_INSTANTS = 256
-SETTLING = 1.0
-LENGTH = 2.0
+MEASURED_BURN_IN = 1.0
+MEASURED_DURATION = 2.0
 LARGEST_AUTOCORRELATION = 0.6  # autocorrelation below which the time constant is evaluated
 # standard errors that are added to the autocorrelation, on the safe side
 ADDED_STANDARD_ERRORS = 2.0
@@ -66,13 +66,12 @@ def stationary_moments(
     too_slow = MOST_STEPS_FOR_DRIFT * moving.run.plan.dt / (BURN_IN + relaxation_times)
     expected = moving.run.drift_time
     rare = expected > too_slow
-    run = with_length(
-        moving.run._replace(drift_time=np.where(rare, 0.0, expected)), relaxation_times
-    )
+    without_rare = moving.run._replace(drift_time=np.where(rare, 0.0, expected))
+    run = with_length(without_rare, relaxation_times)
     memory = np.where(rare, expected, run.drift_time)
     moments = simulate_moments(run, np.concatenate([moving.floors, moving.drifts]), progress)
     n = len(moving.floors)
-    over, of_drifts = moving.dimensions
+    over, over_drifts = moving.dimensions
     check_response(moving.system, np.isfinite(moments.displacement_std[None, :n]))
     for group in moving.groups:  # all floors of a structure move with the storey that yields rarely
         if isinstance(group.part, SteppedStructures):
@@ -88,14 +87,13 @@ def stationary_moments(
         "status": (over, status),
         "rho": (pairs, moments.rho[:n, :n]),
         "rho_standard_error": (pairs, moments.rho_error[:n, :n]),
-        "ductility_std": (of_drifts, drifts / moving.system.watched_strength),
+        "ductility_std": (over_drifts, drifts / moving.system.watched_strength),
     }
     if moving.system.has_storeys:
         columns["drift_std"] = ELEMENT, drifts
         columns["drift_std_standard_error"] = ELEMENT, moments.displacement_error[n:]
-    return xr.Dataset(
-        columns, moving.coords | {f"{over}_2": moving.system.floors}, run_attributes(run)
-    )
+    coords = moving.coords | {f"{over}_2": moving.system.floors}
+    return xr.Dataset(columns, coords, run_attributes(run))
 
 
 def with_length(run: SimulationRun, relaxation_times: float) -> SimulationRun:
@@ -107,13 +105,13 @@ def with_length(run: SimulationRun, relaxation_times: float) -> SimulationRun:
     expected = run.drift_time
     slowest = float(expected.max())
     period = float(run.period[np.argmax(expected)])
-    lasts = (BURN_IN + relaxation_times) * max(run.memory, slowest)
+    duration = (BURN_IN + relaxation_times) * max(run.memory, slowest)
     check_work(
         "the run would take",
         f"the structure of period {period:.3g} s yields so rarely that its drift relaxes in "
         f"{slowest:.3g} s: leave it out, or lower paths or relaxation_times"
         if slowest > run.memory
-        else f"it lasts {lasts:.3g} s in steps of {run.plan.dt:.3g} s: lower paths or "
+        else f"it lasts {duration:.3g} s in steps of {run.plan.dt:.3g} s: lower paths or "
         "relaxation_times, or leave out the shortest or the longest period",
         seconds=expected_seconds(run, relaxation_times),
         cores=cores(),
@@ -134,7 +132,8 @@ def expected_seconds(run: SimulationRun, relaxation_times: float) -> float:
     """
     slowest = float(run.drift_time.max())
     dt = run.plan.dt
-    measured = (SETTLING + LENGTH) * slowest / dt if slowest > run.memory else 0.0
+    constants = MEASURED_BURN_IN + MEASURED_DURATION
+    measured = constants * slowest / dt if slowest > run.memory else 0.0
     steps = (BURN_IN + relaxation_times) * max(run.memory, slowest) / dt
     pilot = seconds_of(run.with_plan(groups=MEASURED_GROUPS), measured)
     return pilot + seconds_of(run, steps, run.ensemble.size**2 / (2 * run.plan.every))
@@ -147,16 +146,16 @@ def _measure(run: SimulationRun, expected: float) -> Array:
     does not decay within the measurement. The motions are independent of those of the run.
     """
     block = run.plan.block
-    stride = max(1, int(LENGTH * expected / block / MEASURED_INSTANTS))
+    stride = max(1, int(MEASURED_DURATION * expected / block / MEASURED_INSTANTS))
     pilot = run.with_plan(
-        burn_in=int(np.ceil(SETTLING * expected / block)),
-        recorded=stride * max(2, int(np.ceil(LENGTH * expected / block / stride))),
+        burn_in=int(np.ceil(MEASURED_BURN_IN * expected / block)),
+        recorded=stride * max(2, int(np.ceil(MEASURED_DURATION * expected / block / stride))),
         first_group=run.plan.groups,
         groups=MEASURED_GROUPS,
     )
     plastic = plastic_displacements(pilot.ensemble, stride)
-    steps = [_time_constant(plastic[:, n]) for n in range(run.ensemble.size)]
-    return stride * block * np.array(steps)
+    intervals = [_time_constant(plastic[:, n]) for n in range(run.ensemble.size)]
+    return stride * block * np.array(intervals)
 
 
 def _time_constant(history: Array) -> float:
@@ -168,9 +167,8 @@ def _time_constant(history: Array) -> float:
     for lag in range(1, count):
         correlation = max(float(np.mean(history[lag:] * history[:-lag]) / variance), 0.0)
         independent = motions * max(1.0, count / (2 * lag))
-        correlation += ADDED_STANDARD_ERRORS * np.sqrt(
-            (1 - min(correlation, 1.0) ** 2) / independent
-        )
+        error = np.sqrt((1 - min(correlation, 1.0) ** 2) / independent)
+        correlation += ADDED_STANDARD_ERRORS * error
         if correlation < LARGEST_AUTOCORRELATION:
             return float(-lag / np.log(correlation))
     return np.inf

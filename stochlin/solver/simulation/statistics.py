@@ -23,7 +23,7 @@ from stochlin.solver.tables import labels
 from stochlin.solver.tables.lazy import check_names
 
 TAIL = (1 - 0.95) / 2  # probability on each side of a 95 % interval
-# [m], in place of infinity, between which and a number no quantile can be
+# [m] in place of infinity; a quantile above its square root is interpolated to such a sample
 IN_PLACE_OF_INFINITY = 1e200
 ABOVE_GROUND = "height above the ground"
 Columns = dict[str, Column]
@@ -114,7 +114,7 @@ def pair_separation(motions: xr.Dataset) -> xr.DataArray:
     """
     if _is_alone(motions):
         return motions.peak_positive.max(motions.peak_positive.dims[1])
-    return _of_pair(motions.separation)
+    return _separation_of_pair(motions.separation)
 
 
 def separation_at(motions: xr.Dataset, heights: Array) -> xr.DataArray:
@@ -123,7 +123,7 @@ def separation_at(motions: xr.Dataset, heights: Array) -> xr.DataArray:
         axis = labels.axis(HEIGHT, ABOVE_GROUND, heights, "m")
         at_floors = motions.peak_positive.values
         return xr.DataArray(at_floors, dims=(PATH, HEIGHT), coords={"height": axis.height})
-    return _of_pair(motions.separation_at_height).sel(height=heights)
+    return _separation_of_pair(motions.separation_at_height).sel(height=heights)
 
 
 def pair_peaks(motions: xr.Dataset) -> Array:
@@ -145,7 +145,7 @@ def _is_alone(motions: xr.Dataset) -> bool:
     return motions.sizes[STRUCTURE] == 1
 
 
-def _of_pair(separation: xr.DataArray) -> xr.DataArray:
+def _separation_of_pair(separation: xr.DataArray) -> xr.DataArray:
     return separation.isel(structure=0, structure_2=1, drop=True)
 
 

@@ -52,7 +52,8 @@ GROUND = "ground"
 HEIGHT = "height"
 Samples = Mapping[str, Sequence[Any]]  # by uncertain model: stacks or grounds, one for each motion
 NO_SAMPLES: Samples = {}
-STREAM = 2  # stream of random numbers, different from those of the motions with the same seed
+# stream of random numbers for samples of parameters, unlike those of motions with the same seed
+PARAMETER_STREAM = 2
 
 
 class Pair(NamedTuple):
@@ -183,7 +184,9 @@ class StructuresInMotion(NamedTuple):
         if not self.factors:
             return {}
         columns = {
-            f"{m}.{name}": c for m, of_model in self.factors.items() for name, c in of_model.items()
+            f"{role}.{name}": column
+            for role, factors in self.factors.items()
+            for name, column in factors.items()
         }
         values = np.stack(list(columns.values()), axis=1)
         inputs = (INPUT, list(columns), {"long_name": "uncertain parameter"})
@@ -224,8 +227,8 @@ def structures_in_motion(
             stick.law.check_stationary(f"structures, number {n}")
         drift_times = _drift_times(medians, usual, system, links)
     samples = {
-        role: made.get(role) or _samples(models[role], of_role, usual)
-        for role, of_role in factors.items()
+        role: made.get(role) or _samples(models[role], factors_of_role, usual)
+        for role, factors_of_role in factors.items()
     }
     rows: list[Any] = []  # structures of each motion
     assemblies = [system]
@@ -262,7 +265,7 @@ def _drift_times(
 
 
 def _factors(models: Mapping[str, Any], motions: int, seed: int) -> dict[str, dict[str, Array]]:
-    random = np.random.default_rng([seed, STREAM])
+    random = np.random.default_rng([seed, PARAMETER_STREAM])
     return {
         role: {
             name: parameter.factor(_stratified(random, motions))

@@ -49,13 +49,11 @@ class EndedMotions:
         It is NaN for storeys of a building whose modes yield, which have no law of their own.
         """
         systems = self.moving.assemblies
-        ratios = [
-            system.storeys.post / (system.storeys.post + system.storeys.couple)
-            for system in systems
-        ]
-        return np.array(
-            [s.of_elements(r, 1.0, np.nan) for s, r in zip(systems, ratios, strict=True)]
-        )
+        rows = []
+        for system in systems:
+            ratios = system.storeys.post / (system.storeys.post + system.storeys.couple)
+            rows.append(system.of_elements(ratios, 1.0, np.nan))
+        return np.array(rows)
 
     def unless_fallen(self, values: Array) -> Array:
         """Values (paths, w) of all that is watched, infinite where the structure has fallen."""
