@@ -11,8 +11,12 @@ import xarray as xr
 from stochlin.applications.cases.reading.case import factors_of
 from stochlin.applications.cases.rows import of_codes, one_or_two
 from stochlin.applications.separation.code_gaps import Rule, code_row, rules_with
-from stochlin.applications.separation.separation import COMBINED, gaps_by_height, judged_rules
-from stochlin.applications.separation.storeys import of_storeys
+from stochlin.applications.separation.separation import (
+    COMMENT_ON_CODES,
+    gaps_by_height,
+    judged_rules,
+)
+from stochlin.applications.separation.storeys import site_with_storeys
 from stochlin.applications.sites.design_spectra import reduced_eurocode_8
 from stochlin.applications.sites.spectra import interpolated
 from stochlin.kernels.basics.arrays import Array
@@ -58,7 +62,7 @@ def with_applied_codes(case: Case, table: xr.Dataset) -> xr.Dataset:
         [table, applied], "rule", data_vars="minimal", coords="minimal", compat="override"
     )
     whole = labels.label(whole)
-    return whole.assign_attrs(comment=f"{APPLY} {COMBINED}")
+    return whole.assign_attrs(comment=f"{APPLY} {COMMENT_ON_CODES}")
 
 
 def _applied(case: Case, rule: CodeRule, table: xr.Dataset) -> Rule:
@@ -74,7 +78,7 @@ def _applied(case: Case, rule: CodeRule, table: xr.Dataset) -> Rule:
     system = assembly_of(structures)
     site = Site(0.0, None if case.alone else 0.0, **of_codes(case))
     if any(building.has_storeys for building in buildings):
-        site = of_storeys(site, structures)
+        site = site_with_storeys(site, structures)
         site = site.with_arrays({f"height_{n}": heights for n, _ in enumerate(buildings, start=1)})
     floors = np.concatenate([design_displacements(case, building, rule) for building in buildings])
     arrays: dict[str, Any] = {}

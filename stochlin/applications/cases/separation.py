@@ -21,7 +21,7 @@ from stochlin.applications.cases.rows import (
 from stochlin.applications.cases.shaking import MOST_RECORDS, over_records, shaking_of
 from stochlin.applications.risk.risk import RiskSimulation, SimulatedRisk, allowed_rate
 from stochlin.applications.sensitivity.sensitivity import sensitivity
-from stochlin.applications.separation.existing_gap import OF_SEARCH, GapSearch
+from stochlin.applications.separation.existing_gap import WORK_OF_SEARCHES, GapSearch
 from stochlin.applications.separation.separation import separation
 from stochlin.applications.sites.motion_fit import checked_components, periods_of_fit
 from stochlin.applications.sites.simulated_spectra import (
@@ -148,7 +148,7 @@ class ProgressOfParts(NamedTuple):
             "risk": OF_RISK if case.site.hazard else 0.0,
             "separation": 1.0,
             "scatter": 1.0 if case.site.leaves_out_scatter else 0.0,
-            "existing": 0.0 if gap_of(case) is None else OF_SEARCH,
+            "existing": 0.0 if gap_of(case) is None else WORK_OF_SEARCHES,
         }
         before = sum(work.values())
         work["sensitivity"] = before * (1 / WITH_SENSITIVITIES - 1) if case.uncertain else 0.0

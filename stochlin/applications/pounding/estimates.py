@@ -20,7 +20,7 @@ from stochlin.solver.tables.lazy import check_names
 OPEN_GAP = Range(include_lower=True, reason="in metres; positive is open")
 ENERGY_RADIUS = Range(reason="in metres")
 POINTS_OF_IMPACT = 181
-OF_IMPACT = "point", "direction_1", "direction_2"  # dimensions of the impacts at one contact
+IMPACT_DIMENSIONS = "point", "direction_1", "direction_2"  # of the impacts at one contact
 SIGNS_OF_VELOCITY = [1, -1]  # of the velocities: to the right, and to the left
 
 
@@ -107,16 +107,15 @@ def pounding_estimate(
     models: tuple[Model, ...] = first, second, contact
     arrays = [*lengths, *(array for model in models for array in model.arrays().values())]
     check_alignment("gap, radii, structures and contact", *arrays)
-    check_names(
-        (name for array in arrays for name in (*array.dims, *array.coords)), {"status", *OF_IMPACT}
-    )
+    names = [name for array in arrays for name in (*array.dims, *array.coords)]
+    check_names(names, {"status", *IMPACT_DIMENSIONS})
     valid = contact.valid() & first.valid() & second.valid()
     for length, allowed in zip(lengths, (OPEN_GAP, ENERGY_RADIUS, ENERGY_RADIUS), strict=True):
         valid = valid & allowed.contains(length)
     valid_lengths = [length.where(valid) for length in lengths]
     table = _impacts((first, second), valid_lengths[0], contact, valid_lengths[1:], int(points))
     for n in (1, 2):
-        largest = table[f"radius_amplification_{n}"].max(OF_IMPACT).fillna(1.0)
+        largest = table[f"radius_amplification_{n}"].max(IMPACT_DIMENSIONS).fillna(1.0)
         table[f"largest_radius_amplification_{n}"] = largest.where(valid)
     table["status"] = labels.status_where(valid)
     return labels.with_run_information(
@@ -143,21 +142,21 @@ def _impacts(
     share = xr.DataArray(np.linspace(0, 1, points), dims="point")
     u1 = (low + share * (high - low)).where(high >= low)
     u = [u1, u1 - gap]
-    signs = [
-        labels.axis(name, "direction of the velocity", SIGNS_OF_VELOCITY) for name in OF_IMPACT[1:]
-    ]
+    _, *directions = IMPACT_DIMENSIONS
+    about = "direction of the velocity"
+    signs = [labels.axis(name, about, SIGNS_OF_VELOCITY) for name in directions]
     v = [
-        sign * frequency * np.sqrt(np.maximum(radius**2 - at**2, 0.0))
-        for sign, frequency, radius, at in zip(signs, w, r, u, strict=True)
+        sign * frequency * np.sqrt(np.maximum(radius**2 - displacement**2, 0.0))
+        for sign, frequency, radius, displacement in zip(signs, w, r, u, strict=True)
     ]
     approach = v[0] > v[1]
     after = velocities_after_impact(v[0], v[1], mass[0], mass[1], e)
-    table = {"energy_lost": (impact_loss(mass[0], mass[1], e) * (v[0] - v[1]) ** 2).where(approach)}
+    energy_lost = impact_loss(mass[0], mass[1], e) * (v[0] - v[1]) ** 2
+    table = {"energy_lost": energy_lost.where(approach)}
     for i, n in enumerate((1, 2)):
         table[f"contact_displacement_{n}"] = u[i]
         table[f"velocity_before_{n}"] = v[i].where(approach)
         table[f"velocity_after_{n}"] = after[i].where(approach)
-        table[f"radius_amplification_{n}"] = (np.hypot(u[i], after[i] / w[i]) / r[i]).where(
-            approach
-        )
-    return xr.Dataset(table).transpose(..., *OF_IMPACT)
+        radius = np.hypot(u[i], after[i] / w[i])
+        table[f"radius_amplification_{n}"] = (radius / r[i]).where(approach)
+    return xr.Dataset(table).transpose(..., *IMPACT_DIMENSIONS)

@@ -38,7 +38,7 @@ from stochlin.applications.pounding.runs import (
 from stochlin.applications.records.cells import RECORD, RecordedMotions, Records, checked_motions
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.kernels.pounding.run import StepCounts
+from stochlin.kernels.pounding.run import RowResponse, StepCounts
 from stochlin.messages import ImplausibleInput
 from stochlin.models.arguments import Quantiles, Whole, checked
 from stochlin.models.links import Link
@@ -66,7 +66,8 @@ from stochlin.solver.simulation.statistics import (
 from stochlin.solver.simulation.structures_in_motion import PATH
 from stochlin.solver.tables import labels
 
-OF_CONTACTS = "contact", "impact", "side", "neighbours"  # dimensions dropped for one building alone
+# dimensions that are dropped for one building alone
+CONTACT_DIMENSIONS = "contact", "impact", "side", "neighbours"
 
 # numbers of steps in half a period of a contact
 FEWEST_STEPS_PER_CONTACT = 4
@@ -328,7 +329,7 @@ def pound(
     table = table.merge(contacts(prepared.places, links))
     table = table.assign(gap=("contact", prepared.row.contacts.gap))
     if not spaces.size:
-        table = table.drop_dims(OF_CONTACTS, errors="ignore")
+        table = table.drop_dims(CONTACT_DIMENSIONS, errors="ignore")
     else:
         table = table.merge(between_neighbours(table))
         # Impacts without a compression are NaN, which the maximum leaves out.
@@ -376,11 +377,8 @@ def checked_ensemble(
         if PATH not in motion.dims:
             return checked_motions(motion, may_be_still), PATH, None
         paths = {f"path {n}": motion.isel({PATH: n}, drop=True) for n in range(motion.sizes[PATH])}
-        return (
-            checked_motions(paths, may_be_still),
-            PATH,
-            motion[PATH] if PATH in motion.coords else None,
-        )
+        coordinate = motion[PATH] if PATH in motion.coords else None
+        return checked_motions(paths, may_be_still), PATH, coordinate
     except (TypeError, ValueError) as error:
         raise type(error)(f"motion: {error}") from error
 
@@ -398,23 +396,20 @@ def response_table(
     The results of one of several motions that fails are NaN, with the reason in ``missing``.
     """
     single = motions.names is None
-    size = 3 if motions.names is None else 2
+    size = 3 if single else 2  # number of responses to each motion, see `runs_of`
     runs = [
         run
         for ground, pace in zip(motions.grounds, paces, strict=True)
         for run in runs_of(prepared, ground, pace, starts)[:size]
     ]
     outcomes = responses(runs, prepared, single, progress)
-    of_motions = [outcomes[begin : begin + size] for begin in range(0, len(outcomes), size)]
-    reasons = [
-        next(filter(None, (failure(prepared, response) for response in of_motion)), "")
-        for of_motion in of_motions
-    ]
+    by_motion = [outcomes[begin : begin + size] for begin in range(0, len(outcomes), size)]
+    reasons = [_reason(prepared, several) for several in by_motion]
     if all(reasons):
         more = f"; so in all {len(reasons)} motions" if reasons[1:] else ""
         raise ArithmeticError(f"{reasons[0]}{more}")
     with np.errstate(invalid="ignore", over="ignore"):  # motions that failed
-        rows = [summary(prepared, *of_motion) for of_motion in of_motions]
+        rows = [summary(prepared, *several) for several in by_motion]
     columns = {
         name: (dim, np.array([row[name][1] for row in rows], float))
         for name, (dim, _) in rows[0].items()
@@ -430,9 +425,14 @@ def response_table(
     good = xr.DataArray([not reason for reason in reasons], dims=over)
     table = table.where(good)
     table["status"] = labels.status_where(good, labels.NOT_CONVERGED)
-    return table.assign_coords(
-        missing=(over, reasons, {"long_name": "missing results of a motion, and the reason"})
-    )
+    about = {"long_name": "missing results of a motion, and the reason"}
+    return table.assign_coords(missing=(over, reasons, about))
+
+
+def _reason(prepared: PreparedRow, several: Sequence[RowResponse]) -> str:
+    """Why a response to a motion failed; empty if none of them failed."""
+    reasons = (failure(prepared, response) for response in several)
+    return next(filter(None, reasons), "")
 
 
 def with_statistics(table: xr.Dataset, over: str, levels: Array) -> xr.Dataset:
@@ -444,17 +444,16 @@ def with_statistics(table: xr.Dataset, over: str, levels: Array) -> xr.Dataset:
     columns: Columns = {}
     for name in (name for name in STATISTICS if name in good):
         samples = good[name].transpose(over, ...)
-        in_all = samples.notnull().values.all(axis=0)  # else NaN
+        defined = samples.notnull().values.all(axis=0)  # elsewhere statistics are NaN
         dims = samples.dims[1:]
-        values = np.where(in_all, samples.values, 0.0)
-        made = mean_columns(name, dims, values) | quantile_columns(name, dims, values, levels)
-        columns |= {
-            what: (at, np.where(in_all, numbers, np.nan)) for what, (at, numbers) in made.items()
-        }
+        values = np.where(defined, samples.values, 0.0)
+        statistics = mean_columns(name, dims, values)
+        statistics |= quantile_columns(name, dims, values, levels)
+        for column, (over_dims, numbers) in statistics.items():
+            columns[column] = over_dims, np.where(defined, numbers, np.nan)
     # Added at once, because each addition to a dataset takes a millisecond.
-    table = table.assign(columns).assign_coords(
-        quantile=labels.axis("quantile", "quantile", levels)
-    )
+    axis = labels.axis("quantile", "quantile", levels)
+    table = table.assign(columns).assign_coords(quantile=axis)
     if NEIGHBOURS not in table.dims:
         return table
     hits = good.impacts_between.rename({over: PATH})
@@ -468,8 +467,7 @@ def between_neighbours(table: xr.Dataset) -> xr.Dataset:
     joined = by_gap.sum(skipna=False).assign(hardest_force=by_gap.max(skipna=False).hardest_force)
     right_of = dict(zip(table.left.values, table.right.values, strict=True))
     names = [f"{left or 'wall'} | {right_of[left] or 'wall'}" for left in joined.left.values]
-    joined = joined.rename(
-        {name: f"{name}_between" for name in BETWEEN_NEIGHBOURS} | {"left": NEIGHBOURS}
-    )
+    new_names = {name: f"{name}_between" for name in BETWEEN_NEIGHBOURS}
+    joined = joined.rename(new_names | {"left": NEIGHBOURS})
     coordinate = NEIGHBOURS, names, {"long_name": "both sides of the gap"}
     return joined.assign_coords({NEIGHBOURS: coordinate}).transpose(..., NEIGHBOURS)

@@ -20,7 +20,7 @@ from stochlin.solver.tables.labels import LINK, link_coordinates
 
 CONTACT = "contact"
 OF_ROW = ""  # in place of a dimension, for a number of the row of buildings
-# of the coordinates of contacts
+# units of the coordinates of contacts
 COORDINATE_UNITS = {"level": {"units": "m"}, "share": {"units": "1"}}
 Quantities = dict[str, tuple[str, Any]]
 """Values by name, each with its last dimension; FLOOR also stands for the structure."""
@@ -45,7 +45,8 @@ def _by_floor(values: Array, prepared: PreparedRow, *over: str) -> xr.Variable:
 
     Cells above the roof of a building are NaN.
     """
-    first, sizes = prepared.first, np.diff(prepared.first)
+    first = prepared.first
+    sizes = np.diff(first)
     wide = np.full((*values.shape[:-1], sizes.size, sizes.max()), np.nan)
     for b, size in enumerate(sizes):
         wide[..., b, :size] = values[..., first[b] : first[b + 1]]
@@ -79,29 +80,32 @@ def _course(prepared: PreparedRow, response: RowResponse, ground: SampledMotion)
     force = system.post * extension + system.couple * z
     stored = 0.5 * (system.post * extension**2 + system.couple * z**2)
     drag = _drags(prepared, rate)
-    pushed, squeezed = _contact_forces(prepared, response, q)
+    contact_force, contact_energy = _contact_forces(prepared, response, q)
     load = row_products(v, system.damping) + row_products(force + drag, system.extensions.T)
     shear = row_products(force[:, :n], assembly.shear_shares)
     largest_input = motion.largest_input
     imbalance = np.zeros_like(largest_input)
     np.divide(np.abs(motion.missing_energy), largest_input, out=imbalance, where=largest_input > 0)
-    of_structures = partial(np.add.reduceat, indices=assembly.first_coordinate[:-1], axis=1)
+    by_structure = partial(np.add.reduceat, indices=assembly.first_coordinate[:-1], axis=1)
     # A floor moves with the ground as far as the modes of a building leave out mass.
     carried = np.multiply.outer(ground.acceleration, 1 - system.shapes.sum(axis=1))
-    sped = -(load + row_products(pushed, row.contacts.weights.T)) / system.mass
+    acceleration = -(load + row_products(contact_force, row.contacts.weights.T)) / system.mass
     values: Quantities = {
         "displacement": (FLOOR, row_products(q, system.shapes)),
         "velocity": (FLOOR, row_products(v, system.shapes)),
-        "acceleration": (FLOOR, row_products(sped, system.shapes) + carried),
+        "acceleration": (FLOOR, row_products(acceleration, system.shapes) + carried),
         "storey_shear": (FLOOR, shear),
         "base_shear": (STRUCTURE, shear[:, prepared.first[:-1]]),
-        "input_energy": (STRUCTURE, of_structures(history.coordinates.input_energy.T[:, :n])),
-        "kinetic_energy": (STRUCTURE, of_structures(0.5 * row.parts.mass * v[:, :n] ** 2)),
-        "elastic_energy": (STRUCTURE, of_structures(stored[:, :n])),
-        "viscous_energy": (STRUCTURE, of_structures(history.coordinates.viscous_energy.T[:, :n])),
-        "hysteretic_energy": (STRUCTURE, of_structures(history.elements.dissipated[:n].T)),
-        "contact_force": (CONTACT, pushed),
-        "contact_stored_energy": (OF_ROW, squeezed),
+        "input_energy": (STRUCTURE, by_structure(history.coordinates.input_energy.T[:, :n])),
+        "kinetic_energy": (STRUCTURE, by_structure(0.5 * row.parts.mass * v[:, :n] ** 2)),
+        "elastic_energy": (STRUCTURE, by_structure(stored[:, :n])),
+        "viscous_energy": (
+            STRUCTURE,
+            by_structure(history.coordinates.viscous_energy.T[:, :n]),
+        ),
+        "hysteretic_energy": (STRUCTURE, by_structure(history.elements.dissipated[:n].T)),
+        "contact_force": (CONTACT, contact_force),
+        "contact_stored_energy": (OF_ROW, contact_energy),
         "contact_lost_energy": (OF_ROW, history.contacts.dissipated.sum(axis=0)),
         "energy_balance_error": (OF_ROW, imbalance),
     }
@@ -119,24 +123,26 @@ def _course(prepared: PreparedRow, response: RowResponse, ground: SampledMotion)
 
 def _drags(prepared: PreparedRow, rate: Array) -> Array:
     """Forces of dashpots with an exponent among the elements [N] (times, e), zero of the others."""
-    elements, drag = prepared.row.elements, np.zeros_like(rate)
-    for i in prepared.row.parts.dashpot[prepared.row.parts.dashpot >= 0]:
+    elements = prepared.row.elements
+    dashpots = prepared.row.parts.dashpot
+    drag = np.zeros_like(rate)
+    for i in dashpots[dashpots >= 0]:
         c, a = elements.parameters[i, :2]
         drag[:, i] = c * np.abs(rate[:, i]) ** a * np.sign(rate[:, i])
     return drag
 
 
-def _contact_forces(prepared: PreparedRow, response: RowResponse, u: Array) -> tuple[Array, Array]:
+def _contact_forces(prepared: PreparedRow, response: RowResponse, q: Array) -> tuple[Array, Array]:
     """Forces of the contacts [N] (times, c), and the energy stored in all of them [J] (times,)."""
     contacts = prepared.row.contacts
     if contacts.jumps:
         states = response.history.contacts
-        return (states.mean_force * states.sticks).T, np.zeros(len(u))
+        return (states.mean_force * states.sticks).T, np.zeros(len(q))
     impacts = response.history.impacts
-    pushed = np.where(np.isnan(impacts.begin), 0.0, impacts.force).T
-    squeezed = np.maximum(row_products(u, contacts.weights) - contacts.gap, 0.0)
+    force = np.where(np.isnan(impacts.begin), 0.0, impacts.force).T
+    penetration = np.maximum(row_products(q, contacts.weights) - contacts.gap, 0.0)
     power = contacts.law["exponent"] + 1.0
-    return pushed, (contacts.law["stiffness"] * squeezed**power / power).sum(axis=1)
+    return force, (contacts.law["stiffness"] * penetration**power / power).sum(axis=1)
 
 
 def histories(
@@ -230,12 +236,12 @@ def _step_error(prepared: PreparedRow, response: RowResponse, finer: RowResponse
     third of the change. A displacement counts beside the largest of its structure, all else beside
     itself.
     """
-    whole = np.maximum.reduceat(finer.peaks, prepared.first[:-1])
-    largest = np.repeat(whole, np.diff(prepared.first))
-    moved = np.abs(response.peaks - finer.peaks) / np.where(largest > 0, largest, 1.0)
+    largest_of_structure = np.maximum.reduceat(finer.peaks, prepared.first[:-1])
+    largest = np.repeat(largest_of_structure, np.diff(prepared.first))
+    displacement_change = np.abs(response.peaks - finer.peaks) / np.where(largest > 0, largest, 1.0)
     pairs = zip(compared_peaks(prepared, response), compared_peaks(prepared, finer), strict=True)
     changes = [_largest_change(coarse, fine) for coarse, fine in pairs]
-    return float(max(moved.max(), *changes))
+    return float(max(displacement_change.max(), *changes))
 
 
 def compared_peaks(prepared: PreparedRow, response: RowResponse) -> list[Array]:
@@ -290,17 +296,18 @@ def _tallies(prepared: PreparedRow, response: RowResponse) -> Quantities:
     contacts = prepared.row.contacts
     where = impacts["contact"]
     hit = where == np.arange(contacts.gap.size)[:, None]
-    at_most = {
+    extremes = {
         "hardest_force": impacts["largest_force"],
         "fastest_approach": impacts["approach_velocity"],
         "longest_impact": impacts["end"] - impacts["begin"],
         "deepest_compression": impacts["largest_penetration"],
     }
-    unknown = ("hardest_force", "deepest_compression") if contacts.jumps else ()
+    undefined = ("hardest_force", "deepest_compression") if contacts.jumps else ()
     values: Quantities = {"impacts": (CONTACT, hit.sum(axis=1))}
-    for name, of_impacts in at_most.items():
-        without = np.nan if name in unknown else 0.0
-        values[name] = CONTACT, np.array([of_impacts[at].max(initial=without) for at in hit])
+    for name, values_of_impacts in extremes.items():
+        without_impact = np.nan if name in undefined else 0.0
+        largest = [values_of_impacts[at].max(initial=without_impact) for at in hit]
+        values[name] = CONTACT, np.array(largest)
     values["contact_energy"] = CONTACT, hit @ impacts["dissipated"]
     received = np.zeros(prepared.first.size + 1)  # also of a wall on the left and on the right
     left = np.array([m.building + 1 for m in prepared.places], np.int64)
@@ -324,6 +331,7 @@ def _columns(prepared: PreparedRow, hardest: Array) -> Quantities:
         for m in prepared.places
     ]
     strength = prepared.assembly.of_elements(storeys.elastic * storeys.strength, np.inf, np.inf)
-    force, strength = np.where(struck, hardest, np.nan), strength[floor]
+    force = np.where(struck, hardest, np.nan)
+    strength = strength[floor]
     share = np.where(np.isfinite(strength), force / strength, np.nan)
     return {"column_force": (CONTACT, force), "column_force_share": (CONTACT, share)}

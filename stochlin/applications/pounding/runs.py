@@ -27,17 +27,18 @@ from stochlin.solver.tables.checks import check_work
 
 STEPS_PER_CONTACT = 16  # default number of steps in half a period of a contact
 STEPS_AT_BLOWS = 16  # near a stereomechanical contact, in place of one step
-OF_SHORTEST = 5.0  # steps in the shortest period, for each of them
-OF_FIRST = 12.5  # the same in the first period
-# [m/s]: rate of penetration for which the half-period of a Hertz contact is taken
+# steps in the shortest period, and in the first period, for each step of a contact
+STEPS_PER_SHORTEST_PERIOD = 5.0
+STEPS_PER_FIRST_PERIOD = 12.5
+# [m/s]: rate of penetration at which the half-period of a Hertz contact is that of its time steps
 TYPICAL_RATE = 1.0
-ON_GRID = 1e-9  # share of a time step within which an output time counts as a sample of the record
+ROUNDING_OF_STEPS = 1e-9  # share of a number of time steps that may be rounding
 MOTIONS_TOGETHER = 64  # motions that are stepped together
-FEW_MOTIONS = 4  # motions that take hardly more time than one
-# in a step for each floor, as many as it has numbers, and those with other floors
-OPERATIONS = 60.0
+FEW_MOTIONS = 4  # motions that together take hardly more time than one
+# operations in a step for each floor, beside those with other floors; also numbers of its state
+OPERATIONS_PER_FLOOR = 60.0
 SLOW_APPROACH = 1e-3  # approach velocity that counts as zero over max |a| T/(2 pi)
-OVERLAP = 1e-12  # [m]: of floors at the start, as rounding leaves it
+ROUNDING_OF_OVERLAP = 1e-12  # [m]: of floors at the start
 SHARE_NEAR_CONTACT = 0.03  # share of the steps that are taken for divided near contact
 
 
@@ -53,12 +54,13 @@ def paces_of(
     """
     systems = [stick.system for stick in prepared.assembly.sticks]
     shortest = min(map(shortest_mode, [prepared.system, *systems]))
-    longest = min(prepared.shortest / OF_FIRST, shortest / OF_SHORTEST) / steps_per_contact
+    longest = min(prepared.shortest / STEPS_PER_FIRST_PERIOD, shortest / STEPS_PER_SHORTEST_PERIOD)
+    longest /= steps_per_contact
     masses = prepared.reduced.tolist()
     half = [_half_period(contact, mass) for mass in masses if isinstance(contact, Element)]
 
     def pace(dt: float) -> kernel.StepCounts:
-        cuts = 2 * max(1, int(np.ceil(0.5 * dt / longest * (1 - ON_GRID))))
+        cuts = 2 * max(1, int(np.ceil(0.5 * dt / longest * (1 - ROUNDING_OF_STEPS))))
         substeps = np.ceil(dt / cuts * steps_per_contact / min(half)) if half else STEPS_AT_BLOWS
         return kernel.StepCounts(cuts, max(1, int(substeps)))
 
@@ -87,12 +89,12 @@ def _check_runs(
     near = [p.cuts * (1.0 + SHARE_NEAR_CONTACT * (p.substeps - 1)) for p in paces]
     finest = min(ground.dt / p.cuts / p.substeps for ground, p in zip(grounds, paces, strict=True))
     seconds = sum(ground.dt * (size - 1) for ground, size in zip(grounds, samples, strict=True))
-    operations = 3.0 * n * n + OPERATIONS * n
+    operations = 3.0 * n * n + OPERATIONS_PER_FLOOR * n
     check_work(
         f"{len(grounds)} motions, {seconds:g} s of motion, in steps near contact of "
         f"{finest:.3g} s, would take",
         "take softer structures, a softer contact, or fewer and shorter motions",
-        numbers=OPERATIONS * n * max(samples),
+        numbers=OPERATIONS_PER_FLOOR * n * max(samples),
         seconds=2 * float(np.dot(near, samples)) * (1e-9 * operations + 3e-6 / lanes),
         cores=min(cores(), len(grounds)),
     )
@@ -142,7 +144,7 @@ def _check_contacts(prepared: PreparedRow, values: Array) -> None:
     weights = contacts.weights[:, : values.shape[1]]  # walls start at their places
     depth = weights @ values[0] - contacts.gap
     worst = int(depth.argmax()) if depth.size else 0
-    if depth.size and depth[worst] > OVERLAP:
+    if depth.size and depth[worst] > ROUNDING_OF_OVERLAP:
         rate = weights[worst] @ values[1]
         way = "closes" if rate > 0 else "opens"
         what = f"start: the gap of contact {worst + 1} is {-depth[worst]:g} m and {way} at"
@@ -156,16 +158,16 @@ def responses(
     batches = list(_batches(runs))
     responses: dict[int, RowResponse] = {}
 
-    def of_batch(batch: list[int]) -> list[RowResponse]:
+    def batch_responses(batch: list[int]) -> list[RowResponse]:
         first = runs[batch[0]]
         motions = _motions([runs[n] for n in batch], prepared.shortest)
         blocks = [block for n in batch if (block := runs[n].start) is not None]
         start = np.stack(blocks, axis=1) if blocks else None
         return kernel.run(first.row, motions, first.pace, keep and 0 in batch, start)
 
-    done = in_order(lambda number: of_batch(batches[number]), len(batches), progress)
-    for batch, several in zip(batches, done, strict=True):
-        responses |= zip(batch, several, strict=True)
+    results = in_order(lambda number: batch_responses(batches[number]), len(batches), progress)
+    for batch, responses_of_batch in zip(batches, results, strict=True):
+        responses |= zip(batch, responses_of_batch, strict=True)
     return [responses[number] for number in range(len(runs))]
 
 

@@ -64,18 +64,17 @@ class SeparationsByIntensity(NamedTuple):
         x = np.broadcast_to(np.log(self.intensity), self.separation.shape)
         beyond = np.log(np.maximum(self.separation, SMALLEST_SEPARATION)) - np.log(gap)
         first = beyond[:, :1]  # from where the gap is reached, below the lowest intensity
-        x = np.hstack(
-            [x[:, :1] - np.maximum(first, 0) / self.power, x, np.full_like(first, np.inf)]
-        )
+        lowest = x[:, :1] - np.maximum(first, 0) / self.power
+        x = np.hstack([lowest, x, np.full_like(first, np.inf)])
         beyond = np.hstack([np.minimum(first, 0), beyond, beyond[:, -1:]])
         left = beyond[:, :-1]
         right = beyond[:, 1:]
         low = x[:, :-1]
         high = x[:, 1:]
         with np.errstate(divide="ignore", invalid="ignore"):
-            at = low + (high - low) * np.clip(left / (left - right), 0, 1)
-        begin = np.where(left > 0, low, np.where(right > 0, at, high))
-        end = np.where(right > 0, high, np.where(left > 0, at, high))
+            crossing = low + (high - low) * np.clip(left / (left - right), 0, 1)
+        begin = np.where(left > 0, low, np.where(right > 0, crossing, high))
+        end = np.where(right > 0, high, np.where(left > 0, crossing, high))
         return np.exp(begin), np.exp(end)
 
 
@@ -119,48 +118,48 @@ def lognormal_fragility(motions: SeparationsByIntensity, gap: float) -> Fragilit
     if (motions.separation[:, 0] > gap).all():
         return Fragility(status=ALL_POUND)
     begin, end = motions.crossings(gap)
-    first = np.where(end > begin, begin, np.inf).min(axis=1)
-    seen = np.isfinite(first)
-    logs = np.log(first[seen])
+    lowest = np.where(end > begin, begin, np.inf).min(axis=1)
+    observed = np.isfinite(lowest)
+    logs = np.log(lowest[observed])
     if logs.size < 2 or np.ptp(logs) == 0:
         return Fragility(status=TOO_FEW_POUND)
     top = np.log(motions.intensity[-1])
-    never = int((~seen).sum())
+    unobserved = int((~observed).sum())
 
-    def surprise(parameters: Array) -> float:
+    def cost(parameters: Array) -> float:
+        """Negative logarithm of the likelihood, without its constant term."""
         mean, log_b = parameters
         z = (logs - mean) / np.exp(log_b)
-        most = (mean - top) / np.exp(log_b)
-        return float(0.5 * z @ z + logs.size * log_b - never * log_ndtr(most))
+        z_of_top = (mean - top) / np.exp(log_b)
+        return float(0.5 * z @ z + logs.size * log_b - unobserved * log_ndtr(z_of_top))
 
     mean = logs.mean()
     log_b = np.log(logs.std())
-    if never:  # else these are the maximum
+    if unobserved:  # else these are the maximum
+        guess = [mean, log_b]
         options = {"gtol": 1e-6}
-        mean, log_b = scipy.optimize.minimize(
-            surprise, [mean, log_b], method="BFGS", options=options
-        ).x
+        solution = scipy.optimize.minimize(cost, guess, method="BFGS", options=options)
+        mean, log_b = solution.x
     median = float(np.exp(mean))
     b = float(np.exp(log_b))
     z = (logs - mean) / b
-    most = (mean - top) / b
-    hazard = np.exp(-0.5 * most**2 - log_ndtr(most)) / np.sqrt(2 * np.pi)
-    tail = never * hazard
-    bend = never * hazard * (most + hazard)
-    mixed = (2 * z.sum() + tail - most * bend) / b
+    z_of_top = (mean - top) / b
+    hazard = np.exp(-0.5 * z_of_top**2 - log_ndtr(z_of_top)) / np.sqrt(2 * np.pi)
+    tail = unobserved * hazard
+    slope_of_tail = unobserved * hazard * (z_of_top + hazard)
+    mixed = (2 * z.sum() + tail - z_of_top * slope_of_tail) / b
     curvature = [
-        [(logs.size + bend) / b**2, mixed],
-        [mixed, 2 * z @ z + most * (most * bend - tail)],
+        [(logs.size + slope_of_tail) / b**2, mixed],
+        [mixed, 2 * z @ z + z_of_top * (z_of_top * slope_of_tail - tail)],
     ]
-    of_mean, of_log_b = np.sqrt(np.diag(np.linalg.inv(curvature)))
-    return Fragility(median, b, float(median * of_mean), float(b * of_log_b))
+    error_of_mean, error_of_log_b = np.sqrt(np.diag(np.linalg.inv(curvature)))
+    return Fragility(median, b, float(median * error_of_mean), float(b * error_of_log_b))
 
 
 def range_of_rate(risk: xr.Dataset, left_out: float) -> tuple[float, float]:
-    """The intensities between which the rate arises, but for such a part of it at either end."""
+    """The intensities between which the rate arises, but for a share ``left_out`` at either end."""
     edges = np.append(risk.risk_from_intensity.values, np.inf)
-    above = 1 - np.append(
-        0.0, np.cumsum(risk.risk_annual_rate_by_intensity / risk.risk_annual_rate)
-    )
+    shares = np.cumsum(risk.risk_annual_rate_by_intensity / risk.risk_annual_rate)
+    above = 1 - np.append(0.0, shares)
     low = edges[np.flatnonzero(above >= 1 - left_out)[-1]]
     return float(low), float(edges[np.flatnonzero(above <= left_out)[0]])

@@ -44,12 +44,12 @@ from stochlin.solver.tables import labels
 from stochlin.solver.tables.cells import over_cells
 from stochlin.solver.tables.checks import check_duration, standing
 
-# least number of simulated intensities, odd, so that every other one has both ends
+# fewest simulated intensities; an odd number, so that every other one includes both ends
 SIMULATED_INTENSITIES = 25
-# quantiles of all separations, gaps for which intensities are close enough
+# quantiles of all separations, as gaps for which the intensities have to be close enough
 TYPICAL_QUANTILES = (0.25, 0.5, 0.75)
 RETURN_PERIODS = (5.0, 2e5)  # [yr] of the lowest and highest intensity of a hazard without a table
-NORMAL = 1.96  # standard errors from a mean to the ends of its 95 % interval
+ERRORS_OF_INTERVAL = 1.96  # standard errors from a mean to the ends of its 95 % interval
 RISK_GAP_TOLERANCE = 1e-6  # relative tolerance of a required gap
 HIGHEST_INTENSITY = 1e100  # intensity from which on nothing is added
 ROUNDING_OF_HAZARD = 1e-12  # relative rounding error allowed at the end of a hazard curve
@@ -310,11 +310,12 @@ class SimulatedRisk(NamedTuple):
     def quadrature_error(self, gap: float) -> float:
         """Error [1/yr] of the rate by the interpolation between intensities.
 
-        It is about as large as the change with half of them: two to four times more then, since
-        motions of yielding structures pound at some intensities and not at stronger ones.
+        It is about as large as the change of the rate with half of the intensities. With these the
+        error is two to four times as large, since motions of yielding structures pound at some
+        intensities and not at stronger ones.
         """
-        half = self._replace(motions=self.motions.every_other())
-        change = (self.rates(gap).sum(axis=1) - half.rates(gap).sum(axis=1)).mean()
+        coarser = self._replace(motions=self.motions.every_other())
+        change = (self.rates(gap).sum(axis=1) - coarser.rates(gap).sum(axis=1)).mean()
         return abs(float(change))
 
     def is_coarse(self) -> bool:
@@ -352,7 +353,9 @@ class SimulatedRisk(NamedTuple):
         interpolation = self.quadrature_error(gap)
         mean, error = _with_both_errors(rates, interpolation)
         most, error_of_most = _with_both_errors(rates + stronger + weaker, interpolation)
-        ends = mean, max(mean - NORMAL * error, 0.0), most + NORMAL * error_of_most
+        lower = max(mean - ERRORS_OF_INTERVAL * error, 0.0)
+        upper = most + ERRORS_OF_INTERVAL * error_of_most
+        ends = mean, lower, upper
         return dict(zip(labels.VALUE_AND_ENDS, ends, strict=True))
 
     def of_gap(self, gap: float, years: float) -> xr.Dataset:
@@ -366,9 +369,8 @@ class SimulatedRisk(NamedTuple):
         step = (motions.intensity.size - 1) // (SIMULATED_INTENSITIES - 1)
         shown = motions.intensity[::step]
         intervals = np.arange(1, motions.intensity.size, step)
-        by_interval = np.add.reduceat(
-            self.rates(gap).mean(axis=0), [0, *intervals, motions.intensity.size]
-        )
+        by_interval = self.rates(gap).mean(axis=0)
+        by_interval = np.add.reduceat(by_interval, [0, *intervals, motions.intensity.size])
         attrs = {
             "units": INTENSITY_UNITS[hazard.measure],
             "long_name": f"intensity, {hazard.measure}",
@@ -449,16 +451,16 @@ class RiskSimulation(NamedTuple):
         )
         usual = prepared.usual
         power = 0.5
-        of_unit = 1.0  # S0 of motions with the intensity 1 in the measure of the hazard
+        unit_intensity = 1.0  # S0 of motions with the intensity 1 in the measure of the hazard
         if hazard.measure != "intensity":
             goal: dict[str, Any] = {hazard.measure: 1.0, "period": hazard.period}
             scaled = scale_ground(usual, motion.duration, motion.envelope, seed=motion.seed, **goal)
             power = 1.0
-            of_unit = float(scaled.arrays()["intensity"])
+            unit_intensity = float(scaled.arrays()["intensity"])
 
-        def simulated(at: Array, part: Progress | None) -> SeparationsByIntensity:
-            factors = of_unit / float(usual.arrays()["intensity"]) * at ** (2 * power)
-            return simulated_separations(prepared, at, factors, power, self.paths, part)
+        def simulated(levels: Array, part: Progress | None) -> SeparationsByIntensity:
+            factors = unit_intensity / float(usual.arrays()["intensity"]) * levels ** (2 * power)
+            return simulated_separations(prepared, levels, factors, power, self.paths, part)
 
         risk = SimulatedRisk(simulated(levels, part_of(self.progress, 0.0, 0.5)), hazard)
         if risk.is_coarse():

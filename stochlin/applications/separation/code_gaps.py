@@ -37,12 +37,12 @@ from stochlin.solver.tables import labels
 
 PEAK_NAMES = "peak_1", "peak_2"
 # What the displacements are, with or without the factors of a code.
-DEFINED = "displacements as each code defines them, its factors included"
+DEFINED_BY_CODE = "displacements as each code defines them, its factors included"
 DESIGN_FORCES = "displacements under design forces, which each code multiplies by its factors"
 ELASTIC_PEAKS = (
     ", of the elastic spectrum by the CQC over the modes of each building, cqc over those of both"
 )
-NEEDS = "needs "  # begins what is missing
+NEEDS = "needs "  # beginning of a text about missing arguments
 CODE_TEXTS: Mapping[str, str] = {
     "family": "what governs a building code: SRSS or sum of the peaks, the height, or a fixed "
     "distance",
@@ -309,11 +309,11 @@ def code_gaps(
         source = str(spectrum.attrs.get("source", "a spectrum"))
         table.attrs["spectrum"] = f"{source} ({taken_in_words(spectrum)})"
     table = labels.label(table)
-    peaks = DESIGN_FORCES if site.of_design else DEFINED
+    peaks = DESIGN_FORCES if site.of_design else DEFINED_BY_CODE
     if site.elastic:
         peaks += ELASTIC_PEAKS
-    checked_not = "Rules whose mark has an M were not compared with their source."
-    table.attrs["comment"] = f"The peaks are {peaks}. {checked_not}"
+    note = "Rules whose mark has an M were not compared with their source."
+    table.attrs["comment"] = f"The peaks are {peaks}. {note}"
     return labels.with_run_information(
         table,
         f"{'Set-back' if site.alone else 'Separation'} by the rules of building codes",
@@ -340,7 +340,7 @@ def _by_modes(
     """The peaks of buildings by their modes and, of two, their correlation and the CQC of both."""
     if site.alone:
         return {"peak_1": site.peak_1}
-    cqc = [_apart(rule.peaks, correlation) for rule in rules]
+    cqc = [_cqc_of_difference(rule.peaks, correlation) for rule in rules]
     return {
         "peak_1": site.peak_1,
         "cqc": _along_rules(cqc, rules, valid),
@@ -357,7 +357,7 @@ def inputs_in_words(site: Site, numbers: Mapping[str, float] | None) -> str:
     return ", ".join(f"{name}={value!r}" for name, value in inputs.items())
 
 
-def _apart(peaks: tuple[Any, Any] | None, rho: xr.DataArray) -> Any:
+def _cqc_of_difference(peaks: tuple[Any, Any] | None, rho: xr.DataArray) -> Any:
     """CQC of the difference [m] with these peaks of both buildings; NaN without."""
     return np.nan if peaks is None else xr.apply_ufunc(equation_3, *peaks, rho)
 
@@ -399,6 +399,5 @@ def rules_with(numbers: Mapping[str, float] | None) -> list[CodeRule]:
         for name, value in (numbers or {}).items()
     }
     usual = code_rule_names()
-    return [
-        code_rule(name, stated.get(name)) for name in CODE_RULES if name in usual or name in stated
-    ]
+    names = [name for name in CODE_RULES if name in usual or name in stated]
+    return [code_rule(name, stated.get(name)) for name in names]

@@ -20,14 +20,14 @@ from stochlin.solver.correlation.equation_4 import rho_white_noise
 from stochlin.solver.tables import labels
 
 TRIED_DAMPINGS = np.linspace(0, 0.4, 41)  # added damping ratios
-STEPS_BETWEEN_DAMPINGS = np.linspace(0, 1, 11)  # between two of these
+SHARES_BETWEEN_DAMPINGS = np.linspace(0, 1, 11)  # of the step between two of these
 DAMPED_STRUCTURES: Mapping[str, tuple[float, float]] = {
     "both": (1.0, 1.0),
     "structure 1": (1.0, 0.0),
     "structure 2": (0.0, 1.0),
 }
 DAMPED = "damped"
-BY_DAMPING = "added_damping"
+ADDED_DAMPING = "added_damping"
 LEAST_DAMPING = "least_added_damping"
 GAP_CURVES = (
     "critical_gap",
@@ -212,37 +212,37 @@ def _least_damping(
     first: Structure, second: Structure, record: xr.DataArray, gap: float, ground: Ground | None
 ) -> xr.Dataset:
     """The curves over the added damping in one record, and the least that is sufficient."""
-    where = xr.DataArray(
+    names = xr.DataArray(
         list(DAMPED_STRUCTURES), dims=DAMPED, attrs={"long_name": "where damping is added"}
     )
     shares = np.array([*DAMPED_STRUCTURES.values()])
-    share_1 = xr.DataArray(shares[:, 0], {DAMPED: where})
-    share_2 = xr.DataArray(shares[:, 1], {DAMPED: where})
+    share_1 = xr.DataArray(shares[:, 0], {DAMPED: names})
+    share_2 = xr.DataArray(shares[:, 1], {DAMPED: names})
 
     def gaps(added: xr.DataArray) -> xr.Dataset:
         both = damped(first, share_1 * added), damped(second, share_2 * added)
         return estimated_gap(*both, record, ground)
 
-    added = labels.axis(BY_DAMPING, "added damping ratio", TRIED_DAMPINGS)
+    added = labels.axis(ADDED_DAMPING, "added damping ratio", TRIED_DAMPINGS)
+    shares_between = xr.DataArray(SHARES_BETWEEN_DAMPINGS, dims=ADDED_DAMPING)
     table = gaps(added)[[*GAP_CURVES, "status"]]
     for end, name in (("", "critical_gap"), ("_recorded", "separation")):
         enough = table[name] <= gap
-        high = enough.argmax(BY_DAMPING)
-        low = added[np.maximum(high - 1, 0)].drop_vars(BY_DAMPING)
-        between = low + (added[high].drop_vars(BY_DAMPING) - low) * xr.DataArray(
-            STEPS_BETWEEN_DAMPINGS, dims=BY_DAMPING
-        )
+        first_enough = enough.argmax(ADDED_DAMPING)
+        lower = added[np.maximum(first_enough - 1, 0)].drop_vars(ADDED_DAMPING)
+        upper = added[first_enough].drop_vars(ADDED_DAMPING)
+        between = lower + (upper - lower) * shares_between
         least = _crossing(gaps(between)[name], between, gap)
-        table[f"{LEAST_DAMPING}{end}"] = least.where(enough.any(BY_DAMPING))
+        table[f"{LEAST_DAMPING}{end}"] = least.where(enough.any(ADDED_DAMPING))
     return table
 
 
 def _crossing(required: xr.DataArray, added: xr.DataArray, gap: float) -> xr.DataArray:
     """Added damping with which the required gap first falls to this one, linear between steps."""
-    after = (required <= gap).argmax(BY_DAMPING)
+    after = (required <= gap).argmax(ADDED_DAMPING)
     before = np.maximum(after - 1, 0)
-    x = added.isel({BY_DAMPING: before})
-    y = required.isel({BY_DAMPING: before})
-    x_after = added.isel({BY_DAMPING: after})
-    y_after = required.isel({BY_DAMPING: after})
+    x = added.isel({ADDED_DAMPING: before})
+    y = required.isel({ADDED_DAMPING: before})
+    x_after = added.isel({ADDED_DAMPING: after})
+    y_after = required.isel({ADDED_DAMPING: after})
     return x_after.where(after == 0, x + (y - gap) / (y - y_after) * (x_after - x))

@@ -46,21 +46,22 @@ from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import standing
 
 STRENGTH_FACTORS = np.geomspace(1 / 8, 8, 13)  # factors of both reduction factors
-AT_FACTOR_1 = 6  # index of the factor 1 among these
+INDEX_OF_FACTOR_1 = 6  # index of the factor 1 among these
 AMPLITUDES = np.geomspace(1 / 16, 16, 17)  # factors of the ground acceleration
 DAMPINGS = np.linspace(0, 0.4, 9)  # damping ratios added to both structures
 MOST_DAMPING = 0.999  # largest total damping ratio of a structure
-MOST_SIMULATIONS = 12  # largest number of simulations of the three searches together that is usual
-OF_SEARCH = 8.0  # their number in the mean, in simulations of all motions
+MOST_SIMULATIONS = 12  # of the three searches together, as far as this is usual
+# mean work of the three searches, in simulations of all motions
+WORK_OF_SEARCHES = 8.0
 
 # in place of a rate of 0: the interval is then the range of the search
 SMALLEST_RATE = np.finfo(float).tiny
 GAP_OF_FALLEN = 1e6  # [m], in place of a required gap that is infinite, since a structure falls
 # relative difference of a simulated gap, or of two values, from which limits follow
 CLOSE_GAPS = 1e-2
-FEW_DIVISOR = 8  # a few motions are one in so many
-LEAST_FEW = 64  # and at least this many
-# half 95 % intervals between a gap from a few motions and the limit, so that these decide
+FEW_DIVISOR = 8  # trial values are simulated with one motion in so many
+LEAST_FEW = 64  # and with at least so many
+# half 95 % intervals between a gap from a few motions and the existing gap, with which these decide
 CLEAR = 1.5
 
 
@@ -87,7 +88,7 @@ class Required:
     """
 
     gaps: Callable[[float, int], Ends]  # for a value and a number of motions
-    most: float  # the existing gap [m]
+    existing: float  # the existing gap [m]
     paths: int  # the number of all motions
     simulated: dict[tuple[float, int], Ends]  # simulated so far
 
@@ -105,13 +106,15 @@ class Required:
         """Whether the existing gap is sufficient at a value."""
         few = max(self.paths // FEW_DIVISOR, LEAST_FEW)
         if few < self.paths and (float(value), self.paths) not in self.simulated:
-            gap, least, most = self._at(value, few)
-            if gap + CLEAR * (most - gap) < self.most or gap - CLEAR * (gap - least) > self.most:
-                return bool(gap < self.most)
-        return self(value) <= self.most
+            gap, lower, upper = self._at(value, few)
+            clearly_enough = gap + CLEAR * (upper - gap) < self.existing
+            clearly_too_little = gap - CLEAR * (gap - lower) > self.existing
+            if clearly_enough or clearly_too_little:
+                return bool(gap < self.existing)
+        return self(value) <= self.existing
 
     def end(
-        self, grid: Sequence[float] | Array, order: Iterable[int], way: int, open_end: Edge
+        self, grid: Sequence[float] | Array, order: Iterable[int], direction: int, open_end: Edge
     ) -> Edge:
         """End, on one side, of the sufficient values around the first in this order of a grid.
 
@@ -122,10 +125,10 @@ class Required:
         if n is None:
             return NO_EDGE
         while 0 <= n < len(grid) and self.enough(grid[n]):
-            n += way
+            n += direction
         if not 0 <= n < len(grid):
             return open_end
-        edge = self._edge(*sorted((float(grid[n - way]), float(grid[n]))))
+        edge = self._edge(*sorted((float(grid[n - direction]), float(grid[n]))))
         return Edge(*np.clip(edge, grid[0], grid[-1]).tolist())
 
     def least(self, grid: Sequence[float] | Array) -> Edge:
@@ -140,10 +143,10 @@ class Required:
             root = scipy.optimize.brentq(self._excess, low, high, rtol=CLOSE_GAPS, xtol=1e-6)
         rate = (self(high) - self(low)) / (high - low) or SMALLEST_RATE
         gap, *ends = self._at(root, self.paths)
-        between = sorted(
+        simulated = sorted(
             (self(x), x) for x, n in self.simulated if n == self.paths and low <= x <= high
         )
-        value = float(np.interp(self.most, *np.transpose(between)))
+        value = float(np.interp(self.existing, *np.transpose(simulated)))
         ends = [value + (gap - end) / rate for end in ends]
         # A structure falls there, so that the rate has no use.
         if max(self(low), self(high)) >= GAP_OF_FALLEN:
@@ -152,8 +155,8 @@ class Required:
 
     def _excess(self, value: float) -> float:
         """Required gap less the existing one [m]; 0 if it is close."""
-        excess = self(value) - self.most
-        return 0.0 if abs(excess) <= CLOSE_GAPS * self.most else excess
+        excess = self(value) - self.existing
+        return 0.0 if abs(excess) <= CLOSE_GAPS * self.existing else excess
 
 
 @checked(uncertain=True, in_metres=True)
@@ -240,8 +243,9 @@ def existing_gap(
     search = GapSearch.of(structures, ground, gap, confidence, motion, paths)
     if progress is not None:
         progress(0.0)
-    built = search.prepared.enough(confidence)
-    return search.limits(pair_separation(built), part_of(progress, 1 / (1 + OF_SEARCH), 1.0))
+    motions = search.prepared.enough(confidence)
+    rest = part_of(progress, 1 / (1 + WORK_OF_SEARCHES), 1.0)
+    return search.limits(pair_separation(motions), rest)
 
 
 @dataclass
@@ -280,14 +284,14 @@ class GapSearch:
                 nonlocal done
                 motions = prepared.simulated(paths, self.confidence, **change(value))
                 done += paths / samples.size
-                advance(done / max(OF_SEARCH, done + 1))
+                advance(done / max(WORK_OF_SEARCHES, done + 1))
                 return required_gaps(motions)
 
             return Required(gaps, self.gap, samples.size, {(present, samples.size): as_built})
 
         def changed(change: Callable[[Any, float], Any], value: float) -> dict[str, Any]:
-            several = prepared.structures
-            structures = [applied(lambda s: change(s, value), structure) for structure in several]
+            models = prepared.structures
+            structures = [applied(lambda s: change(s, value), model) for model in models]
             return {"structures": structures}
 
         def amplified(amplitude: float) -> dict[str, Any]:
@@ -295,14 +299,15 @@ class GapSearch:
             ground = applied(lambda g: replace(g, intensity=g.intensity * factor), prepared.ground)
             return {"ground": ground}
 
-        by_strength = required(partial(changed, weaker), 1.0)
+        required_by_strength = required(partial(changed, weaker), 1.0)
         # The present strength, or the next that is sufficient, sought among stronger structures
         # first.
-        order = (*range(AT_FACTOR_1, -1, -1), *range(AT_FACTOR_1 + 1, STRENGTH_FACTORS.size))
-        least_factor = by_strength.end(STRENGTH_FACTORS, order, -1, Edge(0.0))
-        largest_factor = by_strength.end(STRENGTH_FACTORS, order, 1, NO_LIMIT)
-        by_shaking = required(amplified, 1.0)
-        amplitude = by_shaking.end(AMPLITUDES, [0], 1, NO_LIMIT)
+        stronger = range(INDEX_OF_FACTOR_1, -1, -1)
+        order = *stronger, *range(INDEX_OF_FACTOR_1 + 1, STRENGTH_FACTORS.size)
+        least_factor = required_by_strength.end(STRENGTH_FACTORS, order, -1, Edge(0.0))
+        largest_factor = required_by_strength.end(STRENGTH_FACTORS, order, 1, NO_LIMIT)
+        required_by_shaking = required(amplified, 1.0)
+        amplitude = required_by_shaking.end(AMPLITUDES, [0], 1, NO_LIMIT)
         added = required(partial(changed, damped), 0.0).least(DAMPINGS)
         columns: dict[str, Any] = {**keeping_apart(samples, self.gap), "required_gap": as_built[0]}
         advance(1.0)

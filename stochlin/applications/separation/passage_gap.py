@@ -26,8 +26,14 @@ from stochlin.solver.tables.checks import check_duration, standing
 from stochlin.solver.tables.lazy import in_blocks
 
 PAIRS_TOGETHER = 256  # pairs that are computed together
-OF_PAIRS = ("displacement_std_2", "drift_std_2", "difference_std", "difference_drift_std", "rho")
-OF_ALL = (
+VARIABLES_OF_PAIRS = (
+    "displacement_std_2",
+    "drift_std_2",
+    "difference_std",
+    "difference_drift_std",
+    "rho",
+)
+VARIABLES_OF_CELLS = (
     "required_gap",
     "required_gap_error",
     "caution",
@@ -125,8 +131,8 @@ def passage_gap(
     models: dict[str, Any] = {**structures, "ground": ground}
     if gap is not None:
         models["distance"] = Gap(gap)
-    of_cells = partial(_of_cells, course=course, confidence=confidence)
-    table = labels.label(in_blocks(of_cells, models))
+    table_of_cells = partial(_table_of_cells, course=course, confidence=confidence)
+    table = labels.label(in_blocks(table_of_cells, models))
     table.caution.attrs = dict(CAUTION_ATTRS)
     labels.raise_if_lone_failure(table, "passage_gap", *structures.values(), ground)
     about = {"confidence": confidence, "duration_s": seconds, **labels.of_scatter(scatter)}
@@ -140,7 +146,7 @@ def passage_gap(
     )
 
 
-def _of_cells(
+def _table_of_cells(
     ground: Ground,
     *,
     course: EnvelopesInTime,
@@ -157,17 +163,17 @@ def _of_cells(
     cells = flat({**models, "ground": ground, **beside})
     count = cells.where.size
     gaps = None if distance is None else in_columns([cells.models["distance"].gap], count)[0]
-    of_role = [Oscillators.of(cells.of_structure(role)) for role in structures]
+    oscillators = [Oscillators.of(cells.of_structure(role)) for role in structures]
 
     def part(at: slice) -> dict[str, Array]:
-        pairs = pairs_in_time([oscillators.at(at) for oscillators in of_role], ground, course)
+        pairs = pairs_in_time([structure.at(at) for structure in oscillators], ground, course)
         return _columns(pairs, confidence, None if gaps is None else gaps[at])
 
     if count:
         parts = in_ranges(part, count, PAIRS_TOGETHER)
         columns = {name: np.concatenate([values[name] for values in parts]) for name in parts[0]}
     else:
-        names = [*OF_ALL, *(OF_PAIRS if len(structures) > 1 else ())]
+        names = [*VARIABLES_OF_CELLS, *(VARIABLES_OF_PAIRS if len(structures) > 1 else ())]
         names += ["no_pounding_probability"] if beside else []
         columns = {name: np.empty(0, np.int8 if name in INVALID_CELLS else float) for name in names}
     return xr.Dataset(
@@ -180,17 +186,17 @@ def _columns(pairs: PairsInTime, confidence: float, gaps: Array | None) -> dict[
     first = pairs.first
     second = pairs.second
     mean = pairs.means
-    apart = mean(pairs.difference)
-    most = apart.argmax(axis=0)[None]
+    variance = mean(pairs.difference)
+    instant = variance.argmax(axis=0)[None]
     sides = [first] if second is None else [first, second]
     columns = {"required_gap": pairs.required_gaps(confidence)}
     columns |= {"required_gap_error": pairs.expected.error, "caution": pairs.expected.caution}
     for n, side in enumerate(sides, 1):
-        variance = np.take_along_axis(mean(side.variance), most, axis=0)[0]
-        columns[f"displacement_std_{n}"] = np.sqrt(variance)
+        variance_of_side = np.take_along_axis(mean(side.variance), instant, axis=0)[0]
+        columns[f"displacement_std_{n}"] = np.sqrt(variance_of_side)
         columns[f"drift_std_{n}"] = np.sqrt(mean(side.offset)[-1])
     if second is not None:
-        columns["difference_std"] = np.sqrt(np.take_along_axis(apart, most, axis=0)[0])
+        columns["difference_std"] = np.sqrt(np.take_along_axis(variance, instant, axis=0)[0])
         columns["difference_drift_std"] = np.sqrt(mean(pairs.moves.offset**2)[-1])
         columns["rho"] = pairs.strong_rho()
     if gaps is not None:

@@ -43,17 +43,17 @@ from stochlin.solver.linearization.systems.systems import linearized_motion
 from stochlin.solver.simulation.prepared import PreparedStructures
 from stochlin.solver.simulation.statistics import mean_with_error, pair_peaks, quantiles_of
 
-EQ_3 = "eq. (3) with the peaks of both structures"
-COMBINES = "needs a second building: eq. (3) combines the peaks of two"
+PEAKS_OF_BOTH = "eq. (3) with the peaks of both structures"
+NEEDS_SECOND_BUILDING = "needs a second building: eq. (3) combines the peaks of two"
 EQUATION_3 = "equation_3"  # kind of the rules by eq. (3)
 ELASTIC_MODES = (
     "CQC over all elastic modes, with their peaks and correlations on the ground; what yields "
     "moves as far as if it were elastic"
 )
-OF_DUCTILITY = "rho by eq. (4) at the simulated mean peak ductility"
+RHO_AT_DUCTILITY = "rho by eq. (4) at the simulated mean peak ductility"
 EQUATION_3_SOURCE = "Valles-Mattox and Reinhorn (1996), eq. (3) and Fig. 5"
-OF_CQC = "Der Kiureghian (1981), Earthquake Eng. Struct. Dyn. 9, here for a difference"
-GUMBEL = np.sqrt(6) / np.pi
+CQC_SOURCE = "Der Kiureghian (1981), Earthquake Eng. Struct. Dyn. 9, here for a difference"
+GUMBEL_SCALE = np.sqrt(6) / np.pi  # of a Gumbel distribution, over its standard deviation
 
 Gaps = tuple[Array, Array | None]
 """Gaps [m] and correlations over the heights; None for a rule without correlations."""
@@ -160,13 +160,13 @@ class PairInMotion:
         return weights_at(self.system, self.heights)
 
     @property
-    def of_coordinates(self) -> list[Array]:
+    def coordinate_weights(self) -> list[Array]:
         """The `weights` as those of the coordinates of the system (heights, coordinates)."""
         return [weights @ self.system.storeys.shapes for weights in self.weights]
 
     def linearized_rho(self) -> Array:
         """Correlation by linearization [-], (heights,); an error if there is no solution."""
-        return correlation_of(self.linearized, *self.of_coordinates)
+        return correlation_of(self.linearized, *self.coordinate_weights)
 
     @cached_property
     def in_time(self) -> PairsInTime:
@@ -193,7 +193,8 @@ class PairInMotion:
                 "the linearized amplification of Fig. 5b is only available for oscillators"
             )
         peaks = np.empty((len(self.structures), 1))
-        for n, (elastic, weights) in enumerate(zip(self.elastic, self.of_coordinates, strict=True)):
+        sides = zip(self.elastic, self.coordinate_weights, strict=True)
+        for n, (elastic, weights) in enumerate(sides):
             moments = response_moments(elastic)
             peak = peak_quantile(moments, self.strong_seconds, self.confidence, sides=2)
             amplification = self.linearized.std(weights) / elastic.values["displacement_std"]
@@ -214,9 +215,8 @@ class PairInMotion:
     def effective_rho(self, rule: EffectiveRule) -> Array:
         """Correlation by a rule for effective properties of the first modes [-], (1,)."""
         arguments: dict[str, float] = {}
-        for n, (mode, ductility) in enumerate(
-            zip(self.modes, self.ductilities, strict=True), start=1
-        ):
+        sides = zip(self.modes, self.ductilities, strict=True)
+        for n, (mode, ductility) in enumerate(sides, start=1):
             parameters = mode.arrays()
             arguments |= {f"{key}_{n}": float(parameters[key]) for key in ("period", "damping")}
             arguments[f"hardening_{n}"] = float(parameters["hardening"]) if mode.yields else 1.0
@@ -225,14 +225,13 @@ class PairInMotion:
 
     def linearized_gaps(self) -> Array:
         """Quantile of the peak of linearized ``u_1 - u_2``, or ``u_1`` if alone [m], (heights,)."""
-        weights_1, *weights_2 = self.of_coordinates
+        weights_1, *weights_2 = self.coordinate_weights
         apart = weights_1 - sum(weights_2)
-        moments = (xr.DataArray(moment[0]) for moment in self.linearized.spectral_moments(apart))
-        gaps = peak_quantile(
-            tuple(moments), self.strong_seconds, self.confidence, sides=1
-        ).to_numpy()
+        rows = self.linearized.spectral_moments(apart)
+        moments = tuple(xr.DataArray(row[0]) for row in rows)
+        gaps = peak_quantile(moments, self.strong_seconds, self.confidence, sides=1)
         alike = self.linearized.std(apart) < ROUNDING_OF_GAP * self.linearized.std(weights_1)
-        return _finite(np.where(alike[0], 0.0, gaps))
+        return _finite(np.where(alike[0], 0.0, gaps.to_numpy()))
 
     def quantities(self) -> dict[str, Any]:
         """Variables of the table for the structures, by name."""
@@ -255,8 +254,8 @@ class PairInMotion:
             shares = self.motions.collapse_probability.values
             table |= {f"collapse_probability_{n}": share for n, share in enumerate(shares, start=1)}
         if self.has_storeys:
-            of_storeys = ("peak_drift_mean", "peak_drift_mean_standard_error", "ductility")
-            table |= {name: self.motions[name] for name in of_storeys}
+            names = ("peak_drift_mean", "peak_drift_mean_standard_error", "ductility")
+            table |= {name: self.motions[name] for name in names}
         return table
 
 
@@ -274,7 +273,7 @@ def peak_quantile(
     l0, l1, l2 = moments
     peak = peak_table(l0, l1, l2, xr.DataArray(seconds), peak_factor_model("vanmarcke"), sides)
     reduced = -np.log(-np.log(confidence))
-    return peak.peak_mean + GUMBEL * (reduced - np.euler_gamma) * peak.peak_std
+    return peak.peak_mean + GUMBEL_SCALE * (reduced - np.euler_gamma) * peak.peak_std
 
 
 def all_rules(pair: PairInMotion, codes: Sequence[CodeRule]) -> list[Rule]:
@@ -296,7 +295,7 @@ def _solved(pair: PairInMotion, rule: Rule, solve: Callable[[], Gaps]) -> Rule:
     """A rule with its gaps, or with the reason why it has none."""
     try:
         if pair.alone and rule.kind == EQUATION_3:
-            raise ValueError(COMBINES)
+            raise ValueError(NEEDS_SECOND_BUILDING)
         gaps, rhos = solve()
     except (ArithmeticError, ValueError) as error:
         return Rule(rule.name, rule.kind, np.full(pair.heights.size, np.nan), missing=str(error))
@@ -307,12 +306,12 @@ def _formulas(pair: PairInMotion) -> Iterator[tuple[Rule, Callable[[], Gaps]]]:
     """Eq. (3) with each correlation, and rules without simulation, each with what solves it."""
 
     def eq_3(name: str, about: str, rho: Callable[[], Array], mark: str, source: str = "") -> Any:
-        about = f"{EQ_3}; {about}"
+        about = f"{PEAKS_OF_BOTH}; {about}"
         rule = Rule(f"eq_3_{name}", EQUATION_3, reference=source, mark=mark, assumptions=about)
         return rule, lambda: _equation_3(pair.peaks, rho())
 
-    in_time = "first passage with plastic drift in time; nothing simulated"
-    passage = Rule("first_passage_drift", "first_passage", mark="C", assumptions=in_time)
+    assumptions = "first passage with plastic drift in time; nothing simulated"
+    passage = Rule("first_passage_drift", "first_passage", mark="C", assumptions=assumptions)
     yield passage, lambda: (pair.passage_gaps(), None)
     yield eq_3("linearized", "rho of linearization", pair.linearized_rho, "C")
     yield eq_3("drift", "rho with plastic drift in time", pair.drift_rho, "C")
@@ -325,17 +324,16 @@ def _formulas(pair: PairInMotion) -> Iterator[tuple[Rule, Callable[[], Gaps]]]:
     paper = Rule("eq_3_paper", EQUATION_3, reference=EQUATION_3_SOURCE, mark="P", assumptions=about)
     yield paper, lambda: _equation_3(pair.amplified_peaks(), pair.linearized_rho())
     for rule in map(effective_rule, effective_rule_names()):
-        yield eq_3(
-            rule.name, OF_DUCTILITY, partial(pair.effective_rho, rule), rule.mark, rule.reference
-        )
+        rho = partial(pair.effective_rho, rule)
+        yield eq_3(rule.name, RHO_AT_DUCTILITY, rho, rule.mark, rule.reference)
     about = f"{ELASTIC_MODES}; {unsimulated}"
-    of_modes = Rule("cqc", "response_spectrum", reference=OF_CQC, mark="C", assumptions=about)
-    yield of_modes, partial(_of_modes, pair)
+    cqc = Rule("cqc", "response_spectrum", reference=CQC_SOURCE, mark="C", assumptions=about)
+    yield cqc, partial(_cqc_gaps, pair)
     source = PEAK_FACTORS["Vanmarcke1975"].reference
-    alone = Rule(
+    linear = Rule(
         "linearization", "linearization", reference=source, mark="C", assumptions=unsimulated
     )
-    yield alone, lambda: (pair.linearized_gaps(), None)
+    yield linear, lambda: (pair.linearized_gaps(), None)
 
 
 def _equation_3(peaks: Array, rhos: Array) -> Gaps:
@@ -346,7 +344,7 @@ def _equation_3(peaks: Array, rhos: Array) -> Gaps:
     return gaps, np.broadcast_to(rhos, gaps.shape)
 
 
-def _of_modes(pair: PairInMotion) -> Gaps:
+def _cqc_gaps(pair: PairInMotion) -> Gaps:
     """Response spectrum analysis of both buildings together, or of one building alone."""
     peaks, rhos = pair.combined_modes()
     return (peaks[0], None) if pair.alone else _equation_3(peaks, rhos)

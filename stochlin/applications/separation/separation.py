@@ -14,7 +14,7 @@ from stochlin.applications.records.cells import checked_motions
 from stochlin.applications.records.gaps import recorded_gap
 from stochlin.applications.separation.code_gaps import CODE_TEXTS, Rule, inputs_in_words, rules_with
 from stochlin.applications.separation.rules import PairInMotion, all_rules
-from stochlin.applications.separation.storeys import of_storeys
+from stochlin.applications.separation.storeys import site_with_storeys
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.messages import brief, hint
@@ -59,13 +59,14 @@ VERDICT_ATTRS: Mapping[str, Any] = {
     "flag_meanings": RULE_VERDICTS,
 }
 SET_BACK = "Set-back of one building from its property line"
-COMBINED = (
+COMMENT_ON_CODES = (
     "A code's combination of simulated peaks: the peaks that are not exceeded with the confidence, "
     "combined as the code combines displacements of its own. This is not the gap that the code "
     "asks for, and it has no verdict."
 )
-EXACT = "nonlinear simulation of the given models"
-ASKED = (*BOTH, "height_1", "height_2", "storeys_1", "storeys_2", "zone", "design_pga")  # by codes
+SIMULATION_ASSUMPTIONS = "nonlinear simulation of the given models"
+# arguments of `code_gaps` that describe the buildings and the site
+CODE_ARGUMENTS = (*BOTH, "height_1", "height_2", "storeys_1", "storeys_2", "zone", "design_pga")
 BEFORE_RECORDS = 0.8  # share of the work before the records, if there are any
 MOTION_ATTRS = ("paths", "seed", "step_s", "duration_s", "envelope")
 RULE_TEXTS: Mapping[str, str] = {
@@ -215,16 +216,16 @@ def separation(
         checked_motions(records)
     by_role = standing(first, second)
     alone = second is None
-    both = {role: median_of(structure) for role, structure in by_role.items()}
+    medians = {role: median_of(structure) for role, structure in by_role.items()}
     facts = _facts_of(codes)
     numbers = facts.pop("numbers", None)
     rules = rules_with(numbers)
     site = Site(0.0, None if alone else 0.0, **facts)  # until the peaks are simulated
     check_scalars(site, "separation", "a number")
-    check_duration(duration, both)
+    check_duration(duration, medians)
     inputs = inputs_in_words(site, numbers)
-    if any(structure.has_storeys for structure in both.values()):
-        site = of_storeys(site, list(both.values()))
+    if any(structure.has_storeys for structure in medians.values()):
+        site = site_with_storeys(site, list(medians.values()))
 
     # All cells of a table have the same number of motions.
     count = paths or (MOST_MOTIONS if arrays_of({**by_role, "ground": ground}) else None)
@@ -233,8 +234,8 @@ def separation(
     def of_cell(ground: Ground, **by_role: AnyStructure) -> xr.Dataset:
         with np.errstate(all="ignore"):  # overflow by extreme input shows in the status
             prepared = PreparedStructures.of(by_role, ground, motion, count)
-            rest = part_of(progress, 0.0, 1.0 if records is None else BEFORE_RECORDS)
-            motions = prepared.enough(confidence, rest)
+            part = part_of(progress, 0.0, 1.0 if records is None else BEFORE_RECORDS)
+            motions = prepared.enough(confidence, part)
             pair = PairInMotion(prepared, motions, confidence, site)
             table = _judged(all_rules(pair, rules), pair)
             if "input_factor" in motions:
@@ -245,14 +246,14 @@ def separation(
                 return table
             left = pair.structures[0]
             right = None if pair.alone else pair.structures[1]
-            rest = part_of(progress, BEFORE_RECORDS, 1.0)
-            recorded = recorded_gap(left, right, records, progress=rest)
+            part = part_of(progress, BEFORE_RECORDS, 1.0)
+            recorded = recorded_gap(left, right, records, progress=part)
             recorded = recorded.drop_dims("quantile", errors="ignore")
             return table.assign({f"record_{name}": recorded[name] for name in recorded.data_vars})
 
     models: dict[str, Any] = {**by_role, "ground": ground}
     long_enough = reduce(
-        and_, (structure.first_period() <= duration for structure in both.values())
+        and_, (structure.first_period() <= duration for structure in medians.values())
     )
     table = over_cells(of_cell, models, long_enough)
     table["verdict"] = table.verdict.where(table.gap.notnull(), NOT_AVAILABLE).astype(np.int8)
@@ -261,7 +262,7 @@ def separation(
     for name, text in RULE_TEXTS.items():
         table[name].attrs["long_name"] = text
     return labels.with_run_information(
-        table.assign_attrs(confidence=confidence, comment=COMBINED),
+        table.assign_attrs(confidence=confidence, comment=COMMENT_ON_CODES),
         f"{SET_BACK if alone else 'Separation of two buildings'} by rule, "
         f"{median_of(ground).name} ground",
         f"separation(duration={duration:g}, confidence={confidence:g}, "
@@ -274,19 +275,20 @@ def _facts_of(codes: Mapping[str, Any] | None) -> dict[str, Any]:
     """What rules of codes ask, with names that are known."""
     if not isinstance(codes, Mapping | None):
         raise TypeError(
-            f"codes = {brief(codes)}; allowed: a mapping with {', '.join(ASKED)}, numbers"
+            f"codes = {brief(codes)}; allowed: a mapping with {', '.join(CODE_ARGUMENTS)}, numbers"
         )
     facts = dict(codes or {})
-    if unknown := [name for name in facts if name not in (*ASKED, "numbers")]:
+    if unknown := [name for name in facts if name not in (*CODE_ARGUMENTS, "numbers")]:
         what = f"codes has {brief(unknown[0])}, which is not known"
-        raise ValueError(f"{what}; {hint(unknown[0], ASKED)}allowed: {', '.join(ASKED)}, numbers")
+        allowed = f"{', '.join(CODE_ARGUMENTS)}, numbers"
+        raise ValueError(f"{what}; {hint(unknown[0], CODE_ARGUMENTS)}allowed: {allowed}")
     return facts
 
 
-def verdict_of(apart: Mapping[Any, xr.DataArray], confidence: float) -> xr.DataArray:
+def verdict_of(shares: Mapping[Any, xr.DataArray], confidence: float) -> xr.DataArray:
     """Verdict by a 95 % interval of the probability of no pounding: enough, too low, undecided."""
-    lower = apart["no_pounding_probability_lower"]
-    upper = apart["no_pounding_probability_upper"]
+    lower = shares["no_pounding_probability_lower"]
+    upper = shares["no_pounding_probability_upper"]
     below = upper < confidence
     above = lower >= confidence
     undecided = xr.where(below, LESS_THAN_ANSWER, WITHIN_ERROR)  # type: ignore[no-untyped-call]
@@ -303,17 +305,18 @@ def judged_rules(
     ``required`` is the gap by simulation [m], whose interval is not known here.
     """
     gap = xr.DataArray([rule.gap for rule in rules], dims="rule")
-    apart = keeping_apart(samples, gap)
+    shares = keeping_apart(samples, gap)
     answered = gap.notnull()
     judged = xr.DataArray([rule.judged for rule in rules], dims="rule")
-    verdict = verdict_of(apart, confidence).where(judged, NO_VERDICT).where(answered, NOT_AVAILABLE)
+    verdict = verdict_of(shares, confidence).where(judged, NO_VERDICT)
+    verdict = verdict.where(answered, NOT_AVAILABLE)
     columns = {name: ("rule", [getattr(rule, name) for rule in rules]) for name in RULE_TEXTS}
     return xr.Dataset(
         {
             "gap": gap,
             **{f"gap_{end}": xr.full_like(gap, np.nan) for end in labels.ENDS},
             "error": gap / (required if 0 < required < np.inf else np.nan) - 1,
-            **{name: share.where(answered & judged) for name, share in apart.items()},
+            **{name: share.where(answered & judged) for name, share in shares.items()},
             "rho": ("rule", [rule.rho for rule in rules]),
             "verdict": verdict.astype(np.int8),
             "status": labels.status_where(answered),
@@ -327,7 +330,9 @@ def _judged(rules: list[Rule], pair: PairInMotion) -> xr.Dataset:
     motions = pair.motions
     samples = pair_separation(motions)
     required, lower, upper = required_gaps(motions)
-    rules = [Rule("simulation", "simulation", np.array([required]), assumptions=EXACT), *rules]
+    gap = np.array([required])
+    simulation = Rule("simulation", "simulation", gap, assumptions=SIMULATION_ASSUMPTIONS)
+    rules = [simulation, *rules]
     table = judged_rules(rules, samples, pair.confidence, required)
     table.verdict[0] = ANSWER
     for end, value in (("lower", lower), ("upper", upper)):
@@ -335,9 +340,9 @@ def _judged(rules: list[Rule], pair: PairInMotion) -> xr.Dataset:
     table["separation_samples"] = samples
     table = table.assign(pair.quantities())
     names = ("separation_mean", "separation_mean_standard_error")
-    of_both = [float(motions[name][0, 1]) for name in names] if not pair.alone else None
-    for name, value in zip(names, of_both or mean_with_error(samples.values), strict=True):
-        table[name] = value
+    mean_and_error = mean_with_error(samples.values)
+    for name, value in zip(names, mean_and_error, strict=True):
+        table[name] = value if pair.alone else float(motions[name][0, 1])
     return table if np.isnan(pair.heights).all() else table.merge(_by_height(rules, pair))
 
 

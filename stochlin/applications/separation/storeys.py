@@ -61,9 +61,9 @@ def linearized_at_roof(
     floors = system.storeys.shapes
     roof_1 = at_height(system, 0, height)[None] @ floors
     roof_2 = at_height(system, 1, height)[None] @ floors
-    return float(correlation_of(motion, roof_1, roof_2)[0]), float(
-        motion.std(roof_1 - roof_2)[0, 0]
-    )
+    rho = correlation_of(motion, roof_1, roof_2)[0]
+    std = motion.std(roof_1 - roof_2)[0, 0]
+    return float(rho), float(std)
 
 
 def correlation_of(motion: StationaryResponse, weights_1: Array, weights_2: Array) -> Array:
@@ -75,7 +75,7 @@ def correlation_of(motion: StationaryResponse, weights_1: Array, weights_2: Arra
     return rho
 
 
-def combined(covariance: Array, weights: Sequence[Array]) -> tuple[Array, Array]:
+def std_and_rho(covariance: Array, weights: Sequence[Array]) -> tuple[Array, Array]:
     """Standard deviations (s, heights) of sums with these weights; correlation of first and last.
 
     The weights (heights, n) are those of n quantities with this covariance.
@@ -85,12 +85,12 @@ def combined(covariance: Array, weights: Sequence[Array]) -> tuple[Array, Array]
     return sizes, shared / (sizes[0] * sizes[-1])
 
 
-def of_storeys(site: Site, structures: Sequence[AnyStructure]) -> Site:
-    """What rules of codes are told of structures with storeys: their numbers, and levels that fit.
+def site_with_storeys(site: Site, structures: Sequence[AnyStructure]) -> Site:
+    """The site for rules of codes, with numbers of storeys and with levels that fit the structures.
 
     The same structural system counts only if the roofs are level: codes that reduce the gap for it
-    also ask for the same height, and with storeys they are given the height of the level, which is
-    the same for both. Raises a ValueError if a height, a number of storeys or level floors
+    also ask for the same height, and with storeys their height is that of the level, which is the
+    same for both. Raises a ValueError if a height, a number of storeys or level floors
     contradict them.
     """
     roofs = []
@@ -161,7 +161,7 @@ def combine_modes(
     both = oscillators_of(modes), oscillators_of(modes, OTHER_MODE)
     rho = correlate(*both, ground, bias=False).rho.transpose(MODE, OTHER_MODE).to_numpy()
     shared = rho * np.outer(displacements, displacements)
-    return combined(shared, [row @ modes.moves for row in weights])
+    return std_and_rho(shared, [row @ modes.moves for row in weights])
 
 
 def spectral_peaks(
@@ -183,7 +183,7 @@ def spectral_peaks(
     if np.isnan(heights).any():  # of oscillators
         *peaks, correlation = (array.squeeze("height") for array in arrays)
     else:
-        site = of_storeys(site, structures)
+        site = site_with_storeys(site, structures)
         axis = labels.axis("height", ABOVE_GROUND, heights, "m")
         *peaks, correlation = (array.assign_coords(height=axis) for array in arrays)
         site = site.with_arrays({f"height_{n}": axis for n, _ in enumerate(peaks, start=1)})
@@ -200,12 +200,11 @@ def spectral_displacements(modes: Modes, spectrum: xr.DataArray) -> Array:
         what = f"spectrum ends at {period[-1]:g} s, and a mode has {modes.period.max():.3g} s"
         raise ValueError(f"{what}; allowed: a spectrum up to the longest period of the modes")
     if (np.abs(modes.damping / damping - 1) > SAME_DAMPING).any():
-        ends = " to ".join(
-            f"{end:.3g}" for end in np.unique([modes.damping.min(), modes.damping.max()])
-        )
+        ends = np.unique([modes.damping.min(), modes.damping.max()])
+        dampings = " to ".join(f"{end:.3g}" for end in ends)
         warnings.warn(
-            f"spectrum is of the damping {damping:g}, and the modes have {ends}: its ordinates are "
-            "taken as they are",
+            f"spectrum is of the damping {damping:g}, and the modes have {dampings}: its "
+            "ordinates are taken as they are",
             DoubtfulInput,
             stacklevel=5,
         )

@@ -9,7 +9,7 @@ from scipy import constants
 
 from stochlin.applications.cases.codes import APPLIED, APPLY, KIND, stated
 from stochlin.applications.cases.separation import WITH_SCATTER
-from stochlin.applications.separation.separation import COMBINED
+from stochlin.applications.separation.separation import COMMENT_ON_CODES
 from stochlin.models.grounds import OF_SPECTRUM
 from stochlin.models.rules.codes import CODE_RULES
 from stochlin.views.shared.blocks import (
@@ -552,7 +552,8 @@ def rules_sections(answer: CaseAnswer) -> list[ViewSection]:
     """The usual rules beside the answer; in details the notes on them, and all others."""
     usual = usual_rows(answer)
     others = [row for row in rows(answer) if not row.usual]
-    combined = TextBlock(COMBINED if COMBINATION in {row.group for row in others} else "", "note")
+    combines = COMBINATION in {row.group for row in others}
+    combined = TextBlock(COMMENT_ON_CODES if combines else "", "note")
     more: list[Block] = [rules_table(answer, others), not_available(others), combined]
     return [
         ViewSection("The rules and the answer", [rules_table(answer, usual), combinations(answer)]),
