@@ -142,7 +142,10 @@ def required_gaps(confidence, weights, passage, chain, gaps):  # type: ignore[no
 
 @compiled
 def _follow(gap, case, passage, chain, now, modes, shares):  # type: ignore[no-untyped-def]
-    """Write probabilities that ``d`` of a case stays below the gap; ``now``, ``modes`` are work."""
+    """Write probabilities that ``d`` of a case stays below a gap.
+
+    ``now`` and ``modes`` are arrays that are used while these are computed.
+    """
     places = len(now)
     instants = passage.std.shape[1]
     warped = len(passage.gaussian) > 0

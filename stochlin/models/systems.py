@@ -131,13 +131,11 @@ class Assembly(NamedTuple):
     @property
     def coordinates(self) -> list[str]:
         """Names of the coordinates and of their elements: floors and storeys, or modes."""
-        return [
-            name
-            for s, stick in enumerate(self.sticks, start=1)
-            for name in (
-                numbered(f"mode {s}", stick.coordinates) if stick.by_modes else stick.floors(s)
-            )
-        ]
+        names: list[str] = []
+        for s, stick in enumerate(self.sticks, start=1):
+            modes = numbered(f"mode {s}", stick.coordinates)
+            names.extend(modes if stick.by_modes else stick.floors(s))
+        return names
 
     @property
     def shear_shares(self) -> Array:
@@ -416,9 +414,8 @@ def check_links(name: str, links: object, count: int) -> tuple[Link | None, ...]
             expect(link, Link, f"{name}, number {number}" if len(links) > 1 else name)
     places = [None if link is None else link.structures for link in links]
     by_place = links and not any(places)
-    if (by_place and len(links) != count - 1) or any(
-        p is None for p in places[max(count - 1, 0) :]
-    ):
+    too_many = any(place is None for place in places[max(count - 1, 0) :])
+    if too_many or (by_place and len(links) != count - 1):
         allowed = "one between each two neighbours, or None, or links with structures=(.., ..)"
         raise ValueError(f"{name}: {len(links)} given; allowed: {allowed}")
     return tuple(links)

@@ -127,9 +127,8 @@ def stated_size(
     if wanted_size is None:
         what = f"{name} = {brief(wanted)} is not a known unit; {likely_unit(wanted, of)}"
         raise ValueError(f"{what}allowed: {allowed}")
-    if size not in (None, wanted_size) or any(
-        size_of(stated, other) for other in {"m", "m/s"} - {of}
-    ):
+    of_other_quantity = any(size_of(stated, other) for other in {"m", "m/s"} - {of})
+    if size not in (None, wanted_size) or of_other_quantity:
         what = f"{name} = {brief(wanted)} contradicts {where}, which states {brief(stated)}"
         raise ValueError(f"{what}; correct it, or leave it out")
     return wanted_size

@@ -150,8 +150,7 @@ def _of_sympy(expression: Any) -> str:
 
     class Printer(ReprPrinter):  # type: ignore[misc]
         def _print_ExprCondPair(self, pair: Any) -> str:  # noqa: N802 - so sympy calls it
-            return (
-                f"({self._print(pair.expr)}, {self._print(pair.cond)})"  # its name is not in sympy
-            )
+            # The name of the class is not among those of sympy.
+            return f"({self._print(pair.expr)}, {self._print(pair.cond)})"
 
     return str(Printer().doprint(expression))

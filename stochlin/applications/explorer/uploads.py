@@ -103,9 +103,8 @@ def read_upload(folder: str, name: str, text: str) -> tuple[Case, list[str]]:
             if not (_LAST_FITTED and _LAST_FITTED[0].is_of(values, case.site)):
                 before = len(caught)
                 _ = case.site.ground
-                _LAST_FITTED[:] = [
-                    Fitted(values, case.site, [str(warning.message) for warning in caught[before:]])
-                ]
+                texts = [str(warning.message) for warning in caught[before:]]
+                _LAST_FITTED[:] = [Fitted(values, case.site, texts)]
         except (OSError, ValueError) as error:
             raise ValueError(_without(folder, error)) from error
     fitted = _LAST_FITTED[0]

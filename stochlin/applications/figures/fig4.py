@@ -190,9 +190,8 @@ def _with_motions(
         soil = replace(ground, **strong).isel({"ground": number})
         first = strength_in_metres(pair[0].isel(columns), soil)
         second = strength_in_metres(pair[1].isel(columns), soil)
-        rho = recorded_gap(
-            first, second, list(simulated_motions(soil, duration, envelope, **motion))
-        ).rho
+        motions = simulated_motions(soil, duration, envelope, **motion)
+        rho = recorded_gap(first, second, list(motions)).rho
         spread = rho.std("record", ddof=1) / np.sqrt(rho.sizes["record"])
         tables.append(xr.Dataset({IN_MOTIONS: rho.mean("record"), error: spread}))
     table = xr.concat(tables, chart.ground) if "ground" in chart.dims else tables[0]

@@ -371,16 +371,13 @@ def _of_dashpots(links: Sequence[Link]) -> float:
 def _devices(motions: xr.Dataset, system: Assembly) -> xr.Dataset:
     """Kind and place of each link, and means and 95 % quantiles of its force, stroke and energy."""
     floors = system.floors
-    ends = [
-        (floors[t.floor], floors[t.other] if t.other >= 0 else "ground")
-        for t in system.placed_links
-    ]
-    columns: dict[str, Any] = {
-        "link_kind": [
-            "damper" if placed.link.within_one else "link" for placed in system.placed_links
-        ],
-        "link_place": [f"{low} to {high}" for low, high in ends],
-    }
+    kinds = []
+    places = []
+    for placed in system.placed_links:
+        other = floors[placed.other] if placed.other >= 0 else "ground"
+        kinds.append("damper" if placed.link.within_one else "link")
+        places.append(f"{floors[placed.floor]} to {other}")
+    columns: dict[str, Any] = {"link_kind": kinds, "link_place": places}
     columns |= {
         f"{name}_quantile": quantiles_of(motions[name].values, np.array(QUANTILE))
         for name in LINK_PEAKS

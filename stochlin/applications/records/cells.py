@@ -50,9 +50,9 @@ def _by_name(records: object) -> dict[str, Any]:
     """Several records by their names, or by their numbers from 1."""
     if isinstance(records, Mapping):
         return {str(name): record for name, record in records.items()}
-    return (
-        {str(n): r for n, r in enumerate(records, 1)} if isinstance(records, (list, tuple)) else {}
-    )
+    if isinstance(records, (list, tuple)):
+        return {str(number): record for number, record in enumerate(records, 1)}
+    return {}
 
 
 Records = Annotated[

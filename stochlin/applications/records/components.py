@@ -31,16 +31,13 @@ class ComponentWord(NamedTuple):
 # The words of vertical components, and of horizontal ones by their angle. Letters, and words that
 # are in names of places as well, weigh less.
 _TABLE = {
-    ComponentWord(
-        True
-    ): "UP DN DWN DOWN UD DU UPD UPDN UPDOWN UPWARD UPWARDS DOWNWARD DOWNWARDS ZUP "
-    "ZDN ZDOWN UPZ VT VTC VRT VER VERT VERTIC VERTICAL VERTICALE DUSEY",
+    ComponentWord(True): "UP DN DWN DOWN UD DU UPD UPDN UPDOWN UPWARD UPWARDS DOWNWARD DOWNWARDS "
+    "ZUP ZDN ZDOWN UPZ VT VTC VRT VER VERT VERTIC VERTICAL VERTICALE DUSEY",
     ComponentWord(True, weight=COMMON): "U V Z AZ ACCZ",
     ComponentWord(False, 0.0): "NS SN LN LONG LONGITUDINAL RADIAL H1 HOR1 COMP1 FN",
     ComponentWord(False, 90.0): "EW WE TR TRAN TRANS TRANSVERSE TRANSVERSAL H2 HOR2 COMP2 FP",
-    ComponentWord(
-        False, 0.0, COMMON
-    ): "N S L R X AX ACCX NORTH SOUTH NORTE SUR NORD SUD KUZEY GUNEY",
+    ComponentWord(False, 0.0, COMMON): "N S L R X AX ACCX NORTH SOUTH NORTE SUR NORD SUD KUZEY "
+    "GUNEY",
     ComponentWord(False, 90.0, COMMON): "E W T Y AY ACCY EAST WEST ESTE OESTE EST OVEST DOGU BATI",
 }
 _WORDS = {text: word for word, texts in _TABLE.items() for text in texts.split()}
@@ -108,9 +105,8 @@ def stated_as_vertical(text: str) -> bool | None:
     """Whether a component that a file states is vertical; None if its words do not say it."""
     runs = _RUN.findall(text)
     words = [word for run in runs if (word := word_of(run))]
-    if any(word.vertical for word in words) or any(
-        _VERTICAL_CHANNEL.fullmatch(run.upper()) for run in runs
-    ):
+    channels = [run for run in runs if _VERTICAL_CHANNEL.fullmatch(run.upper())]
+    if channels or any(word.vertical for word in words):
         return True
     return False if words or re.search(r"\d\s*deg", text, re.IGNORECASE) else None
 

@@ -228,9 +228,8 @@ def _doubt_of_direction(series: Series, name: str) -> Iterator[str]:
     """Texts on a record that is vertical, or not of the ground."""
     component = series.about.get("component", "")
     in_name = FileNames([name]).component(name)
-    if is_vertical(
-        component, series.title, in_name if in_name and in_name.weight > VAGUE else None
-    ):
+    clear_name = in_name if in_name and in_name.weight > VAGUE else None
+    if is_vertical(component, series.title, clear_name):
         which = brief(component or series.title or name)
         yield (
             f"{which} is vertical, and gaps follow from horizontal components; is it the right one?"

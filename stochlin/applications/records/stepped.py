@@ -304,11 +304,13 @@ def _in_one(system: Assembly, motion: SteppedResponse) -> xr.Dataset:
         return table
     heights = system.sticks[0].levels if count == 1 else [pair.height for pair in pairs_of(system)]
     attrs = {"units": "m", "long_name": "height above the ground"}
-    return table.assign(
+    table = table.assign(
         separation_at_height=("height", at_height),
         peak_drift=(ELEMENT, drifts),
         ductility=(ELEMENT, drifts / strength),
-    ).assign_coords({"height": ("height", heights, attrs), **element_coordinates(system)})
+    )
+    axis = "height", heights, attrs
+    return table.assign_coords({"height": axis, **element_coordinates(system)})
 
 
 def _radii(motion: SteppedResponse, periods: Sequence[float], dt: float) -> dict[str, float]:

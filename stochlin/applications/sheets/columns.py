@@ -111,9 +111,8 @@ class Need(NamedTuple):
         """The first of the wanted quantities that a column may be; None if it is none of them."""
         fits = [of for of in self.wanted if of in column.said.quantities]
         if self.units is not None and not column.said.unit:
-            fits = [
-                of for of in fits if of.usual or of is LEVEL_COLUMN or of.size(self.units)
-            ] or fits
+            usual = [of for of in fits if of.usual or of is LEVEL_COLUMN or of.size(self.units)]
+            fits = usual or fits
         return fits[0] if fits else None
 
     def is_sure_of(self, column: Column) -> bool:
@@ -245,9 +244,8 @@ def check_one_kind(table: Table, column: int, what: str) -> None:
     """Raise a ValueError for the first line in which a column of names has a second name."""
     cells = table.rows[column]
     names = cells[cells != ""].drop_duplicates()
-    if len(names) > 1 and not any(
-        table.sheet.columns_of_numbers(n) & {column} for n in names.index
-    ):
+    has_numbers = any(table.sheet.columns_of_numbers(n) & {column} for n in names.index)
+    if len(names) > 1 and not has_numbers:
         second = f"a second {what}, {brief(names.iloc[1])} beside {brief(names.iloc[0])}"
         raise table.sheet.error(names.index[1], column, f"{second}; export one of them")
 
@@ -304,9 +302,8 @@ def chosen(
 def _by_title(columns: Sequence[Column], need: Need) -> Column | None:
     """The only column whose title says the first of the wanted quantities that some title says."""
     for of in need.wanted:
-        if fits := [
-            column for column in columns if need.meaning(column) == of and need.takes(column)
-        ]:
+        fits = [column for column in columns if need.meaning(column) == of and need.takes(column)]
+        if fits:
             fits = [column for column in fits if need.is_sure_of(column)] or fits
             return fits[0] if len(fits) == 1 else None
     return None
@@ -326,9 +323,9 @@ def _asked(table: Table, columns: Sequence[Column], need: Need) -> Column:
     else:
         name = spelled(with_unit(str(by_caller))[0])
         exact = [column for column in columns if column.title == by_caller]
-        alike = [
-            column for column in columns if name and spelled(with_unit(column.title)[0]) == name
-        ]
+        titles = [spelled(with_unit(column.title)[0]) for column in columns]
+        pairs = zip(columns, titles, strict=True)
+        alike = [column for column, title in pairs if name and title == name]
         fitting = exact or alike
         if len(fitting) != 1:
             count = "is the title of several columns" if fitting else "is the title of no column"

@@ -281,9 +281,8 @@ def _of_folder(path: Path) -> Iterator[_Listed]:
 def _of_table(path: Path) -> Iterator[_Listed]:
     """Each file in a table, with a warning on factors that are not applied."""
     rows = [*table_rows(read_text(path), path.name)]
-    factors = (
-        [key for key in rows[0][2] if _OF_SCALE.search(key) and key != PEER_FACTOR] if rows else []
-    )
+    keys = rows[0][2] if rows else ()
+    factors = [key for key in keys if _OF_SCALE.search(key) and key != PEER_FACTOR]
     if factors:
         what = f"{plain(path.name)}: its column {brief(factors[0])} is not applied"
         warnings.warn(f"{what}; scale_records scales records", DoubtfulInput, stacklevel=4)

@@ -74,9 +74,8 @@ def white_noise_correlation(
     with np.errstate(all="ignore"):
         b = np.sqrt(period_2 / period_1)  # w1 over the geometric mean of w1 and w2
         rho = _rho(b, damping_1, damping_2, 1.0)
-        if np.all(np.isfinite(rho)) and not np.any(
-            np.minimum(damping_1, damping_2) < SMALL_DAMPING
-        ):
+        small_damping = np.minimum(damping_1, damping_2) < SMALL_DAMPING
+        if np.all(np.isfinite(rho)) and not np.any(small_damping):
             return rho
         # Damping ratios in a power of two, which changes no digit, so that no product vanishes.
         unit = np.ldexp(1.0, np.frexp(np.maximum(damping_1, damping_2))[1])

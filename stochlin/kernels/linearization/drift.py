@@ -175,7 +175,7 @@ def half_cycles(system: EquivalentSystem, ground: Filter) -> HalfCycles:
 def _by_modes(
     system: EquivalentSystem, oscillators: Any, with_soil: Any, time: Array
 ) -> tuple[Array, Array]:
-    """Autocorrelation of ``z`` after each half-cycle, and the largest of its modes.
+    """Autocorrelation of ``z`` after each half-cycle, and the largest mode it consists of.
 
     One mode follows each oscillator of the ground, and those of the structure take what is left of
     the value 1, the rate 0 and the curvature at first.

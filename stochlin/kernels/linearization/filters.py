@@ -138,9 +138,8 @@ class Filter:
             return np.ones_like(frequency, float)
         if self.oscillators:
             share: Any = 1.0
-            for stiffness, damping in zip(
-                self.oscillators[::2], self.oscillators[1::2], strict=True
-            ):
+            pairs = zip(self.oscillators[::2], self.oscillators[1::2], strict=True)
+            for stiffness, damping in pairs:
                 ratio = frequency**2 / stiffness
                 spread = damping**2 / stiffness * ratio
                 passed = 1 + spread if stiffness is self.oscillators[0] else ratio**2

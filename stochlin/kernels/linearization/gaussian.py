@@ -1,4 +1,4 @@
-"""What a closure computes, the closures of the bilinear law, Gaussian expectations for dashpots.
+"""What a closure computes; closures of the bilinear law, and of dashpots with an exponent.
 
 The closures of the bilinear law consist of the moments of a bivariate Gaussian over the quadrant
 ``v > 0, z > 1``, where the law slips (Rosenbaum 1961, J. R. Stat. Soc. B 23). For a correlation ``r

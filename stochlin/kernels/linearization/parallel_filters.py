@@ -41,9 +41,8 @@ def in_parallel(filters: Sequence[Filter]) -> Filter:
     parts = [component.arrays for component in filters]
     if not all(component.states for component in filters):
         raise ValueError("white noise in parallel with another ground; allowed: filtered grounds")
-    scale = np.exp(
-        np.mean([np.log(np.abs(np.linalg.eigvals(part.matrix))).mean() for part in parts])
-    )
+    logarithms = [np.log(np.abs(np.linalg.eigvals(part.matrix))).mean() for part in parts]
+    scale = np.exp(np.mean(logarithms))
     poles = [
         polynomial.polyfromroots(np.linalg.eigvals(part.matrix) / scale).real for part in parts
     ]
@@ -55,9 +54,8 @@ def in_parallel(filters: Sequence[Filter]) -> Filter:
         total = polynomial.polyadd(total, float(component.intensity) * square)
     matrix = block_diag(*(part.matrix for part in parts))
     noise = np.concatenate([part.noise for part in parts])
-    output = (
-        _output(matrix / scale, noise, _factor(total), reduce(polynomial.polymul, poles)) * scale
-    )
+    denominator = reduce(polynomial.polymul, poles)
+    output = _output(matrix / scale, noise, _factor(total), denominator) * scale
     states = tuple(
         f"{name}_{i}" for i, component in enumerate(filters, 1) for name in component.states
     )

@@ -154,8 +154,7 @@ class TransientSystems:
                 raise ArithmeticError(
                     f"the covariance equations need steps of less than {PHASE / fastest:.2g} s at "
                     f"{time:.3g} s: a structure is so weak that its plastic displacement "
-                    "follows at "
-                    "once; give it more strength, or simulate"
+                    "follows at once; give it more strength, or simulate"
                 )
             steps = int(np.ceil((end - time) * fastest / phase))
             length = (end - time) / steps
@@ -163,9 +162,8 @@ class TransientSystems:
             again, _ = self.rates(time + length / 2, state.moved(at_middle, length / 2))
             time = time + length if steps > 1 else end
             at_end, _ = self.rates(time, state.moved(again, length))
-            for rates, weight in zip(
-                (at_begin, at_middle, again, at_end), (1, 2, 2, 1), strict=True
-            ):
+            stages = at_begin, at_middle, again, at_end
+            for rates, weight in zip(stages, (1, 2, 2, 1), strict=True):
                 state = state.moved(rates, weight * length / 6)
         self._check(end, state)
         return state

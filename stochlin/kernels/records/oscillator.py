@@ -78,7 +78,7 @@ def _after(o, side, v, push, slope, t):
 
 @called_once
 def _part(o, y, side, v, push, slope, end, least):
-    """A time on this branch, at most ``end``, the branch from then on, and what is `_after` it.
+    """A time on this branch, at most ``end``, the branch after it, and the result of `_after`.
 
     No change of branch is missed, however brief the stay is (until 1e-12 sub-steps). The
     acceleration is zero at most once in a sub-step: where it has one sign at both ends of a time,

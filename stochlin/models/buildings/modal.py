@@ -489,7 +489,7 @@ def doubt_of_shape(leading: Array) -> Iterator[str]:
 
 
 def doubt_of_modes(periods: Array, shapes: Array, shares: Array) -> Iterator[str]:
-    """Text on a mode with a node, slower than that with most effective mass, as if exchanged.
+    """Doubt about a mode with a node that is slower than the mode with most effective mass.
 
     Modes in other directions, which have little of the mass along the gap, are left out.
     """

@@ -139,7 +139,7 @@ class Damped(Element, base=True):
         return inside.copy(data=form(inside.values)).rename(None).assign_attrs(units="1")
 
     def _set(self, stiffness: Any, damping: Any, restitution: Any, **others: Any) -> None:
-        """Set the fields, with damping from the one of damping and restitution that was given."""
+        """Set the fields, with the damping that follows from ``damping`` or ``restitution``."""
         name = type(self).__name__
         if (damping is None) == (restitution is None):
             text = "neither is given" if damping is None else "both are given"

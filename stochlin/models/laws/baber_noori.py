@@ -31,10 +31,9 @@ def symbolic() -> Mapping[str, sympy.Expr]:
     eta = 1 + stiffness * e
     slip = nu * abs(z) ** n * (beta * abs(v) * sympy.sign(z) + (1 - beta) * v)
     zeta = most * (1 - sympy.exp(-rate * e))
-    apart = (z * sympy.sign(v) - start * nu ** (-1 / n)) / (
-        (width + spread * e) * (coupling + zeta)
-    )
-    return {"z": (1 - zeta * sympy.exp(-(apart**2))) / eta * (v - slip), "e": z * v}
+    distance = z * sympy.sign(v) - start * nu ** (-1 / n)
+    distance /= (width + spread * e) * (coupling + zeta)
+    return {"z": (1 - zeta * sympy.exp(-(distance**2))) / eta * (v - slip), "e": z * v}
 
 
 @LAWS.register("bouc_wen_baber_noori", place=4)

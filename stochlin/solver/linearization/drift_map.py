@@ -125,9 +125,9 @@ def simulated(ground: Ground, point: Array, soil: Array) -> Array:
 
 def within(value: Array, ends: tuple[float, float]) -> Array:
     """Whether each value lies in a range; rounding errors beyond its ends are allowed."""
-    return (value >= ends[0] * (1 - ROUNDING_OF_RANGES)) & (
-        value <= ends[1] * (1 + ROUNDING_OF_RANGES)
-    )
+    lowest = ends[0] * (1 - ROUNDING_OF_RANGES)
+    highest = ends[1] * (1 + ROUNDING_OF_RANGES)
+    return (value >= lowest) & (value <= highest)
 
 
 def calibrated_closure(structure: Structure, ground: Ground) -> str:

@@ -32,9 +32,8 @@ def row_of(array: xr.DataArray, like: xr.DataArray) -> Array:
 
 def valid_cells(model: Model) -> Cells:
     """Whether parameters of each cell are in range; True for scalars, which were checked before."""
-    return (
-        model.valid() if any(isinstance(x, xr.DataArray) for x in model.cells().values()) else True
-    )
+    has_arrays = any(isinstance(values, xr.DataArray) for values in model.cells().values())
+    return model.valid() if has_arrays else True
 
 
 def cellwise(

@@ -57,9 +57,8 @@ def draw_required_gaps(figure: Figure, dataset: xr.Dataset) -> None:
 def _draw_gaps(axes: Axes, panel: xr.Dataset) -> None:
     """The curve of the closure, the rules through the simulated points, and these."""
     ratio = panel.period_ratio
-    for (name, label), (color, dash), width in zip(
-        GAP_METHODS.items(), CURVES, WIDTHS, strict=False
-    ):
+    looks = zip(GAP_METHODS.items(), CURVES, WIDTHS, strict=False)
+    for (name, label), (color, dash), width in looks:
         if name in panel:
             row = panel[name].dropna("period_ratio")
             axes.plot(row.period_ratio, row, label=typeset(label), color=color, ls=dash, lw=width)

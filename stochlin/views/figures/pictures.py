@@ -232,12 +232,10 @@ def draw_curves(figure: Figure, dataset: xr.Dataset) -> None:
             style: Any = {"color": color, "linestyle": dash, "label": label or quantity(table)}
             if points:  # on no point of the curve, but in the legend
                 style |= {"marker": markers[0], "markevery": [], "ms": POINT["ms"]}
-            for values, marker, all_markers in zip(
-                points, markers, MARKERS_OF_CURVES, strict=False
-            ):
-                draw_points(
-                    axes, dataset.sel({**place, **along}), values, marker, color, all_markers[0]
-                )
+            curve = dataset.sel({**place, **along})
+            looks_of_points = zip(points, markers, MARKERS_OF_CURVES, strict=False)
+            for values, marker, all_markers in looks_of_points:
+                draw_points(axes, curve, values, marker, color, all_markers[0])
             axes.plot(row[row.dims[-1]], row, **style)
             for name in beside:
                 other = dataset[name].sel({**place, **along})

@@ -154,9 +154,8 @@ def _gaps(axes: Axes, dataset: xr.Dataset) -> None:
     def at_height(name: str, rule: str) -> np.ndarray:
         return np.append(0.0, CENTIMETRES * dataset[name].sel(rule=rule).values)
 
-    for rule, (color, dash), marker in zip(
-        ("simulation", *FORMULAS_DRAWN), CURVES, "o^vD", strict=False
-    ):
+    rules = "simulation", *FORMULAS_DRAWN
+    for rule, (color, dash), marker in zip(rules, CURVES, "o^vD", strict=False):
         if not np.isfinite(dataset.gap.sel(rule=rule)):
             continue
         style: Any = {"color": color, "linestyle": dash, "marker": marker, "ms": 4, "lw": 1.3}

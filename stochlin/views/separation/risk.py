@@ -63,10 +63,9 @@ def _row(answer: CaseAnswer, risk: xr.Dataset) -> tuple[str, ...]:
     if risk.risk_of.item() == "target":
         ends = with_interval(risk, "risk_required_gap")[1:]
         gap = f"{gap} ({' to '.join(map(centimetres, ends))})"
-    share, low, high = (
-        per_cent(value, 1) for value in with_interval(risk, "risk_probability_in_years")
-    )
-    return names[str(risk.risk_of.item())], gap, *_frequency(risk), share, f"{low} to {high}"
+    share, lower, upper = with_interval(risk, "risk_probability_in_years")
+    interval = f"{per_cent(lower, 1)} to {per_cent(upper, 1)}"
+    return names[str(risk.risk_of.item())], gap, *_frequency(risk), per_cent(share, 1), interval
 
 
 def _frequency(risk: xr.Dataset) -> tuple[str, str]:

@@ -67,9 +67,8 @@ class OptionList(QuantityType):
             self.fail(
                 f"{value!r} is geometric and includes 0; allowed: both ends above 0", param, ctx
             )
-        return (np.geomspace if sweep["log"] else np.linspace)(
-            low, high, int(sweep["count"])
-        ).tolist()
+        spaced = np.geomspace if sweep["log"] else np.linspace
+        return spaced(low, high, int(sweep["count"])).tolist()
 
 
 def numbers_option(

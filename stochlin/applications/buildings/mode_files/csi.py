@@ -168,9 +168,9 @@ def _chosen(places: pd.Index, heights: Table, weights: Table, tower: str | None)
     if tower is not None and tower not in names:
         raise ValueError(f"tower = {brief(tower)} is not in the tables; allowed: {listed(names)}")
     by_name = "tower" in places.names or not heights.texts("story").duplicated().any()
-    choices = (
-        towers if by_name else [*places.unique("diaphragm")] if "diaphragm" in places.names else []
-    )
+    choices = towers
+    if not by_name:
+        choices = [*places.unique("diaphragm")] if "diaphragm" in places.names else []
     chosen = places.get_level_values("story").isin(_of_tower(heights, tower).texts("story"))
     here = np.any([group == tower for group in groups], axis=0)
     if tower is not None and not np.any(here) and not by_name:

@@ -72,9 +72,8 @@ class Springs(NamedTuple):
     def frequency(self) -> Array:
         """Frequencies (c, m) [rad/s] of the springs that yield, with the masses at their ends."""
         extensions = self.system.extensions[self.yielding]
-        square: Array = self.system.elastic[:, self.yielding] * (
-            (1 / self.system.mass) @ (extensions**2).T
-        )
+        inverse_mass = (1 / self.system.mass) @ (extensions**2).T
+        square: Array = self.system.elastic[:, self.yielding] * inverse_mass
         return np.sqrt(square)
 
     @property

@@ -93,10 +93,10 @@ def respond(problem: Springs, linear: EquivalentCoefficients) -> tuple[Array, Ar
     rates = response.std(problem.linearized, rates=True)
     sv = 0.5 * np.log(vv) + level
     sz = 0.5 * np.log(zz) + level
-    of_dashpots = np.maximum(np.log(rates) + level, IDLE)
-    return response.covariance, np.hstack(
-        [sv, sz, np.arctanh(vz / np.sqrt(vv * zz)), of_dashpots]
-    ).T
+    correlation = np.arctanh(vz / np.sqrt(vv * zz))
+    dashpot_rates = np.maximum(np.log(rates) + level, IDLE)
+    unknowns = np.hstack([sv, sz, correlation, dashpot_rates]).T
+    return response.covariance, unknowns
 
 
 def mixed(tried: Array, mismatches: Array, relaxation: float) -> Array:
