@@ -12,7 +12,7 @@ import scipy.stats
 import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.models.grounds import OF_SPECTRUM, OTHER_COMPONENT
+from stochlin.models.grounds import OTHER_COMPONENT, SCATTER_OF_SPECTRUM
 
 NOMINAL = (0.5, 0.84, 0.9, 0.95)
 CURVE = np.union1d(NOMINAL, np.arange(0.05, 0.99, 0.05).round(2))
@@ -22,7 +22,7 @@ DRAWS, TAIL = 2000, 0.025
 SPECTRUM, OWN_COMPONENT, OTHER = "spectrum", "own component", "other component"
 BOTH, PGA_ELSEWHERE, SA_ELSEWHERE = "both components", "elsewhere by PGA", "elsewhere by Sa"
 SA_ELSEWHERE_BOTH = f"{SA_ELSEWHERE}, {BOTH}"
-USUAL, AFTER = OF_SPECTRUM.scatter, OTHER_COMPONENT.scatter
+USUAL, AFTER = SCATTER_OF_SPECTRUM.scatter, OTHER_COMPONENT.scatter
 LEVELS = (0.0, USUAL)  # of scatter
 FITTED = -1.0  # in place of a scatter: that of the fit to both components
 CONFIDENCE = 0.9  # of the gaps by rule, and of both components

@@ -176,7 +176,7 @@ def check_quantiles(name: str, value: object) -> None:
         raise ValueError(f"{name} = {brief(value)}; allowed: {allowed}")
 
 
-OF_RESULT = PLAUSIBLE["gap of a result"]
+GAP_OF_RESULT = PLAUSIBLE["gap of a result"]
 SCATTER = Number(
     Range(0, MOST_SCATTER, include_lower=True, include_upper=True),
     f"a number from 0 to {MOST_SCATTER:g}, the standard deviation of ln(strength of a motion)",
@@ -245,7 +245,7 @@ def checked(function: Any = None, *, uncertain: bool = False, in_metres: InMetre
             and not {"gap", "gaps"} & {*values}
         ):
             warn_caller(
-                function.__name__, lambda: implausible({"gap": made.gap}, {"gap": OF_RESULT})
+                function.__name__, lambda: implausible({"gap": made.gap}, {"gap": GAP_OF_RESULT})
             )
         return made
 

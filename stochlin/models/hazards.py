@@ -21,7 +21,7 @@ Exceeded = Literal["pga", "sa", "intensity"]
 MEASURES: tuple[Exceeded, ...] = get_args(Exceeded)
 FEWEST_INTENSITIES = 2  # smallest number of points of a curve
 MOST_OFTEN = 1e4  # [1/yr], about once an hour, above which an annual frequency has another unit
-OF_DESIGN = 475.0  # yr, return period of the shaking of a design, 10 % in 50 years
+DESIGN_RETURN_PERIOD = 475.0  # yr, return period of the shaking of a design, 10 % in 50 years
 FREQUENT_RETURN_PERIODS = 2.0, 10.0  # yr, return periods of shaking that most sites have had
 _ROUNDING = 1e-9  # relative rounding error allowed at the ends of a curve
 
@@ -78,7 +78,7 @@ class Hazard(Model, base=True):
             usual = f"{low / g:.2g} to {high / g:.2g} g"
             limits = limits._replace(low=low, high=high, usual=usual)
         if text := limits.doubt(design):
-            of_period = f"{self.measure} with a return period of {OF_DESIGN:g} years"
+            of_period = f"{self.measure} with a return period of {DESIGN_RETURN_PERIOD:g} years"
             yield f"its {of_period} is {design:.3g} {units}; {text}"
         for years in FREQUENT_RETURN_PERIODS if self.measure == "pga" else ():
             often = self.often(years)
@@ -187,9 +187,11 @@ class HazardCurve(Hazard):
         Beyond the curve it grows with the third root of the return period (EN 1998-1, 2.1(4)), and
         ``S0`` with the square of that.
         """
-        years = float(np.clip(OF_DESIGN, 1 / self.frequencies[0], 1 / self.frequencies[-1]))
+        shortest = 1 / self.frequencies[0]
+        longest = 1 / self.frequencies[-1]
+        years = float(np.clip(DESIGN_RETURN_PERIOD, shortest, longest))
         exponent = 2 / 3 if self.measure == "intensity" else 1 / 3
-        return float(self.intensity(years) * (OF_DESIGN / years) ** exponent)
+        return float(self.intensity(years) * (DESIGN_RETURN_PERIOD / years) ** exponent)
 
     def often(self, years: float) -> float:
         """Intensity, in the measure's unit, with a short return period; NaN beyond the curve."""
@@ -211,7 +213,7 @@ class HazardCurve(Hazard):
         if isinstance(value, float) and not ends[0] <= value <= ends[1]:
             covered = f"{axis[0]:.4g} to {axis[-1]:.4g}"
             what = f"{name} = {value:g} is beyond the hazard curve; allowed: {covered}"
-            early = name == "return_period" and axis[-1] < OF_DESIGN
+            early = name == "return_period" and axis[-1] < DESIGN_RETURN_PERIOD
             cure = ", or, if its frequencies are probabilities, annual ones" if early else ""
             raise ValueError(what + cure)
 
@@ -279,7 +281,7 @@ class PowerLawHazard(Hazard):
 
     def of_design(self) -> float:
         """Intensity, in the measure's unit, with a return period of 475 years; NaN for a scan."""
-        return self._of_law(OF_DESIGN)
+        return self._of_law(DESIGN_RETURN_PERIOD)
 
     def often(self, years: float) -> float:
         """Intensity, in the unit of the measure, with a short return period; NaN for a scan."""

@@ -40,7 +40,7 @@ class Plausible(NamedTuple):
         return f"usual are {self.usual}{question and f'; {question}'}"
 
 
-OF_A_ROW = "gaps"  # of which a list is no scan either
+NUMBERS_OF_A_ROW = "gaps"  # of which a list is no scan either
 LARGEST_NUMBER = sys.float_info.max  # beyond it numbers are refused
 UNQUESTIONED: ContextVar[bool] = ContextVar("UNQUESTIONED", default=False)
 ANY = Plausible(-inf, inf, "", "")
@@ -84,7 +84,7 @@ def implausible(
         limit = limits_of(name) if limits is None else limits.get(name, ANY)
         median = getattr(number, "median", number)  # of an uncertain parameter
         value = number if callable(median) else median  # which arrays have as a method
-        judged = (of_one or name == OF_A_ROW) and not isinstance(value, Mapping)
+        judged = (of_one or name == NUMBERS_OF_A_ROW) and not isinstance(value, Mapping)
         numbers = np.array(value, object).ravel() if judged else [_nearest(value, limit)]
         if odd := [
             n for n in numbers if _is_number(n) and not limit.holds(n) and n < LARGEST_NUMBER

@@ -63,8 +63,8 @@ _QUANTITIES = {
 _KNOWN = {name: (size, powers) for powers, of in _SIZES_IN_SI.items() for name, size in of.items()}
 # Signs of powers and products, also a raised 2 that was read in another encoding.
 _SIGNS = str.maketrans("²³\N{REPLACEMENT CHARACTER}*·-", "232   ", "^")
-_OF_RATIO = re.compile(r"\((\w+)/(\w+)\)([\d.]+)")  # (s/m)0.5
-_OF_G = re.compile(r"% ?g", re.IGNORECASE)  # a hundredth of it
+_RATIO_UNIT = re.compile(r"\((\w+)/(\w+)\)([\d.]+)")  # (s/m)0.5
+_PERCENT_OF_G = re.compile(r"% ?g", re.IGNORECASE)  # a hundredth of it
 _FACTOR_OF_UNIT = re.compile(r" ?(/?) ?(1(?=/)|[A-Za-z%]+)(\d(?:\.\d*)?)?")
 # Characters of a unit. With powers below 10, no product of factors is too large or small for a
 # float.
@@ -139,8 +139,8 @@ def parsed(unit: str) -> tuple[float, tuple[float, ...]] | None:
     text = " ".join(unit.replace("**", "").translate(_SIGNS).split())
     if len(text) > _LONGEST:
         return None
-    text = _OF_RATIO.sub(r"\1\3/\2\3", text)
-    text = _OF_G.sub("%g", text)
+    text = _RATIO_UNIT.sub(r"\1\3/\2\3", text)
+    text = _PERCENT_OF_G.sub("%g", text)
     factors = _FACTOR_OF_UNIT.findall(text)
     if PERCENT in text and text not in (PERCENT, "%g"):
         return None

@@ -5,7 +5,7 @@ import pytest
 
 from stochlin.kernels.correlation.corrections import (
     ENTRIES,
-    MIDDLE,
+    HALF_WEIGHT_DISTANCE,
     PARAMETER_AXES,
     Nearness,
     by_nearness,
@@ -16,8 +16,8 @@ pytestmark = pytest.mark.oracle
 
 
 def test_the_weight_of_the_form_falls_from_one_to_nothing():
-    """Half at the distance ``MIDDLE``, the same share of it at a multiple; times both trusts."""
-    ends = MIDDLE * np.array([0.0, 1 / 3, 1.0, 3.0, 1e9])
+    """Half at ``HALF_WEIGHT_DISTANCE``, the same share of it at a multiple; times both trusts."""
+    ends = HALF_WEIGHT_DISTANCE * np.array([0.0, 1 / 3, 1.0, 3.0, 1e9])
     nothing = np.zeros((ENTRIES, ends.size))
     one = Nearness(nothing[:PARAMETER_AXES], matrix_of(nothing), np.full(ends.size, 0.5))
     place = one.place.copy()
@@ -44,4 +44,4 @@ def test_the_form_is_that_of_the_mean_of_both_matrices():
     _, share = by_nearness(np.array(0.4), *near, 0.0)
     apart = places[0] - places[1]
     q = apart @ matrices.mean(axis=0) @ apart
-    np.testing.assert_allclose(MIDDLE * np.sqrt(1 / share - 1), q, rtol=1e-12)
+    np.testing.assert_allclose(HALF_WEIGHT_DISTANCE * np.sqrt(1 / share - 1), q, rtol=1e-12)

@@ -32,7 +32,7 @@ from reality_tables import tables_of
 from scipy.stats import gumbel_r
 
 import stochlin as sl
-from stochlin.kernels.correlation.errors import OF_NEARLY_EQUAL, OF_OTHERS
+from stochlin.kernels.correlation.errors import ERROR_OF_OTHERS, ERRORS_OF_NEARLY_EQUAL
 
 ROOT = Path(__file__).parents[2]
 GALLERY = FILE.parent
@@ -322,7 +322,7 @@ def expected() -> dict[str, Any]:
     kinds = {"white noise": sl.WhiteNoise, "Kanai-Tajimi": sl.KanaiTajimi}
     kinds["Clough-Penzien"] = sl.CloughPenzien
     table = rows([[name, *kind.calibration.rho_errors] for name, kind in kinds.items()])
-    return {"of_rho": table, "nearly_equal": OF_NEARLY_EQUAL, "others": OF_OTHERS}
+    return {"of_rho": table, "nearly_equal": ERRORS_OF_NEARLY_EQUAL, "others": ERROR_OF_OTHERS}
 
 
 def cautions() -> dict[str, Any]:

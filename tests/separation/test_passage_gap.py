@@ -134,8 +134,8 @@ def test_moments_of_a_pair_are_those_of_the_lyapunov_equation(name):
     solved = at_levels(pair, ground)
     side = drifting_side(solved.solved.values)
     tops = [taken(side, np.array([place])) for place in (15, 31)]
-    of_pair = residues(tops[0].motion, tops[1].motion)
-    ahead, rates = covariances_with_rates(tops[0].motion, tops[1].motion, of_pair)
+    terms = residues(tops[0].motion, tops[1].motion)
+    ahead, rates = covariances_with_rates(tops[0].motion, tops[1].motion, terms)
     c_eq, k_eq = (solved.solved.values[key][[15, 31]] for key in ("c_eq", "k_eq"))
     space = sl.statespace(pair, ground, c_eq, k_eq)
     matrix, noise = space.state_matrix.values, space.noise_vector.values

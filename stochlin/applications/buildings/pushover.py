@@ -33,11 +33,11 @@ ROOF_DISPLACEMENT = "displacement"
 OF_ROOF = "displacement of the roof"
 FEWEST_POINTS = 4  # points of a curve
 LEAST_HARDENING = 0.01
-FLAT = 1e-3  # relative difference of base shears that are alike
+SAME_SHEARS = 1e-3  # relative difference of base shears that are alike
 AT_ORIGIN = 1e-3  # share of the largest values up to which the first point is the origin
 EQUAL_AREAS = 1e-9  # difference of areas, relative to the area
-BEND = 1e-3  # least energy beyond that of a straight line, relative to it
-BEGINNING = 0.1  # share of the largest base shear up to which the curve is taken to be elastic
+LEAST_BEND = 1e-3  # least energy beyond that of a straight line, over the latter
+ELASTIC_SHARE = 0.1  # share of the largest base shear up to which the curve is taken to be elastic
 IDEALIZATION_REFERENCE = "ASCE/SEI 41-17 (2017), 7.4.3.2.4."
 
 
@@ -218,7 +218,7 @@ def bilinear_of(
     if text := PLAUSIBLE["hardening of a pushover"].doubt(ratio):
         what = f"bilinear_of: the hardening ratio of the curve is {ratio:.3g}"
         warnings.warn(f"{what}; {text}", DoubtfulInput, stacklevel=3)
-    beginning = BEGINNING * v.max()
+    beginning = ELASTIC_SHARE * v.max()
     table = xr.Dataset(
         {
             CURVE: pushover,
@@ -292,7 +292,7 @@ def checked_curve(displacement: Array, force: Array, places: Sequence[str]) -> t
 
 def _peak_of(force: Array) -> int:
     """Index of the last point with the largest base shear, as far as the curve is known."""
-    return int(np.flatnonzero(force >= (1 - FLAT) * force.max())[-1])
+    return int(np.flatnonzero(force >= (1 - SAME_SHEARS) * force.max())[-1])
 
 
 def _curve_of(pushover: object) -> tuple[Array, Array]:
@@ -336,7 +336,8 @@ def _idealized(u: Array, v: Array, energy: float) -> tuple[float, float, float]:
     """Force and displacement at yield, and force at the end, of a curve with this area below it."""
     most = float(v.max())
     last = float(v[-1])
-    if energy < 0.5 * u[-1] * last * (1 + BEND):  # it is not above the straight line to its end
+    straight = 0.5 * u[-1] * last  # energy of a straight line to the end of the curve
+    if energy < straight * (1 + LEAST_BEND):
         what = f"pushover does not bend up to {u[-1]:g} m, so that it has no yield point"
         raise ValueError(f"{what}; allowed: a curve that is pushed into yielding and flattens")
 

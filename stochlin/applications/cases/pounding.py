@@ -36,7 +36,8 @@ ENERGIES = {
     "contacts": ("contact_lost_energy",),
     "remaining": ("kinetic_energy", "elastic_energy", "contact_stored_energy"),
 }
-OF_MOTIONS = ("ground", "envelope", "scatter")  # attributes of simulated motions that are kept
+# attributes of simulated motions that the result has, too
+ATTRIBUTES_OF_MOTIONS = "ground", "envelope", "scatter"
 
 
 @checked
@@ -119,7 +120,7 @@ def pound_case(
     if motions is not None:
         shaken = _simulated(case, motions)
         what = f"{motions} simulated motions"
-        about = {name: shaken.attrs[name] for name in OF_MOTIONS if name in shaken.attrs}
+        about = {name: shaken.attrs[name] for name in ATTRIBUTES_OF_MOTIONS if name in shaken.attrs}
         about |= {"duration_s": case.site.course.duration, "seed": case.simulated.seed}
         about["step_s"] = shaken.attrs["dt"]
         strength = shaking_of(case)

@@ -33,14 +33,14 @@ from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.kernels.simulation.stepping import whole_groups
 from stochlin.messages import brief
 from stochlin.models.arguments import checked
-from stochlin.models.grounds import OF_SPECTRUM
+from stochlin.models.grounds import SCATTER_OF_SPECTRUM
 from stochlin.models.plausible import unquestioned
 from stochlin.solver.simulation.prepared import FiniteMotion
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import standing
 
 SPECTRUM_PATHS = 512
-OF_RISK = 3.0  # work for the risk, in simulations of all motions
+WORK_OF_RISK = 3.0  # work for the risk, in simulations of all motions
 WITH_SENSITIVITIES = 0.5  # share of the work before the sensitivities
 # Motions for the sensitivities; an uncertain building with storeys is made anew for each, slowly.
 USUAL_PATHS = 512
@@ -53,7 +53,7 @@ WITH_SCATTER = "gap_with_scatter"  # variable: [m]
 RISK_PREFIX = "risk_"
 RISK_GAP = "risk_gap"
 RISK_OF = "risk_of"
-OF_TARGET = ("required_gap", "required_gap_lower", "required_gap_upper", "target_rate")
+TARGET_VARIABLES = ("required_gap", "required_gap_lower", "required_gap_upper", "target_rate")
 
 
 @dataclass(frozen=True)
@@ -145,7 +145,7 @@ class ProgressOfParts(NamedTuple):
     def of(cls, case: Case, progress: Progress | None) -> ProgressOfParts:
         """The parts of a case; those that it does not need have no share."""
         work = {
-            "risk": OF_RISK if case.site.hazard else 0.0,
+            "risk": WORK_OF_RISK if case.site.hazard else 0.0,
             "separation": 1.0,
             "scatter": 1.0 if case.site.leaves_out_scatter else 0.0,
             "existing": 0.0 if gap_of(case) is None else WORK_OF_SEARCHES,
@@ -229,9 +229,9 @@ def _with_scatter(
     The same motions are simulated with a factor each, for what yields is not in proportion to them.
     """
     paths = int(simulated.attrs["paths"])
-    options = motion | {"scatter": OF_SPECTRUM.scatter, "paths": paths}
+    options = motion | {"scatter": SCATTER_OF_SPECTRUM.scatter, "paths": paths}
     table = separation(*models, **options, progress=progress).sel(rule="simulation", drop=True)
-    name = f"gap, with the scatter of {OF_SPECTRUM.scatter:g} between earthquakes"
+    name = f"gap, with the scatter of {SCATTER_OF_SPECTRUM.scatter:g} between earthquakes"
     columns = {
         f"{WITH_SCATTER}{end}": table[f"gap{end}"]
         .reset_coords(drop=True)
@@ -287,7 +287,7 @@ def _risk_table(simulated: SimulatedRisk, case: Case, answer: float) -> xr.Datas
     if case.wanted.risk is not None:
         years = allowed_rate(case.wanted.risk)[1] or YEARS
         with case.site.form.hazard.table.naming(""):
-            target = simulated.gap_of(case.wanted.risk)[list(OF_TARGET)]
+            target = simulated.gap_of(case.wanted.risk)[list(TARGET_VARIABLES)]
         gaps["target"] = float(target.required_gap)
     gaps = {what: gap for what, gap in gaps.items() if gap > 0}
     if not gaps:

@@ -28,7 +28,7 @@ from stochlin.messages import plain
 
 # besides the buildings, tables on which the gap depends
 SHOWN_TABLES = "site", "motion", "separation"
-TIMES = 4.0  # a slider goes from the value over this to the value times this
+SLIDER_FACTOR = 4.0  # a slider goes from the value over this to the value times this
 MOST_TABLES = 32  # with fields; the others are in the text of the file alone
 LONGEST_ENTRY = 1000  # characters of a line with an entry
 LONGEST_TITLE = 60  # characters of a name in a title
@@ -60,11 +60,11 @@ class FormEntry(NamedTuple):
         return text.strip()
 
     def slid(self, at: float) -> Any:
-        """The value times `TIMES` to a power from -1 to 1, in its unit."""
+        """The value times `SLIDER_FACTOR` to a power from -1 to 1, in its unit."""
         written = NUMBER_AND_UNIT.fullmatch(str(self.value))
         if at == 0 or written is None or FROM_TO.fullmatch(str(self.value)):
             return self.value
-        number = float(written[1]) * TIMES**at
+        number = float(written[1]) * SLIDER_FACTOR**at
         shown = (
             f"{float(f'{number:.3g}'):g}"
             if isinstance(self.key.kind, WithUnit)

@@ -40,15 +40,18 @@ STD_INTERVALS = 8
 PEAK_INTERVALS = 32
 # smallest reduction factor whose standard deviation is simulated within minutes
 SLOWEST_DRIFT = 2.0
-OF_MAXIMA = "amplification_of_peaks"
-OF_STD = "amplification_simulated"
+AMPLIFICATION_OF_MAXIMA = "amplification_of_peaks"
+AMPLIFICATION_OF_STD = "amplification_simulated"
 VALUE_AND_ERROR = "", "_standard_error"
 AMPLIFICATION_VARIABLES = {
     "amplification": ("1", "amplification D, inelastic / elastic"),
     "amplification_drift": ("1", "D of standard deviations, drift closure"),
-    OF_STD: ("1", "D of standard deviations, simulated"),
-    OF_MAXIMA: ("1", "D of mean maxima, simulated"),
-    f"{OF_MAXIMA}_standard_error": ("1", "standard error of the amplification of the mean peak"),
+    AMPLIFICATION_OF_STD: ("1", "D of standard deviations, simulated"),
+    AMPLIFICATION_OF_MAXIMA: ("1", "D of mean maxima, simulated"),
+    f"{AMPLIFICATION_OF_MAXIMA}_standard_error": (
+        "1",
+        "standard error of the amplification of the mean peak",
+    ),
     DRIFT_MEMORY: ("s", "relaxation time of the plastic drift"),
 }
 
@@ -154,9 +157,9 @@ def amplification_chart(
     seldom = slice(None, None, max(1, last // STD_INTERVALS))
     often = slice(None, None, max(1, last // PEAK_INTERVALS))
     peaks = amplification(structure.isel({"period_ratio": often}), ground, **motion)
-    names = {f"amplification{end}": f"{OF_MAXIMA}{end}" for end in VALUE_AND_ERROR}
+    names = {f"amplification{end}": f"{AMPLIFICATION_OF_MAXIMA}{end}" for end in VALUE_AND_ERROR}
     tables = [peaks[[*names]].rename(names)]
-    names = {f"displacement_std{end}_1": f"{OF_STD}{end}" for end in VALUE_AND_ERROR}
+    names = {f"displacement_std{end}_1": f"{AMPLIFICATION_OF_STD}{end}" for end in VALUE_AND_ERROR}
     for n, factor in enumerate(settings.reduction_factors):
         if factor >= SLOWEST_DRIFT:
             place = {"reduction_factor": slice(n, n + 1), "period_ratio": seldom}
@@ -166,7 +169,7 @@ def amplification_chart(
             stds = simulated[[*names]].rename(names) / elastic
             tables.append(stds.assign({DRIFT_MEMORY: simulated[f"{DRIFT_MEMORY}_1"]}))
     chart = labels.label(with_points(chart, tables), AMPLIFICATION_VARIABLES)
-    for name, beside in ((OF_MAXIMA, ""), (OF_STD, f" {DRIFT_MEMORY}")):
+    for name, beside in ((AMPLIFICATION_OF_MAXIMA, ""), (AMPLIFICATION_OF_STD, f" {DRIFT_MEMORY}")):
         if name in chart:
             chart[name].attrs["ancillary_variables"] = f"{name}_standard_error{beside}"
     chart.amplification.attrs["curve_label"] = "D of standard deviations, linearized"
@@ -177,4 +180,4 @@ def amplification_chart(
     chart.attrs |= words(settings, ground, title, **pictures)
     chart.attrs["caption"] += f"\nMaxima: {duration:.3g} s of motion, {envelope.describe()}"
     chart.attrs["longest_memory_s"] = LONGEST_MEMORY * period
-    return with_errors(chart, "amplification", [OF_MAXIMA], settings)
+    return with_errors(chart, "amplification", [AMPLIFICATION_OF_MAXIMA], settings)

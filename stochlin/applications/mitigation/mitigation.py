@@ -56,7 +56,7 @@ GIVEN_MEASURE = "given"
 LEAST_MEASURE = "least"
 QUANTILE = 0.95  # of the forces, strokes and energies of devices over motions
 # Damping constants that are tried, over 2 m w.
-CONSTANTS = np.append(0.0, np.geomspace(1e-3, 10, 13))
+TRIED_CONSTANTS = np.append(0.0, np.geomspace(1e-3, 10, 13))
 # numbered as those of rules
 MEASURE_VERDICTS = "answer enough not_enough within_error not_available no_verdict"
 USUAL_SIMULATIONS = 60  # usual number of simulations of all searches together
@@ -297,7 +297,7 @@ class MitigatedPair:
             searched = f"added damping up to {100 * tried[-1]:.3g} % of critical"
             listed.append((f"least damping, {side}", partial(_damping, shares), tried, searched))
         if (scales := self._scales_of_links()) is not None:
-            tried = scales[0] * CONSTANTS
+            tried = scales[0] * TRIED_CONSTANTS
             searched = f"a damping constant up to {1e-6 * tried[-1]:.3g} MN s/m"
             listed.append(("least dashpot between", _dashpot, tried, searched))
         return listed

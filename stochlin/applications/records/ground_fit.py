@@ -62,12 +62,12 @@ def _deviance(record: Array, model: Array) -> Array:
     return np.sign(ratio - 1) * np.sqrt(2 * np.maximum(ratio - 1 - np.log(ratio), 0))
 
 
-OF_LOG = np.pi**2 / 6  # variance of the logarithm of an exponential variable
+VARIANCE_OF_LOG = np.pi**2 / 6  # variance of the logarithm of an exponential variable
 Estimated = Literal["psd", "log_psd", "whittle"]
 ESTIMATORS: Mapping[Estimated, Estimator] = {
     "psd": Estimator("least squares on the linear PSD", _difference, np.square, 1.0, 0.0),
     "log_psd": Estimator(
-        "least squares on the log PSD", _log_difference, np.ones_like, OF_LOG, _TAPER
+        "least squares on the log PSD", _log_difference, np.ones_like, VARIANCE_OF_LOG, _TAPER
     ),
     "whittle": Estimator("Whittle likelihood", _deviance, np.ones_like, 1.0, _TAPER),
 }

@@ -32,9 +32,10 @@ from stochlin.solver.simulation.structures_in_motion import (
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.checks import standing
 
-WITHOUT = ("peak_factor", "mass")  # of an oscillator: part of a definition, and without influence
+# parameters of an oscillator that are part of a definition, and without influence
+WITHOUT_INFLUENCE = "peak_factor", "mass"
 CHANGE_OF_INPUT = 0.1  # relative change of a known input, to either side
-RANGE = 0.16, 0.84  # probabilities at the ends of the range of an uncertain input
+ENDS_OF_RANGE = 0.16, 0.84  # probabilities at the ends of the range of an uncertain input
 END = "end"
 LOW_AND_HIGH = ("low", "high")
 OF_INPUTS = {
@@ -278,7 +279,8 @@ class Input(NamedTuple):
         """Ends of the range over the median: quantiles of 16 and 84 %, or 10 % to either side."""
         if not self.quantity.spread:
             return 1 - CHANGE_OF_INPUT, 1 + CHANGE_OF_INPUT
-        return float(self.quantity.factor(RANGE[0])), float(self.quantity.factor(RANGE[1]))
+        low, high = ENDS_OF_RANGE
+        return float(self.quantity.factor(low)), float(self.quantity.factor(high))
 
 
 def changed(model: UncertainModel, key: str, factor: float) -> UncertainModel:
@@ -310,7 +312,8 @@ def inputs_of(role: str, model: UncertainModel) -> list[Input]:
     inputs = []
     for key, value in model.arguments.items():
         kind = next((kind for kind in kinds if key in kind.parameter_names()), None)
-        if kind is None or value is None or (key in WITHOUT and not hasattr(median, "masses")):
+        idle = key in WITHOUT_INFLUENCE and not hasattr(median, "masses")
+        if kind is None or value is None or idle:
             continue
         quantity = (
             value if isinstance(value, Uncertain) else Uncertain(np.asarray(value, float), 0.0)

@@ -62,7 +62,7 @@ CLOSE_GAPS = 1e-2
 FEW_DIVISOR = 8  # trial values are simulated with one motion in so many
 LEAST_FEW = 64  # and with at least so many
 # half 95 % intervals between a gap from a few motions and the existing gap, with which these decide
-CLEAR = 1.5
+CLEAR_DISTANCE = 1.5
 
 
 Ends = tuple[float, float, float]  # required gap, and the ends of its interval [m]
@@ -107,8 +107,8 @@ class Required:
         few = max(self.paths // FEW_DIVISOR, LEAST_FEW)
         if few < self.paths and (float(value), self.paths) not in self.simulated:
             gap, lower, upper = self._at(value, few)
-            clearly_enough = gap + CLEAR * (upper - gap) < self.existing
-            clearly_too_little = gap - CLEAR * (gap - lower) > self.existing
+            clearly_enough = gap + CLEAR_DISTANCE * (upper - gap) < self.existing
+            clearly_too_little = gap - CLEAR_DISTANCE * (gap - lower) > self.existing
             if clearly_enough or clearly_too_little:
                 return bool(gap < self.existing)
         return self(value) <= self.existing

@@ -35,7 +35,7 @@ ColumnName = int | str
 
 BY = "by title or by number from 1"
 COUNTED_FROM_1 = "columns are counted from 1"
-_OF_PANDAS = re.compile(r"Unnamed: \d+(?:\.\d+)?(?:_level_\d+)?")  # a title that was empty
+_EMPTY_TITLE = re.compile(r"Unnamed: \d+(?:\.\d+)?(?:_level_\d+)?")  # a title that was empty
 _STAMP = re.compile(r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d.*")
 _ZONE = re.compile(r"(Z|[+-]\d\d:?\d\d)$")
 _LISTED = 8  # columns in messages
@@ -225,7 +225,7 @@ def columns_of(table: Table) -> list[Column]:
         table.sheet.check_width([first_line], titled)
     columns = []
     for n, title in enumerate([*table.title_cells, *[""] * table.width][: table.width]):
-        shown = "" if _OF_PANDAS.fullmatch(title) else title
+        shown = "" if _EMPTY_TITLE.fullmatch(title) else title
         cells = table.rows[n]
         first = [_shown(table, cell) for cell in cells.iloc[:_SHOWN]]
         counts = not shown and _counts(table, cells)

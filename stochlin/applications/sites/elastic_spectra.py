@@ -31,8 +31,8 @@ NOT_STATED = "taken as elastic, which is not stated"
 LEAST_ELASTIC_SHARE = 0.7
 USUAL_DAMPING = 0.05
 # longest period of a rigid structure, whose ordinate is the peak ground acceleration [s]
-RIGID = 0.02
-SAME = 1e-3  # relative difference of ordinates that are equal, as rounded in files
+LONGEST_RIGID_PERIOD = 0.02
+SAME_ORDINATES = 1e-3  # relative difference of ordinates that are equal, as rounded in files
 # Elastic spectra rise to 3.21 - 0.68 ln(damping in %) times the peak ground acceleration in the
 # median (Newmark and Hall 1982, Earthquake spectra and design), which is 2.12 for 5 %; those of
 # Eurocode 8 and ASCE 7 rise to 2.5 times. Below this share of the median a spectrum is in doubt:
@@ -105,7 +105,7 @@ def marked(spectrum: xr.DataArray, how: str) -> xr.DataArray:
     period = spectrum.period.values
     values = spectrum.values
     above = period > 0
-    on_plateau = np.flatnonzero(above & (values >= (1 - SAME) * values[above].max()))
+    on_plateau = np.flatnonzero(above & (values >= (1 - SAME_ORDINATES) * values[above].max()))
     middle = on_plateau[on_plateau.size // 2]
     at = [float(period[middle]), float(values[middle])]
     return spectrum.assign_attrs({TAKEN_AS: how, ELASTIC_AT: at})
@@ -164,27 +164,28 @@ def _doubts(spectrum: xr.DataArray) -> Iterator[str]:
     if text := PLAUSIBLE["spectral displacement"].doubt(displacement):
         yield f"its displacement at {period[farthest]:g} s is {displacement:.3g} m; {text}"
     yield from _doubt_of_rows(period, values)
-    top = period[values >= (1 - SAME) * values.max()]
+    top = period[values >= (1 - SAME_ORDINATES) * values.max()]
     end = PLAUSIBLE["end of the plateau"].doubt(top[-1]) if top.size > 1 else ""
     if end:
         yield f"its plateau of {_in_g(values.max())} ends at {top[-1]:g} s; {end}"
-    units = [unit for unit in (1.0, constants.g) if abs(values[0] / unit - 1) < SAME]
+    units = [unit for unit in (1.0, constants.g) if abs(values[0] / unit - 1) < SAME_ORDINATES]
     if period[0] == 0 and units and values.max() < LARGEST_RISE * values[0]:
         what = f"its ordinate at 0 s is exactly {_in_g(values[0])}"
         yield f"{what}; are ordinates divided by the ground acceleration?"
     percent = 100 * float(spectrum.attrs.get("damping", USUAL_DAMPING))
     usual = 3.21 - 0.68 * np.log(percent)
     rise = values.max() / values[0]
-    if period[0] <= RIGID and not _begins_on_plateau(values) and rise < LEAST_OF_MEDIAN * usual:
+    begins_rigid = period[0] <= LONGEST_RIGID_PERIOD and not _begins_on_plateau(values)
+    if begins_rigid and rise < LEAST_OF_MEDIAN * usual:
         yield (
             f"its plateau of {_in_g(values.max())} is {rise:.3g} times its ordinate of "
             f"{_in_g(values[0])} at {period[0]:g} s, and elastic spectra rise to {usual:.3g} times "
             "(Newmark and Hall 1982, median); is it divided by R or q?"
         )
-    level = np.flatnonzero(np.abs(values / values[-1] - 1) > SAME)
+    level = np.flatnonzero(np.abs(values / values[-1] - 1) > SAME_ORDINATES)
     first = level[-1] + 1 if level.size else 0
     low = first <= values.size - LEVEL_POINTS and (not first or values[-1] < 0.9 * values.max())
-    if low and period[first] < LEVEL_FROM * (1 - SAME):
+    if low and period[first] < LEVEL_FROM * (1 - SAME_ORDINATES):
         yield (
             f"it is level at {_in_g(values[-1])} from {period[first]:g} s on, as at the lower "
             f"bound of divided spectra, and elastic ones of codes are so from {LEVEL_FROM:g} s on "
@@ -214,13 +215,13 @@ def doubt_of_pga(spectrum: xr.DataArray, pga: float) -> str:
     """What contradicts an elastic spectrum at a site with this peak ground acceleration [m/s^2]."""
     top = float(spectrum.max())
     below = f"is above the plateau of the spectrum, {_in_g(top)}; is that divided by R or q?"
-    return below if top < pga * (1 - SAME) else ""
+    return below if top < pga * (1 - SAME_ORDINATES) else ""
 
 
 def _begins_on_plateau(values: Array) -> bool:
     """Whether a code omits the rise from the peak ground acceleration, as that of Peru does."""
     first = values[:2] / values.max()
-    return bool((first >= 1 - SAME).all())
+    return bool((first >= 1 - SAME_ORDINATES).all())
 
 
 def pga_of(spectrum: xr.DataArray) -> float | None:

@@ -38,14 +38,20 @@ from stochlin.kernels.linearization.spectral_moments import bandwidth_of
 from stochlin.messages import DoubtfulInput, refuse
 from stochlin.models.arguments import Duration, OneOf, Seed, Truth, TwoNumbers, Whole, checked
 from stochlin.models.envelopes import Envelope, strong_seconds
-from stochlin.models.grounds import MOST_FILTERS, OF_SPECTRUM, CloughPenzien, Ground, ParallelGround
+from stochlin.models.grounds import (
+    MOST_FILTERS,
+    SCATTER_OF_SPECTRUM,
+    CloughPenzien,
+    Ground,
+    ParallelGround,
+)
 from stochlin.models.rules.peak_factors import peak_factor_model
 
 _OF_SPECTRA = ("clough_penzien",)
 _FEWEST_DECADES = 0.5  # smallest range of periods of a spectrum within the range of the fit
 LONGEST_FITTED = 4.0  # longest period [s] for which a ground is fitted
 FITTED_PERIODS = 72  # number of such periods
-POOR = 0.3  # largest error of a fit above which there is a warning
+POOR_FIT = 0.3  # largest error of a fit above which there is a warning
 # relative errors at which no further filter is tried
 GOOD_RMS = 0.02
 GOOD_WORST = 0.06
@@ -242,14 +248,14 @@ def fit_ground(
         f"have this spectrum in the mean with errors of {100 * fit.rms:.1f} % (root mean square) "
         f"and {100 * fit.worst:.1f} % (largest)"
     )
-    if fit.worst > POOR:
+    if fit.worst > POOR_FIT:
         what = f"fit_ground: the mean spectrum of motions differs by up to {100 * fit.worst:.0f} %"
         cure = "are the periods and ordinates right, or does one peak need more filters?"
         warnings.warn(f"{what}; usual are 10 % at most; {cure}", DoubtfulInput, stacklevel=3)
     return replace(
         fit.ground(),
-        source=f"{text}; {OF_SPECTRUM}",
-        scatter=OF_SPECTRUM.scatter,
+        source=f"{text}; {SCATTER_OF_SPECTRUM}",
+        scatter=SCATTER_OF_SPECTRUM.scatter,
         fitted_for=(float(duration), envelope, float(wanted.periods[-1])),
     )
 

@@ -43,7 +43,7 @@ from stochlin.models.values import ByValue
 
 FILTERS = 2
 PATHS_OF_MOTION = 512
-CYCLES = 4.0  # smallest number of cycles of a fitted period in a record
+FEWEST_CYCLES = 4.0  # smallest number of cycles of a fitted period in a record
 SHORTEST_RECORD = 2.0  # s
 # largest factors between motions and record without a doubt
 LIKE_DURATION = 1.5
@@ -288,7 +288,8 @@ def fit_motion(
 
 def periods_of_fit(duration: float) -> Array:
     """Periods [s] at which spectra of a record and of motions of this length [s] are compared."""
-    return np.geomspace(SHORTEST_PERIOD, min(LONGEST_FITTED, duration / CYCLES), FITTED_PERIODS)
+    longest = min(LONGEST_FITTED, duration / FEWEST_CYCLES)
+    return np.geomspace(SHORTEST_PERIOD, longest, FITTED_PERIODS)
 
 
 def between_components(

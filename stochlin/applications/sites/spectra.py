@@ -34,7 +34,7 @@ FEWEST_ORDINATES = 4  # smallest number of points
 WIDEST_STEP = 2.0  # ratio of two consecutive periods, beyond which it matters what is between them
 Between = Literal["logarithmic", "linear"]
 INTERPOLATIONS: tuple[Between, ...] = get_args(Between)
-FINER = 33  # points from one to the next of a linear spectrum
+POINTS_BETWEEN_ORDINATES = 33  # points from one to the next of a linear spectrum
 
 
 def labelled(period: Array, values: Array, damping: float, source: str) -> xr.DataArray:
@@ -223,6 +223,6 @@ def read_spectrum(
         spectrum = marked(spectrum, BY_CODE)
     spectrum = as_elastic(spectrum, elastic, divided_by)
     if between == "linear":
-        finer = np.unique(np.linspace(period[:-1], period[1:], FINER))
+        finer = np.unique(np.linspace(period[:-1], period[1:], POINTS_BETWEEN_ORDINATES))
         return spectrum.interp(period=finer)
     return spectrum

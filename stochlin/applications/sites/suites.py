@@ -53,7 +53,7 @@ PATH_COLUMN = "file"  # name of the table column with the paths of the records
 WHO_BELONGS = f"the columns {PATH_COLUMN}, event and station of a table say which belong together"
 # The table in a download of PEER, below a title, with a column for each component.
 PEER_TABLE = "_SearchResults.csv"
-_OF_SCALE = re.compile(r"scal|factor|fakt", re.IGNORECASE)
+_SCALE_COLUMN = re.compile(r"scal|factor|fakt", re.IGNORECASE)
 PEER_FILES = r"Horizontal-[12] Acc\. Filename"
 PEER_FACTOR = "Scale Factor"
 PEER_ABOUT = {"event": ("Earthquake Name", "Year"), "station": ("Station Name",)}
@@ -282,7 +282,7 @@ def _of_table(path: Path) -> Iterator[_Listed]:
     """Each file in a table, with a warning on factors that are not applied."""
     rows = [*table_rows(read_text(path), path.name)]
     keys = rows[0][2] if rows else ()
-    factors = [key for key in keys if _OF_SCALE.search(key) and key != PEER_FACTOR]
+    factors = [key for key in keys if _SCALE_COLUMN.search(key) and key != PEER_FACTOR]
     if factors:
         what = f"{plain(path.name)}: its column {brief(factors[0])} is not applied"
         warnings.warn(f"{what}; scale_records scales records", DoubtfulInput, stacklevel=4)

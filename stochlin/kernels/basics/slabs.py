@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from stochlin.kernels.basics.arrays import Array
 
-CHUNK = 16384  # cells of a slab
+SLAB_CELLS = 16384  # usual number of cells of a slab
 SLAB_WIDTH = 128  # of these along the last dimension, of which the others are columns
 
 
@@ -25,8 +25,8 @@ def in_slabs(
 ) -> tuple[Array, ...]:
     """Results of ``function`` for inputs that broadcast, without temporary arrays of table size.
 
-    The function is called for slabs of about `CHUNK` cells. It returns an array, or a tuple with
-    one for each data type of ``kinds``.
+    The function is called for slabs of about `SLAB_CELLS` cells. It returns an array, or a tuple
+    with one for each data type of ``kinds``.
     """
     shape = np.broadcast_shapes(*{array.shape for array in inputs})
     inputs = tuple(
@@ -41,7 +41,7 @@ def in_slabs(
     return results
 
 
-def in_ranges(task: Callable[[slice], Any], cells: int, size: int = CHUNK) -> list[Any]:
+def in_ranges(task: Callable[[slice], Any], cells: int, size: int = SLAB_CELLS) -> list[Any]:
     """Results of a task for each range of ``size`` cells; for no cells, of an empty range."""
     return [task(slice(begin, min(begin + size, cells))) for begin in range(0, max(cells, 1), size)]
 
@@ -49,9 +49,9 @@ def in_ranges(task: Callable[[slice], Any], cells: int, size: int = CHUNK) -> li
 def _slabs(shape: tuple[int, ...]) -> Iterator[tuple[slice, ...]]:
     """Indices of the slabs of an array of this shape."""
     sizes = list[int]()
-    left = CHUNK
+    left = SLAB_CELLS
     for axis in reversed(range(len(shape))):
-        widest = left if sizes else max(SLAB_WIDTH, CHUNK // max(1, math.prod(shape[:axis])))
+        widest = left if sizes else max(SLAB_WIDTH, SLAB_CELLS // max(1, math.prod(shape[:axis])))
         sizes.insert(0, max(1, min(shape[axis], widest, left)))
         left //= sizes[0]
     for begins in product(*(range(0, n, size) for n, size in zip(shape, sizes, strict=True))):

@@ -17,7 +17,7 @@ from stochlin.kernels.linearization.covariance import (
 from stochlin.kernels.linearization.gaussian import gaussian
 from stochlin.kernels.linearization.grounds import Soil, forcing_of
 
-ELASTIC = 1e-18  # slip and relaxation over w below which the structure is taken as elastic
+ELASTIC_SLIP = 1e-18  # slip and relaxation over w below which the structure is taken as elastic
 LAST_STEP = 1e-10  # size of Newton's step at the end
 NEWTON_STEPS = 200  # at most
 # The formulas are compiled here, so that tables of them, which are in numpy, start without numba.
@@ -105,7 +105,7 @@ def _structure(structure, ground, oscillators, functions):
         p = math.exp(log_slip)
         k = math.exp(log_relaxation + v)
     system = EquivalentSystem(yielding[0], yielding[1], yielding[2], p, k)
-    if p < ELASTIC and k < ELASTIC * w:
+    if p < ELASTIC_SLIP and k < ELASTIC_SLIP * w:
         system = elastic
     forcing = forcing_of(system, soil)
     return motion_of(system, forcing), math.sqrt(own_covariance(system, forcing).mu_mu)

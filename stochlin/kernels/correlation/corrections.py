@@ -26,9 +26,10 @@ from stochlin.kernels.basics.arrays import Array
 ADDED_VARIANCE = 1e-3
 PARAMETER_AXES = 4  # period, strength, hardening, damping
 ENTRIES = PARAMETER_AXES * (PARAMETER_AXES + 1) // 2  # of a symmetric matrix over these axes
-MIDDLE = 2 / 3  # q at which the weight w of eq. (13) is a half
-WEIGHT = 0.5  # weight of eq. (12) beside eq. (11), whose errors are equal and independent
-SAFE = 0.12  # margin on ln(1 - rho), up to twice this for structures independent of the references
+HALF_WEIGHT_DISTANCE = 2 / 3  # q at which the weight w of eq. (13) is a half
+WEIGHT_OF_EQ_12 = 0.5  # weight of eq. (12) beside eq. (11), whose errors are equal and independent
+# margin on ln(1 - rho), up to twice this for structures independent of the references
+SAFETY_MARGIN = 0.12
 
 
 class Signature(NamedTuple):
@@ -87,9 +88,9 @@ def by_nearness(
             share = 0.5 if i == j else 1.0
             along += (share * entry + share * other) * apart[j]
         q += along * apart[i]
-    weight = first.trust * second.trust / (1 + (q / MIDDLE) ** 2)
+    weight = first.trust * second.trust / (1 + (q / HALF_WEIGHT_DISTANCE) ** 2)
     left = 1 - rho
     ratio = np.log(q / (1 + q) / left)
     corrected = np.isfinite(ratio) & (weight > 0)
-    mixed = 1 - left * np.exp(weight * (WEIGHT * ratio + SAFE * (1 + unseen)))
+    mixed = 1 - left * np.exp(weight * (WEIGHT_OF_EQ_12 * ratio + SAFETY_MARGIN * (1 + unseen)))
     return np.where(corrected, mixed, rho), np.where(corrected, weight, 0.0)

@@ -13,14 +13,14 @@ import numpy as np
 from stochlin.kernels.basics.arrays import Array
 
 # Value of 1 - rho, and relative difference of two deviations, below which it is a rounding error
-NONE_LEFT = 1e-13
+ROUNDING_OF_DIFFERENCES = 1e-13
 # Errors by the smaller R/p of both structures: below the first bound, between them, above the last
 # one.
 BOUNDS = np.array([0.5, 1.0, 2.0])
 # Expected relative errors of 1 - rho: of nearly equal structures, and of all others, as a share of
 # rho.
-OF_NEARLY_EQUAL = np.array([0.14, 0.10, 0.06, 0.05])
-OF_OTHERS = 0.18
+ERRORS_OF_NEARLY_EQUAL = np.array([0.14, 0.10, 0.06, 0.05])
+ERROR_OF_OTHERS = 0.18
 # relative bias, on the safe side, of u_1 - u_2 of nearly equal structures by eq. (13)
 SAFE_SIDE = 0.06
 
@@ -63,16 +63,17 @@ def bias_of_difference(
     """Relative bias of ``std``, that of ``u_1 - u_2``, from those of both and that of ``rho``."""
     true_rho = np.clip(rho - bias, -1.0, 1.0)
     truth = std_of_difference(std_1 / (1 + bias_1), std_2 / (1 + bias_2), true_rho)
-    equal = (std == 0) & (truth <= np.sqrt(2 * NONE_LEFT) * std_1)  # but for rounding errors
+    rounding = np.sqrt(2 * ROUNDING_OF_DIFFERENCES) * std_1
+    equal = (std == 0) & (truth <= rounding)
     return np.where(equal, 0.0, std / truth - 1)
 
 
 def _apart(std_1: Array, std_2: Array) -> Array:
     """``std_1 - std_2``, and 0 where it is as small as rounding errors."""
     apart = std_1 - std_2
-    return np.where(np.abs(apart) < NONE_LEFT * std_1, 0.0, apart)
+    return np.where(np.abs(apart) < ROUNDING_OF_DIFFERENCES * std_1, 0.0, apart)
 
 
 def _left(rho: Array) -> Array:
     """``1 - rho``, and 0 where it is as small as rounding errors."""
-    return np.where(1 - rho < NONE_LEFT, 0.0, 1 - rho)
+    return np.where(1 - rho < ROUNDING_OF_DIFFERENCES, 0.0, 1 - rho)

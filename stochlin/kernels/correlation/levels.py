@@ -62,11 +62,11 @@ def pair_rows(first: AtLevels, second: AtLevels, added: Array) -> PairRows:
     """Rows of pairs (n,); ``added`` is what simulations add to the correlation of both drifts."""
     motion_1 = first.side.motion
     motion_2 = second.side.motion
-    of_pair = residues(motion_1, motion_2)
-    joint = displacement_covariance(motion_1, motion_2, of_pair)
-    ahead, velocity = covariances_with_rates(motion_1, motion_2, of_pair)
+    terms = residues(motion_1, motion_2)
+    joint = displacement_covariance(motion_1, motion_2, terms)
+    ahead, velocity = covariances_with_rates(motion_1, motion_2, terms)
     unrelaxed = (side._replace(rate=np.array(0.5)) for side in (first.side, second.side))
-    increments = drift_covariance(coherence_of(first.side, second.side, of_pair), *unrelaxed)
+    increments = drift_covariance(coherence_of(first.side, second.side, terms), *unrelaxed)
     both = first.rows.increment * second.rows.increment
     rate_1 = first.side.rate
     rate_2 = second.side.rate
@@ -76,35 +76,29 @@ def pair_rows(first: AtLevels, second: AtLevels, added: Array) -> PairRows:
     rows_2 = second.rows
     level = first.level
     shared = rows_1.slow_push * rows_2.slow_push / (rows_1.slow_rate + rows_2.slow_rate)
-    l1 = (
-        (2 / np.pi)
-        * L1_STEP
-        * (L1_NODES * decay(first, second, joint, ahead, velocity)).sum(axis=0)
-    )
+    decays = L1_NODES * decay(first, second, joint, ahead, velocity)
+    l1 = (2 / np.pi) * L1_STEP * decays.sum(axis=0)
+    displacements = rows_1.displacement * rows_2.displacement
     l2 = first.covariance.v_v + second.covariance.v_v - 2 * velocity
     l0 = first.covariance.mu_mu + second.covariance.mu_mu - 2 * joint
     return PairRows(
-        (joint / level**2 - shared) / (rows_1.displacement * rows_2.displacement),
-        ahead
-        / (
-            level**2
-            * np.sqrt(rows_1.displacement * rows_2.displacement * rows_1.velocity * rows_2.velocity)
-        ),
+        (joint / level**2 - shared) / displacements,
+        ahead / (level**2 * np.sqrt(displacements * rows_1.velocity * rows_2.velocity)),
         velocity / (level**2 * rows_1.velocity * rows_2.velocity),
         np.clip(kappa + added / np.fmax(ease, LEAST_EASE), -1, 1),
         np.nan_to_num(bandwidth_of(l0, l1, l2), nan=1.0),
     )
 
 
-def covariances_with_rates(first: Motion, second: Motion, of_pair: Residues) -> tuple[Array, Array]:
+def covariances_with_rates(first: Motion, second: Motion, terms: Residues) -> tuple[Array, Array]:
     """``E[u_1 v_2]`` and ``E[v_1 v_2]`` of a pair, by integrals of `displacement_covariance`."""
     kick_1 = (0.0, first.relaxation, 1.0)
     kick_2 = (0.0, second.relaxation, 1.0)
     free_1 = _free_rate(first)
     free_2 = _free_rate(second)
     place = (first.relaxation, 1.0, 0.0), (first.free_0, first.free_1, first.free_2)
-    ahead = _integral(of_pair, place[0], free_2) + _integral(of_pair, place[1], kick_2)
-    return ahead, _integral(of_pair, kick_1, free_2) + _integral(of_pair, free_1, kick_2)
+    ahead = _integral(terms, place[0], free_2) + _integral(terms, place[1], kick_2)
+    return ahead, _integral(terms, kick_1, free_2) + _integral(terms, free_1, kick_2)
 
 
 def _free_rate(motion: Motion) -> Polynomial:
@@ -113,14 +107,14 @@ def _free_rate(motion: Motion) -> Polynomial:
     return -a0 * m2, m0 - a1 * m2, m1 - a2 * m2
 
 
-def _integral(of_pair: Residues, p: Polynomial, q: Polynomial) -> Array:
+def _integral(terms: Residues, p: Polynomial, q: Polynomial) -> Array:
     """Integral of ``p(s) q(-s)/(D1(s) D2(-s))``, as those of `Residues`."""
-    total = p[0] * q[0] * of_pair.even_0
-    total = total - (p[1] * q[0] - p[0] * q[1]) * of_pair.odd_1
-    total = total - (p[2] * q[0] - p[1] * q[1] + p[0] * q[2]) * of_pair.even_2
-    total = total - (p[1] * q[2] - p[2] * q[1]) * of_pair.odd_3
-    total = total + p[2] * q[2] * of_pair.even_4
-    integral: Array = total / of_pair.determinant
+    total = p[0] * q[0] * terms.even_0
+    total = total - (p[1] * q[0] - p[0] * q[1]) * terms.odd_1
+    total = total - (p[2] * q[0] - p[1] * q[1] + p[0] * q[2]) * terms.even_2
+    total = total - (p[1] * q[2] - p[2] * q[1]) * terms.odd_3
+    total = total + p[2] * q[2] * terms.even_4
+    integral: Array = total / terms.determinant
     return integral
 
 
@@ -137,8 +131,8 @@ def decay(first: AtLevels, second: AtLevels, joint: Array, ahead: Array, velocit
     place_2 = joint - second.covariance.mu_mu
     rate_1 = first.covariance.v_v - velocity
     rate_2 = velocity - second.covariance.v_v
-    of_first = _decay(first.system, place_1, ahead, rate_1, forcing, drive)
-    return of_first - _decay(second.system, place_2, ahead, rate_2, forcing, drive)
+    decay_of_first = _decay(first.system, place_1, ahead, rate_1, forcing, drive)
+    return decay_of_first - _decay(second.system, place_2, ahead, rate_2, forcing, drive)
 
 
 def _decay(

@@ -11,9 +11,9 @@ from stochlin.kernels.basics.arrays import Array, on_arrays, where_finite
 from stochlin.kernels.basics.slabs import in_slabs
 from stochlin.kernels.correlation.corrections import Nearness, Signature, by_nearness, by_signatures
 from stochlin.kernels.correlation.errors import (
-    NONE_LEFT,
-    OF_NEARLY_EQUAL,
-    OF_OTHERS,
+    ERROR_OF_OTHERS,
+    ERRORS_OF_NEARLY_EQUAL,
+    ROUNDING_OF_DIFFERENCES,
     bias_of_difference,
     error_of_difference,
     std_of_difference,
@@ -116,7 +116,8 @@ def _drifting(errors: Array, first: Drifting, second: Drifting) -> tuple[Array, 
     unseen = first.signature.left * second.signature.left
     rho, share = by_nearness(rho, first.nearness, second.nearness, unseen)
     weaker = np.minimum(first.strength_class, second.strength_class)
-    rest = share * OF_NEARLY_EQUAL[weaker] + (1 - share) * OF_OTHERS * np.maximum(rho, 0.0)
+    positive = np.maximum(rho, 0.0)
+    rest = share * ERRORS_OF_NEARLY_EQUAL[weaker] + (1 - share) * ERROR_OF_OTHERS * positive
     error = np.where(first.covered & second.covered, errors[weaker], np.nan)
     rho = _bounded(rho)
     error = np.where(first.elastic & second.elastic, 0.0, error)
@@ -125,7 +126,7 @@ def _drifting(errors: Array, first: Drifting, second: Drifting) -> tuple[Array, 
 
 def _bounded(rho: Array) -> Array:
     """``rho`` from -1 to 1, where it is so but for rounding errors, and otherwise NaN."""
-    bounded = np.where(1 - rho < NONE_LEFT, 1.0, np.maximum(rho, -1.0))
+    bounded = np.where(1 - rho < ROUNDING_OF_DIFFERENCES, 1.0, np.maximum(rho, -1.0))
     return np.where(np.abs(rho) <= 1 + ROUNDING_OF_CORRELATION, bounded, np.nan)
 
 

@@ -40,7 +40,7 @@ LEAST_LOG_SZ = float(np.log(0.04))
 LARGEST_LOG_SZ = float(np.log(400.0))
 POINTS_OF_CUBICS = 4096
 SPACING = (LARGEST_LOG_SZ - LEAST_LOG_SZ) / (POINTS_OF_CUBICS - 1)
-SOLVING = 12  # Newton's steps for the correlations
+CORRELATION_STEPS = 12  # Newton's steps for the correlations
 # The damping c, with which cells need 4 to 6 steps on average; and that after so many steps, for
 # cells whose steps overshoot again and again.
 BALANCE_DAMPING = 0.3
@@ -64,7 +64,7 @@ def functions_of(closure: Closure) -> Array:
         return (1 - slip) * v_z - relaxation * z_z
 
     correlated = 0.5 * np.log1p(sz * sz)
-    for _ in range(SOLVING):
+    for _ in range(CORRELATION_STEPS):
         off = excess(correlated)
         slope = (excess(correlated + ALONG) - off) / ALONG
         correlated = correlated - np.clip(off / slope, -1, 1)

@@ -172,7 +172,7 @@ def residues(first: Motion, second: Motion) -> Residues:
     return Residues(even_0, odd_1, even_2, odd_3, even_4, even_0 * even_2 + odd_1 * odd_1)
 
 
-def displacement_covariance(first: Motion, second: Motion, of_pair: Residues) -> Array:
+def displacement_covariance(first: Motion, second: Motion, terms: Residues) -> Array:
     """``E[mu_1 mu_2]`` of a pair with these `residues`.
 
     The solution of ``A1 X + X A2' + b C2' + C1 b' = 0`` is the integral over time of impulse
@@ -181,19 +181,19 @@ def displacement_covariance(first: Motion, second: Motion, of_pair: Residues) ->
     """
     k1, _, _, _, m2, m1, m0 = first
     k2, _, _, _, n2, n1, n0 = second
-    joint = (k1 * n0 + k2 * m0) * of_pair.even_0
-    joint -= ((n0 - m0) + (k2 * m1 - k1 * n1)) * of_pair.odd_1
-    joint -= (k1 * n2 + k2 * m2 - (m1 + n1)) * of_pair.even_2
-    joint -= (n2 - m2) * of_pair.odd_3
-    return joint / of_pair.determinant
+    joint = (k1 * n0 + k2 * m0) * terms.even_0
+    joint -= ((n0 - m0) + (k2 * m1 - k1 * n1)) * terms.odd_1
+    joint -= (k1 * n2 + k2 * m2 - (m1 + n1)) * terms.even_2
+    joint -= (n2 - m2) * terms.odd_3
+    return joint / terms.determinant
 
 
-def velocity_covariance(first: Motion, second: Motion, of_pair: Residues) -> Array:
+def velocity_covariance(first: Motion, second: Motion, terms: Residues) -> Array:
     """``E[mu_1' mu_2']`` of a pair with these `residues`, under white noise of the intensity 1."""
     k1 = first.relaxation
     k2 = second.relaxation
-    joint = of_pair.even_4 + (k2 - k1) * of_pair.odd_3 + k1 * k2 * of_pair.even_2
-    return 2 * joint / of_pair.determinant
+    joint = terms.even_4 + (k2 - k1) * terms.odd_3 + k1 * k2 * terms.even_2
+    return 2 * joint / terms.determinant
 
 
 def pair_covariance(first: Motion, second: Motion) -> Array:

@@ -347,20 +347,20 @@ def drift_covariance(coherence: Array, first: DriftingSide, second: DriftingSide
     return coherence * total / (first.rate + second.rate)
 
 
-def coherence_of(first: DriftingSide, second: DriftingSide, of_pair: Residues) -> Array:
+def coherence_of(first: DriftingSide, second: DriftingSide, terms: Residues) -> Array:
     """``r_v`` of eq. (7): correlation of velocities of equivalent systems under one white noise.
 
     It measures what is new and common to both responses in every half-cycle, without a spectral
     line of the ground that both follow.
     """
-    joint = velocity_covariance(first.motion, second.motion, of_pair)
+    joint = velocity_covariance(first.motion, second.motion, terms)
     return np.clip(joint / np.sqrt(first.noisy * second.noisy), -1.0, 1.0)
 
 
 def drifting_correlation(first: DriftingSide, second: DriftingSide) -> Array:
     """Correlation of two displacements with their drifts: at most 1, and 1 for equal structures."""
-    of_pair = residues(first.motion, second.motion)
-    coherence = coherence_of(first, second, of_pair)
-    joint = displacement_covariance(first.motion, second.motion, of_pair)
+    terms = residues(first.motion, second.motion)
+    coherence = coherence_of(first, second, terms)
+    joint = displacement_covariance(first.motion, second.motion, terms)
     joint = joint + drift_covariance(coherence, first, second)
     return joint / np.sqrt(first.variance * second.variance)

@@ -78,7 +78,7 @@ def follow(
     y = elastic + slope * level
     rise = np.full(n, FIRST_RISE)
     near = np.full(n, np.inf)  # the first solution may be anywhere
-    solution = nothing(elastic)
+    solution = unsolved(elastic)
     cells = np.arange(n)
     for _ in range(most_levels):
         at = np.minimum(0.0, level[cells] + rise[cells])
@@ -87,13 +87,13 @@ def follow(
         reached = fixed_point.unknowns
         good = fixed_point.converged & (np.abs(reached - guess).max(axis=0) <= near[cells])
         add(solution, cells, fixed_point._replace(converged=good & (at == 0)))
-        on = cells[good]
+        advanced = cells[good]
         followed = np.isfinite(near[cells[good]])
-        found_slope = (reached[:, good] - y[:, on]) / (at[good] - level[on])
-        slope[:, on] = np.where(followed, found_slope, slope[:, on])
-        y[:, on] = reached[:, good]
-        level[on] = at[good]
-        near[on] = SAME_BRANCH
+        new_slope = (reached[:, good] - y[:, advanced]) / (at[good] - level[advanced])
+        slope[:, advanced] = np.where(followed, new_slope, slope[:, advanced])
+        y[:, advanced] = reached[:, good]
+        level[advanced] = at[good]
+        near[advanced] = SAME_BRANCH
         rise[cells] *= np.where(good, LONGER, SHORTER)
         cells = np.flatnonzero(~solution.converged & (rise > LEAST_RISE))
         if not cells.size:
@@ -101,8 +101,8 @@ def follow(
     return solution
 
 
-def nothing(unknowns: Array) -> FixedPoint:
-    """The result for cells that are not yet solved."""
+def unsolved(unknowns: Array) -> FixedPoint:
+    """A result of cells of which none is solved yet."""
     none = np.full(unknowns.shape[1], np.nan)
     return FixedPoint(np.full_like(unknowns, np.nan), np.zeros(none.size, np.int32), none, none > 0)
 

@@ -26,9 +26,9 @@ from stochlin.kernels.linearization.grounds import followed
 
 LOWEST_LEVEL = 0.02  # lowest level for motions of one size
 STEPS_OF_LEVELS = 15  # from it to 1
-FINE = 8  # steps of a table between two levels
+STEPS_BETWEEN_LEVELS = 8  # steps of a table between two levels
 AT_REST = 1e-12  # squared level of a motion that has not begun
-NEWTON = 5  # steps to a slow mode
+STEPS_TO_SLOW_MODE = 5  # of the iteration for the slow mode
 # The slow mode counts as part of the slow offset up to the first rate, over the frequency of the
 # structure, and as part of the fast response from the second one on.
 SLOW_RATE = 0.1
@@ -55,7 +55,7 @@ class Tables(NamedTuple):
         """Tables of values (rows, n levels), interpolated without overshoot; NaN counts as 0."""
         at = 2 * np.log(levels)
         values = np.nan_to_num(values).reshape(len(values), -1, levels.size)
-        points = np.linspace(at[0], at[-1], FINE * (levels.size - 1) + 1)
+        points = np.linspace(at[0], at[-1], STEPS_BETWEEN_LEVELS * (levels.size - 1) + 1)
         return cls(points, PchipInterpolator(at, values, axis=-1)(points))
 
     def at(self, square: Array, columns: Array) -> Array:
@@ -148,7 +148,7 @@ def slow_mode(system: EquivalentSystem, soil: Filter, variance: Array) -> tuple[
     """
     a2, a1, a0 = characteristic(*system)
     rate = a0 / a1
-    for _ in range(NEWTON):
+    for _ in range(STEPS_TO_SLOW_MODE):
         value = ((a2 - rate) * rate - a1) * rate + a0
         rate = rate - value / ((2 * a2 - 3 * rate) * rate - a1)
     residue = (system.relaxation - rate) / ((3 * rate - 2 * a2) * rate + a1)

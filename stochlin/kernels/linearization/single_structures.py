@@ -32,7 +32,7 @@ from stochlin.kernels.linearization.iteration import (
     add,
     elastic_limit,
     follow,
-    nothing,
+    unsolved,
 )
 
 ITERATIONS_AT_LEVEL = 12  # iterations at one level of shaking
@@ -113,7 +113,7 @@ def solve_structures(
     and the correlation by at most ``rtol``.
     """
     elastic = np.array([*np.log(start[:2]), np.arctanh(start[2])])
-    solution = nothing(start)
+    solution = unsolved(start)
     cells = np.flatnonzero(one_solution)
     if problem.closure in UNIVERSAL and cells.size and problem.ground.in_closed_form:
         limited = elastic_limit(elastic[:, cells], 1)

@@ -48,8 +48,8 @@ DIMENSIONS = {
     "heights": STOREY,
 }
 OF_WEIGHT = Number(SHEAR, f"a number; {SHEAR}")
-OF_STRENGTH = ("hardening", "yield_displacement")
-OF_TABLE = {"period", "shape", "mass", "height"}
+STRENGTH_PARAMETERS = ("hardening", "yield_displacement")
+TABLE_COLUMNS = {"period", "shape", "mass", "height"}
 
 
 @dataclass(frozen=True)
@@ -215,8 +215,8 @@ class ModalBuilding(MultistoreyBuilding):
         >>> sl.ModalBuilding.from_table(modes, damping=0.05).modes
         1
         """
-        if not isinstance(table, xr.Dataset) or not {*table.data_vars} >= OF_TABLE:
-            needed = listed(sorted(OF_TABLE))
+        if not isinstance(table, xr.Dataset) or not {*table.data_vars} >= TABLE_COLUMNS:
+            needed = listed(sorted(TABLE_COLUMNS))
             raise ValueError(f"table = {brief(table)}; allowed: a dataset with {needed}")
         shapes = _table("table: shape", table["shape"].transpose(MODE, FLOOR)).to_numpy()
         masses = table["mass"].to_numpy()
@@ -290,7 +290,7 @@ class ModalBuilding(MultistoreyBuilding):
             left = self.modes - self._strengths.shape[1]
             whole = np.pad(self._strengths, ((0, 0), (0, left)), mode="edge")
             rows = (xr.DataArray(row, dims=MODE) for row in whole)
-            strength = dict(zip(OF_STRENGTH, rows, strict=True))
+            strength = dict(zip(STRENGTH_PARAMETERS, rows, strict=True))
         return self._law(period=values["periods"], damping=self.damping, **strength)
 
     def system(self) -> System:
@@ -389,9 +389,8 @@ class ModalBuilding(MultistoreyBuilding):
         0.5
         """
         n = self.leading
-        elastic = (
-            dict.fromkeys(OF_STRENGTH) if self.yields and n >= self._strengths.shape[1] else {}
-        )
+        stays_elastic = self.yields and n >= self._strengths.shape[1]
+        elastic = dict.fromkeys(STRENGTH_PARAMETERS) if stays_elastic else {}
         return self._as_oscillator(n, mass=float(self.effective_masses()[n]), **elastic)
 
     def yielding_at(self, displacement: float) -> Self:

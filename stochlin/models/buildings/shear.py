@@ -43,7 +43,7 @@ from stochlin.models.uncertain import takes_uncertain
 if TYPE_CHECKING:
     import sympy
 
-OF_STOREYS = ("masses", "stiffnesses", "heights", "yield_drifts", "dampers")
+STOREY_PARAMETERS = ("masses", "stiffnesses", "heights", "yield_drifts", "dampers")
 NUMBER_OF_STOREYS = Whole(1, MOST_STOREYS)
 SHEAR = Range(upper=100.0, include_upper=True, reason="of the weight; a stronger one is elastic")
 
@@ -143,7 +143,7 @@ class ShearBuilding(MultistoreyBuilding):
     name: ClassVar[str] = "shear building"
     element: ClassVar[str] = STOREY
     strength_name: ClassVar[str] = "yield_drifts"
-    dimensions: ClassVar[Mapping[str, str]] = dict.fromkeys(OF_STOREYS, STOREY)
+    dimensions: ClassVar[Mapping[str, str]] = dict.fromkeys(STOREY_PARAMETERS, STOREY)
     one_for_all: ClassVar[tuple[str, ...]] = ("yield_drifts", "dampers")
 
     masses: Parameter = parameter("kg", "mass of the floor", POSITIVE)

@@ -5,8 +5,8 @@ from stochlin.models.grounds.clough_penzien import CloughPenzien
 from stochlin.models.grounds.ground import (
     GROUNDS,
     MOST_FILTERS,
-    OF_SPECTRUM,
     OTHER_COMPONENT,
+    SCATTER_OF_SPECTRUM,
     Calibration,
     Fit,
     Ground,
@@ -22,8 +22,8 @@ from stochlin.models.grounds.white_noise import WhiteNoise
 __all__ = [
     "GROUNDS",
     "MOST_FILTERS",
-    "OF_SPECTRUM",
     "OTHER_COMPONENT",
+    "SCATTER_OF_SPECTRUM",
     "Calibration",
     "CloughPenzien",
     "Filter",

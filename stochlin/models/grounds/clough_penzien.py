@@ -10,8 +10,8 @@ import numpy as np
 
 from stochlin.kernels.linearization.filters import Filter
 from stochlin.models.grounds.ground import (
+    DAMPING_OF_GROUND,
     GROUNDS,
-    OF_GROUND,
     POSITIVE_DAMPING,
     Calibration,
     Fit,
@@ -65,7 +65,7 @@ class CloughPenzien(Ground):
     name: ClassVar[str] = "Clough-Penzien"
     other_limits: ClassVar[Mapping[str, Plausible]] = {
         **Ground.other_limits,
-        "high_pass_damping": OF_GROUND,
+        "high_pass_damping": DAMPING_OF_GROUND,
         "high_pass_period": PLAUSIBLE["period"],
     }
     fit: ClassVar[Fit] = Fit(

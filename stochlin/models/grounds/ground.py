@@ -50,7 +50,7 @@ def _check_kind(kind: type[Ground]) -> None:
 
 
 GROUNDS: Registry[type[Ground]] = Registry("ground", "stochlin.models.grounds", check=_check_kind)
-OF_GROUND = PLAUSIBLE["ground_damping"]
+DAMPING_OF_GROUND = PLAUSIBLE["ground_damping"]
 POSITIVE_DAMPING = Range(reason="an undamped ground has no stationary motion")
 
 
@@ -68,7 +68,7 @@ class UsualScatter(NamedTuple):
 # spectrum in the mean, and about as much in what yielding structures need: its default is on the
 # safe side.
 OTHER_COMPONENT = UsualScatter(0.4, "the other component of a station in the far field")
-OF_SPECTRUM = UsualScatter(0.3, "suites of records about a spectrum, on the safe side")
+SCATTER_OF_SPECTRUM = UsualScatter(0.3, "suites of records about a spectrum, on the safe side")
 SAME_DURATION = 0.01  # relative difference of durations that are taken as equal
 MOST_FILTERS = 3  # in parallel, of a ground that is fitted to a spectrum
 
@@ -113,7 +113,7 @@ class Ground(Model, base=True):
 
     name: ClassVar[str]
     other_limits: ClassVar[Mapping[str, Plausible]] = {
-        "damping": OF_GROUND,
+        "damping": DAMPING_OF_GROUND,
         "period": PLAUSIBLE["ground_period"],
     }
     fit: ClassVar[Fit | None] = None

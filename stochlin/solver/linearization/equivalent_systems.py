@@ -56,7 +56,7 @@ SYSTEM_VARIABLES = (
 # those that tables of pairs and of strengths show of each structure
 STRUCTURE_VARIABLES = ("displacement_std", "ductility_std", "yield_displacement")
 PUBLIC = (*SYSTEM_VARIABLES, "iterations", "residual", "status")
-OF_DRIFT = ("drift_std", "drift_rate")
+DRIFT_VARIABLES = ("drift_std", "drift_rate")
 JUDGED = ("bias", "bias_error", "caution")
 # Values of invalid cells; the others are NaN.
 VALUES_IF_INVALID = {
@@ -177,7 +177,7 @@ class Solved(NamedTuple):
 
     def dataset(self) -> xr.Dataset:
         """Dataset of a single structure: the variables `PUBLIC`, and those of drift and bias."""
-        more = (STRENGTH_RATIO, *OF_DRIFT, "displacement_error", *JUDGED)
+        more = (STRENGTH_RATIO, *DRIFT_VARIABLES, "displacement_error", *JUDGED)
         return xr.Dataset(
             self.labelled(0, [*PUBLIC, *(name for name in more if name in self.values)])
         )
@@ -362,7 +362,7 @@ def _response(
         "yield_displacement": uy.copy(),
         "system": np.array(system),
         "forcing": np.array(forcing),
-        **dict(zip(OF_DRIFT, (of_drift, drift.rate.copy()), strict=True)),
+        **dict(zip(DRIFT_VARIABLES, (of_drift, drift.rate.copy()), strict=True)),
         "drift_shares": drift.shares.copy(),
     }
     physical = (covariance.mu_mu > 0) & (covariance.v_v > 0)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from stochlin.models.buildings.shear import OF_STOREYS
+from stochlin.models.buildings.shear import STOREY_PARAMETERS
 from stochlin.models.descriptions import shown_unit
 from stochlin.views.shared.blocks import Block, Picture, TableBlock, TextBlock, texts
 from stochlin.views.shared.style import (
@@ -66,7 +66,7 @@ def _row(table: xr.Dataset, place: int, names: Mapping[str, str]) -> InputLine:
     role, _, key = str(table.input.item()).partition(".")
     unit = str(table.input_unit.item())
     median = float(table.input_median)
-    of_all = unit == "1" and key in OF_STOREYS  # a factor on all values
+    of_all = unit == "1" and key in STOREY_PARAMETERS  # a factor on all values
     unit, scale = ("times", 1.0) if of_all else shown_unit(unit, median)
     ends = [number(median * scale * float(factor)) for factor in table.input_factor_at]
     digits = 1 if float(table.gap) >= LARGE_GAP else 2

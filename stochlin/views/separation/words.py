@@ -10,7 +10,7 @@ from scipy import constants
 from stochlin.applications.cases.codes import APPLIED, APPLY, KIND, stated
 from stochlin.applications.cases.separation import WITH_SCATTER
 from stochlin.applications.separation.separation import COMMENT_ON_CODES
-from stochlin.models.grounds import OF_SPECTRUM
+from stochlin.models.grounds import SCATTER_OF_SPECTRUM
 from stochlin.models.rules.codes import CODE_RULES
 from stochlin.views.shared.blocks import (
     Block,
@@ -101,9 +101,11 @@ ON_TWO = (
     ", since the buildings stand on two properties (on one, write same_property = true in "
     "[separation])"
 )
-OF_R = "R is three standard deviations of the stationary elastic displacement over that at yield."
+MEANING_OF_R = (
+    "R is three standard deviations of the stationary elastic displacement over that at yield."
+)
 SIGNED = "Date, prepared by, checked by:"
-OF_TWO = "needs a second building"  # the reason why a rule is not available
+NEEDS_TWO = "needs a second building"  # the reason why a rule is not available
 
 
 class Subject(NamedTuple):
@@ -187,7 +189,8 @@ def of_earthquakes(answer: CaseAnswer) -> str:
     if not np.isfinite(table.get(WITH_SCATTER, np.nan)):
         return ""
     size = f"{length(float(table[WITH_SCATTER]))} ({interval(table, WITH_SCATTER)})"
-    return f"With a scatter of {OF_SPECTRUM.scatter:g} in strength between earthquakes: {size}."
+    scatter = f"{SCATTER_OF_SPECTRUM.scatter:g}"
+    return f"With a scatter of {scatter} in strength between earthquakes: {size}."
 
 
 def needed(answer: CaseAnswer) -> str:
@@ -313,7 +316,7 @@ def _strengths(answer: CaseAnswer) -> str:
         parts.append(
             f"{building.name} at {length(at_yield)}, {share:.2g} of its weight, R = {factor:.3g}"
         )
-    return f"Yielding: {'; '.join(parts)}. {OF_R}" if parts else ""
+    return f"Yielding: {'; '.join(parts)}. {MEANING_OF_R}" if parts else ""
 
 
 def details(answer: CaseAnswer, on_page: bool = False) -> list[TextBlock]:
@@ -457,7 +460,7 @@ def rows(answer: CaseAnswer) -> list[RuleLine]:
     """All rules, the answer first; for one building those that apply to one building."""
     table = answer.separation
     if answer.case.alone:
-        of_two = [str(text).startswith(OF_TWO) for text in table.missing.values]
+        of_two = [str(text).startswith(NEEDS_TWO) for text in table.missing.values]
         table = table.isel(rule=~np.array(of_two))
     grouped = [(_group(answer.case, row), row) for row in along(table, "rule")]
     grouped.sort(key=lambda of_rule: GROUPS_IN_ORDER.index(of_rule[0]))

@@ -12,7 +12,7 @@ from stochlin.applications.sites.elastic_spectra import taken_in_words
 from stochlin.messages import plain
 from stochlin.models.arguments import checked
 from stochlin.models.grounds import ground_names
-from stochlin.models.hazards import OF_DESIGN, Hazard, HazardCurve
+from stochlin.models.hazards import DESIGN_RETURN_PERIOD, Hazard, HazardCurve
 from stochlin.models.rules.codes import CODE_RULES
 from stochlin.models.rules.effective_properties import EFFECTIVE_RULES
 from stochlin.solver.tables.labels import VALUE_AND_ENDS
@@ -162,7 +162,8 @@ def _of_design(hazard: HazardCurve) -> str:
     if not np.isfinite(design):
         return ""
     name, units, unit = measure_of(hazard)
-    return f"with a return period of {OF_DESIGN:g} years {name} {design / unit:.3g}{NBSP}{units}"
+    period = f"with a return period of {DESIGN_RETURN_PERIOD:g} years"
+    return f"{period} {name} {design / unit:.3g}{NBSP}{units}"
 
 
 def measure_of(hazard: Hazard) -> tuple[str, str, float]:

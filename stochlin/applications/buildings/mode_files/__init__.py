@@ -1,8 +1,8 @@
 """Formats of files with the modes of a building, one file each, and what they have in common."""
 
 from stochlin.applications.buildings.mode_files.modes_of_file import (
+    ADVICE_ON_FREQUENCIES,
     MODE_NUMBERS,
-    OF_FREQUENCY,
     AskedModes,
     ModesOfFile,
     check_moving,
@@ -10,8 +10,8 @@ from stochlin.applications.buildings.mode_files.modes_of_file import (
 )
 
 __all__ = [
+    "ADVICE_ON_FREQUENCIES",
     "MODE_NUMBERS",
-    "OF_FREQUENCY",
     "AskedModes",
     "ModesOfFile",
     "check_moving",

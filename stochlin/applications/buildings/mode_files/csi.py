@@ -17,14 +17,14 @@ from stochlin.applications.buildings.mode_files import (
 )
 from stochlin.applications.buildings.mode_files.csi_tables import (
     BASES,
+    CENTRE_TABLE,
+    DIAPHRAGM_TABLE,
     HEIGHTS,
+    JOINT_TABLE,
     MASS_RATIOS,
     MERGED_COLUMNS,
-    OF_CENTRES,
-    OF_DIAPHRAGMS,
-    OF_JOINTS,
-    OF_STORIES,
     STORY_DATA,
+    STORY_TABLE,
     SUMMARY,
     keyed,
     needed_tables,
@@ -82,10 +82,10 @@ def read(content: Mapping[str, Table], choice: AskedModes) -> ModesOfFile:
     Computers and Structures, Inc., ETABS, database tables; the names of their fields are
     those of ``Results.ModalParticipatingMassRatios`` in the CSI application programming interface.
     """
-    by_diaphragm = [OF_DIAPHRAGMS, SUMMARY]
-    of_mass = [*by_diaphragm, OF_STORIES] if choice.tower else [OF_STORIES, *by_diaphragm]
-    groups = [[MASS_RATIOS], [HEIGHTS, STORY_DATA], of_mass, [OF_CENTRES]]
-    groups += [[OF_JOINTS]] if choice.points else []
+    by_diaphragm = [DIAPHRAGM_TABLE, SUMMARY]
+    of_mass = [*by_diaphragm, STORY_TABLE] if choice.tower else [STORY_TABLE, *by_diaphragm]
+    groups = [[MASS_RATIOS], [HEIGHTS, STORY_DATA], of_mass, [CENTRE_TABLE]]
+    groups += [[JOINT_TABLE]] if choice.points else []
     ratios, *others = needed_tables(content, *groups)
     axis = _axis(ratios, choice.direction)
     check_one_kind(ratios, ratios.column("case"), "load case")
@@ -176,7 +176,7 @@ def _chosen(places: pd.Index, heights: Table, weights: Table, tower: str | None)
     if tower is not None and not np.any(here) and not by_name:
         what = f"does not say which masses are those of {brief(tower)}"
         raise weights.error(
-            f"{what}; name a diaphragm as tower=, of {listed(choices) or OF_DIAPHRAGMS}"
+            f"{what}; name a diaphragm as tower=, of {listed(choices) or DIAPHRAGM_TABLE}"
         )
     if np.any(here):
         chosen &= here

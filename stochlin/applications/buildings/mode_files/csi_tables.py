@@ -17,20 +17,20 @@ from stochlin.models.parameters import Range
 
 TITLE = re.compile(r"table:\s*(.*)", re.IGNORECASE)
 MASS_RATIOS = "Modal Participating Mass Ratios"
-OF_JOINTS = "Joint Displacements"
-OF_CENTRES = "Diaphragm Center Of Mass Displacements"
-OF_STORIES = "Mass Summary by Story"
-OF_DIAPHRAGMS = "Centers Of Mass And Rigidity"
+JOINT_TABLE = "Joint Displacements"
+CENTRE_TABLE = "Diaphragm Center Of Mass Displacements"
+STORY_TABLE = "Mass Summary by Story"
+DIAPHRAGM_TABLE = "Centers Of Mass And Rigidity"
 BASES = "Tower and Base Story Definitions"
 SUMMARY = "Mass Summary by Diaphragm"
 HEIGHTS = "Story Definitions"
 STORY_DATA = "Story Data"
 TABLES = (
     MASS_RATIOS,
-    OF_JOINTS,
-    OF_CENTRES,
-    OF_STORIES,
-    OF_DIAPHRAGMS,
+    JOINT_TABLE,
+    CENTRE_TABLE,
+    STORY_TABLE,
+    DIAPHRAGM_TABLE,
     SUMMARY,
     BASES,
     HEIGHTS,

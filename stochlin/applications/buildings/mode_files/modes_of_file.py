@@ -46,7 +46,7 @@ class ModesOfFile(NamedTuple):
     turning: Sequence[int] = ()
 
 
-OF_FREQUENCY = "write 1/f of frequencies, and 2 pi/omega of angular ones"
+ADVICE_ON_FREQUENCIES = "write 1/f of frequencies, and 2 pi/omega of angular ones"
 
 
 def check_moving(modes: Sequence[int], moved: Array, where: str, most: float = 0.0) -> None:
@@ -64,5 +64,5 @@ def check_moving(modes: Sequence[int], moved: Array, where: str, most: float = 0
 def check_seconds(unit: str, where: str) -> None:
     """Raise a ValueError for periods in another unit, if a file states it."""
     if size_of(unit or "s", "s") != 1:
-        cure = "convert them" if size_of(unit, "s") else OF_FREQUENCY
+        cure = "convert them" if size_of(unit, "s") else ADVICE_ON_FREQUENCIES
         raise ValueError(f"{where}: periods are in {brief(unit)}; allowed: s, so {cure}")

@@ -9,8 +9,8 @@ import numpy as np
 import pandas as pd
 
 from stochlin.applications.buildings.mode_files import (
+    ADVICE_ON_FREQUENCIES,
     MODE_NUMBERS,
-    OF_FREQUENCY,
     AskedModes,
     ModesOfFile,
     check_moving,
@@ -118,7 +118,7 @@ def _lines(sheet: Sheet, names: pd.Series) -> dict[str, int]:
                 "is there twice" if name in lines else f"is not known; allowed: {', '.join(KNOWN)}"
             )
             if name not in KNOWN and name.startswith(("freq", "omega", "circ", "ang")):
-                what += f"; in 'period [s]' {OF_FREQUENCY}"
+                what += f"; in 'period [s]' {ADVICE_ON_FREQUENCIES}"
             raise sheet.error(line, 0, f"{brief(sheet.cells.at[line, 0])} {what}")
         lines[name] = line
     if (FACTOR_ROW in lines) != (MODAL_MASS in lines):

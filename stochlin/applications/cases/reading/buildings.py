@@ -38,7 +38,7 @@ from stochlin.models.laws import laws_in_numbers
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Range
 from stochlin.models.plausible import PLAUSIBLE, doubts_of_factors, doubts_of_size, unquestioned
-from stochlin.models.rules.codes import AT_LEAST_1, OF_IMPORTANCE
+from stochlin.models.rules.codes import AT_LEAST_1, IMPORTANCE_RANGE
 from stochlin.models.systems import slabs_on_columns
 from stochlin.models.uncertain import applied, median_of
 from stochlin.solver.linearization.drift_map import calibrated_closure
@@ -47,11 +47,11 @@ from stochlin.solver.linearization.strength import strength_for_ductility, stren
 CODE_FACTOR = WithUnit("1", AT_LEAST_1, PLAUSIBLE["behaviour"])
 BUILDING_HEIGHT = WithUnit("m", POSITIVE, PLAUSIBLE["height"])
 MOVE = WithUnit("m", NOT_NEGATIVE, PLAUSIBLE["displacements"])
-IMPORTANCE_FACTOR = WithUnit("1", OF_IMPORTANCE, PLAUSIBLE["importance"])
+IMPORTANCE_FACTOR = WithUnit("1", IMPORTANCE_RANGE, PLAUSIBLE["importance"])
 DUCTILITY = WithUnit("1", Range(1.0, reason="1 for a building that just does not yield"))
 TWO_MODES = ListOf(Integer(1, MOST_STOREYS), length=2)
 STRENGTH_KEY = "strength"
-OF_HEIGHTS = {"height of its storeys": ("storey_height", "heights")}
+HEIGHT_KEYS = {"height of its storeys": ("storey_height", "heights")}
 WITH_HARDENING = (
     "reduction_factor",
     "yield_displacement",
@@ -62,7 +62,7 @@ WITH_HARDENING = (
 )
 
 
-OF_MODES = (
+MODE_KEYS = (
     "base_shear_coefficient",
     "reduction_factor",
     "yield_displacements",
@@ -121,7 +121,7 @@ class OscillatorForm(OfBuilding):
         return self.table.made(laws_in_numbers()[self.law], **values)
 
 
-OF_PUSHOVER = ("pushover_units", "pushover_columns")
+PUSHOVER_KEYS = ("pushover_units", "pushover_columns")
 
 
 class WithFloors(OfBuilding):
@@ -129,7 +129,7 @@ class WithFloors(OfBuilding):
 
     goes_with: ClassVar[Any] = (
         *OfBuilding.goes_with,
-        *((name, "pushover") for name in OF_PUSHOVER),
+        *((name, "pushover") for name in PUSHOVER_KEYS),
     )
 
     storeys: int | None = key(Integer(1, MOST_STOREYS), "Storeys", None)
@@ -190,7 +190,7 @@ class Regular(Storeyed):
     """A building with equal floors, by a few numbers."""
 
     goes_with: ClassVar[Any] = (*Storeyed.goes_with, ("storey_height", "storeys"))
-    one_of: ClassVar[Any] = OF_HEIGHTS | {
+    one_of: ClassVar[Any] = HEIGHT_KEYS | {
         STRENGTH_KEY: ("base_shear_coefficient", "pushover", "elastic")
     }
 
@@ -213,7 +213,7 @@ class Regular(Storeyed):
 class Singly(Storeyed):
     """A building storey by storey, from the ground up."""
 
-    one_of: ClassVar[Any] = OF_HEIGHTS | {STRENGTH_KEY: ("yield_drifts", "pushover", "elastic")}
+    one_of: ClassVar[Any] = HEIGHT_KEYS | {STRENGTH_KEY: ("yield_drifts", "pushover", "elastic")}
 
     masses: Any = of(ShearBuilding, "masses", single="")
     stiffnesses: Any = of(ShearBuilding, "stiffnesses", single="")
@@ -232,7 +232,7 @@ class ByModes(WithFloors):
     """A building by the modes of a file, as programs of structural analysis write it."""
 
     described_as = "a building by its modes"
-    one_of: ClassVar[Any] = {STRENGTH_KEY: OF_MODES}
+    one_of: ClassVar[Any] = {STRENGTH_KEY: MODE_KEYS}
 
     damping: Any = of(ModalBuilding, "damping", single="alone")
     hardening: Any = of(ModalBuilding, "hardening", default=None, single="alone")
@@ -290,7 +290,7 @@ class Building:
     @property
     def of_first_mode(self) -> bool:
         """Whether it has a strength of the whole building, which its mode 1 bears alone."""
-        return isinstance(self.form, ByModes) and self.strength in OF_MODES[:2]
+        return isinstance(self.form, ByModes) and self.strength in MODE_KEYS[:2]
 
     @property
     def has_storeys(self) -> bool:

@@ -36,7 +36,7 @@ _INCH_FRACTION = re.compile(r"(\d{1,4})/(\d{1,4})\s*([A-Za-z]+)")
 _NUMBER_WITH_COMMA = re.compile(r"\s*([-+]?)(\d*),(\d+)(\s*(?:[^\d.,'\u2019].*)?)", re.DOTALL)
 UNCERTAIN = re.compile(r"\+-|\+/-|±|\bto\b")
 LONGEST_NUMBER = 40  # characters of a number that messages repeat
-OF_POWER = "N/m^", "N (s/m)^"  # units of nonlinear springs and dashpots, with any exponent
+POWER_UNITS = "N/m^", "N (s/m)^"  # units of nonlinear springs and dashpots, with any exponent
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class WithUnit:
     @property
     def spellings(self) -> Sequence[str]:
         """Units that messages show; those of a ratio are a percentage."""
-        if self.units.startswith(OF_POWER):
+        if self.units.startswith(POWER_UNITS):
             return self.units, f"k{self.units}", f"M{self.units}"
         return UNITS.get(self.units, (self.units,))
 

@@ -58,8 +58,8 @@ from stochlin.models.envelopes import ENVELOPES, Envelope
 from stochlin.models.grounds import (
     GROUNDS,
     MOST_FILTERS,
-    OF_SPECTRUM,
     OTHER_COMPONENT,
+    SCATTER_OF_SPECTRUM,
     Ground,
     UsualScatter,
     WhiteNoise,
@@ -82,7 +82,7 @@ LOG_SPREAD = WithUnit("1", SCATTER.allowed, PLAUSIBLE["scatter"])  # of a logari
 SPECTRUM_DAMPING = WithUnit("1", Range(0.0, 1.0), PLAUSIBLE["damping"])
 MOTION_DURATION = WithUnit("s", POSITIVE, PLAUSIBLE["duration"])
 LONG_PERIOD = WithUnit("s", POSITIVE, PLAUSIBLE["tl"])
-LIKE = 0.8, 1.25  # energy of motions over that of a record without a warning
+USUAL_ENERGY_RATIOS = 0.8, 1.25  # energies of motions over that of a record, without a warning
 
 
 class Course(NamedTuple):
@@ -366,7 +366,7 @@ class CaseSite:
             return UsualScatter(0.0, "")
         if len(self.components) == 2:
             return between_components(checked_components(self.components))
-        return OTHER_COMPONENT if self.name == FITTED else OF_SPECTRUM
+        return OTHER_COMPONENT if self.name == FITTED else SCATTER_OF_SPECTRUM
 
     @property
     def scatter(self) -> float:
@@ -418,7 +418,7 @@ class CaseSite:
         with self.form.table.naming("ground", f"cannot be fitted to {listed(self.components)}: "):
             ground = fit_ground(record, self.form.model)
         ratio = energy_ratio(record, ground, envelope, duration)
-        if not LIKE[0] <= ratio <= LIKE[1]:
+        if not USUAL_ENERGY_RATIOS[0] <= ratio <= USUAL_ENERGY_RATIOS[1]:
             of_record = (
                 f"times the energy of the record; for equal energy write envelope = {FITTED!r}"
             )

@@ -32,7 +32,7 @@ _STATED_UNITS = re.compile(
     r"\bUNITS?(?:\s+OF)?[\s:=(\[]+([A-Z]+\d?(?:(?:/|\^|\*\*)[A-Z\d]+)*)", re.IGNORECASE
 )
 # first line of a file whose second line is a title
-_OF_PEER = re.compile(r"STRONG.MOTION", re.IGNORECASE)
+_PEER_TITLE = re.compile(r"STRONG.MOTION", re.IGNORECASE)
 _EXAMPLES = "'NPTS= 5372, DT= .0100 SEC' or '4096 0.0100 NPTS, DT', the time step in SEC or MSEC"
 
 
@@ -64,7 +64,7 @@ def _stated(text: str) -> tuple[int, float] | None:
 
 def _title(file: RecordFile) -> dict[str, str]:
     """Event, station and component in the second line: ``Kobe, 1/16/1995, Nishi-Akashi, 090``."""
-    if len(file.lines) < 2 or not _OF_PEER.search(file.lines[0]):
+    if len(file.lines) < 2 or not _PEER_TITLE.search(file.lines[0]):
         return {}
     *event, station, component = (part.strip() for part in f",,{file.lines[1]}".split(","))
     complete = any(event) and station and component

@@ -20,12 +20,12 @@ from stochlin.applications.records.formats import FORMATS, Format, RecordFile, S
 from stochlin.applications.sheets.sheets import number_in
 from stochlin.kernels.basics.arrays import Array
 
-_OF_KNET = re.compile(r"(.{0,18})(.*)")
+_KNET_LINE = re.compile(r"(.{0,18})(.*)")
 _LAST_ENTRY = "Memo."
 _SCALE_ENTRY = "Scale Factor"
 _DURATION = "Duration Time(s)"
 _GAL_FRACTION = re.compile(r"([\d.]+)\s*\(\s*gal\s*\)\s*/\s*([\d.]+)", re.IGNORECASE)
-_OF_ESM = re.compile(r"([A-Z][A-Z0-9_/^]*)\s*:\s*(.*)")
+_ESM_LINE = re.compile(r"([A-Z][A-Z0-9_/^]*)\s*:\s*(.*)")
 _DATE = "EVENT_DATE_YYYYMMDD"
 _TIME = "EVENT_TIME_HHMMSS"
 _HERTZ = re.compile(r"\s*Hz$", re.IGNORECASE)
@@ -78,7 +78,7 @@ class _Header(NamedTuple):
 
 
 def _read_knet(file: RecordFile) -> list[Series]:
-    header = _Header.of(file, _OF_KNET, _LAST_ENTRY)
+    header = _Header.of(file, _KNET_LINE, _LAST_ENTRY)
     header.line(_LAST_ENTRY, "Memo.             ")
     rate = header.positive("Sampling Freq(Hz)", "Sampling Freq(Hz) 100Hz")
     count = rate * header.positive(_DURATION, "Duration Time(s)  108")
@@ -95,7 +95,7 @@ def _read_knet(file: RecordFile) -> list[Series]:
 
 
 def _read_esm(file: RecordFile) -> list[Series]:
-    header = _Header.of(file, _OF_ESM)
+    header = _Header.of(file, _ESM_LINE)
     number, kind = header.line("DATA_TYPE", example := "DATA_TYPE: ACCELERATION")
     if kind.upper() != "ACCELERATION":
         raise file.wrong(number, repr(example))

@@ -28,7 +28,7 @@ from stochlin.kernels.linearization.iteration import (
     add,
     elastic_limit,
     follow,
-    nothing,
+    unsolved,
 )
 from stochlin.kernels.linearization.systems.response import StationaryResponse
 from stochlin.kernels.linearization.systems.springs import Springs, coefficients_of
@@ -162,7 +162,7 @@ def fixed_points(
     part = problem
     cells = np.arange(unknowns.shape[1])
     m = problem.yielding.size
-    solution = nothing(unknowns)
+    solution = unsolved(unknowns)
     changes = []
     before = None
     tried = np.tile(unknowns, (depth + 1, 1, 1))  # those with a response
@@ -212,7 +212,7 @@ def solve_springs(
     elastic response.
     """
     m = problem.yielding.size
-    solution = nothing(elastic)
+    solution = unsolved(elastic)
     changes = np.full((most, 2, elastic.shape[1]), np.nan)
     solution.converged[:] = not len(elastic)  # nothing is to be linearized
 

@@ -55,7 +55,7 @@ FACTORS_OF_CODES = BEHAVIOUR, DEFLECTION, IMPORTANCE = "behaviour", "deflection"
 AT_LEAST_1 = Range(
     1.0, include_lower=True, reason="it multiplies displacements under design forces"
 )
-OF_IMPORTANCE = Range(0.5, 2.0, True, True, "codes have 0.8 to 1.5")
+IMPORTANCE_RANGE = Range(0.5, 2.0, True, True, "codes have 0.8 to 1.5")
 STOREYS_ABOVE_GROUND = Range(1.0, include_lower=True, reason="storeys above the ground")
 MULTIPLIED = (
     "displacements that are multiplied already: it has no factor on those under design forces"
@@ -86,8 +86,8 @@ class Site(Model):
     same_system: Truth = False
     storeys_1: Any = parameter("1", "number of storeys, structure 1", STOREYS_ABOVE_GROUND, None)
     storeys_2: Any = parameter("1", "number of storeys, structure 2", STOREYS_ABOVE_GROUND, None)
-    importance_1: Any = parameter("1", "importance, structure 1", OF_IMPORTANCE, None)
-    importance_2: Any = parameter("1", "importance, structure 2", OF_IMPORTANCE, None)
+    importance_1: Any = parameter("1", "importance, structure 1", IMPORTANCE_RANGE, None)
+    importance_2: Any = parameter("1", "importance, structure 2", IMPORTANCE_RANGE, None)
     design_pga: Any = parameter("m/s^2", "peak acceleration of the design", POSITIVE, None)
     behaviour_1: Any = parameter("1", "behaviour factor, structure 1", AT_LEAST_1, None)
     behaviour_2: Any = parameter("1", "behaviour factor, structure 2", AT_LEAST_1, None)
