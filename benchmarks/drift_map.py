@@ -20,7 +20,7 @@ from stochlin.files.storage import whole_file
 from stochlin.kernels.correlation.corrections import ENTRIES
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.solver.correlation.signatures import (
-    PAIRS,
+    OFF_DIAGONAL,
     basis_of,
     derived_signatures,
     drifting_side,
@@ -384,7 +384,9 @@ def form_of(share, steps):
     values, vectors = np.linalg.eigh(across)
     # By statistical errors the matrix may not be positive definite.
     _, across = _parted((vectors * np.maximum(values, LEAST)[:, None]) @ np.swapaxes(vectors, 1, 2))
-    return np.stack([*np.log(slopes.T / steps[:, None]), *(across[:, i, j] for i, j in PAIRS)])
+    return np.stack(
+        [*np.log(slopes.T / steps[:, None]), *(across[:, i, j] for i, j in OFF_DIAGONAL)]
+    )
 
 
 def _parted(matrix):

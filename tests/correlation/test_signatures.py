@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 import stochlin as sl
 from stochlin.kernels.correlation.corrections import ADDED_VARIANCE, PARAMETER_AXES, by_signatures
-from stochlin.solver.correlation.signatures import PAIRS, UNIT_SHARE, basis_of, corrected
+from stochlin.solver.correlation.signatures import OFF_DIAGONAL, UNIT_SHARE, basis_of, corrected
 from stochlin.solver.linearization.drift_map import drift_map
 from stochlin.solver.simulation import stationary_motions
 
@@ -122,7 +122,7 @@ def test_a_form_is_found_from_the_correlations_of_its_neighbours(seed):
     found = load("drift_map").form_of((form / (1 + form))[..., None], steps)[:, 0]
     slopes = np.sqrt(np.diag(matrix))
     np.testing.assert_allclose(found[:PARAMETER_AXES], np.log(slopes), rtol=0, atol=1e-10)
-    across = [matrix[pair] / (slopes[pair[0]] * slopes[pair[1]]) for pair in PAIRS]
+    across = [matrix[pair] / (slopes[pair[0]] * slopes[pair[1]]) for pair in OFF_DIAGONAL]
     np.testing.assert_allclose(found[PARAMETER_AXES:], across, rtol=0, atol=1e-9)
 
 
