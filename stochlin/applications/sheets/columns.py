@@ -189,8 +189,8 @@ class Choice(NamedTuple):
         elif of.unit in ("1", "1/yr"):  # a remark
             size = 1.0
         else:
-            known_units = ", ".join(UNITS.get(of.unit, (of.unit,)))
-            cure = f"{likely_unit(unit, of.unit)}allowed: {known_units}"
+            units_of_quantity = ", ".join(UNITS.get(of.unit, (of.unit,)))
+            cure = f"{likely_unit(unit, of.unit)}allowed: {units_of_quantity}"
             raise table.error(f"has the {name} in {brief(unit)}; {cure}")
         return size * self.numbers(allowed)
 

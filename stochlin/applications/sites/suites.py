@@ -408,12 +408,14 @@ def scale_records(
     else:
         checked_spectrum(spectrum)
         spectrum = as_elastic(spectrum, elastic, divided_by)
-        own_periods, values, damping = checked_spectrum(spectrum)
-        if not own_periods[own_periods > 0][0] <= band[0] < band[1] <= own_periods[-1]:
+        periods_of_spectrum, values, damping = checked_spectrum(spectrum)
+        shortest = periods_of_spectrum[periods_of_spectrum > 0][0]
+        longest = periods_of_spectrum[-1]
+        if not shortest <= band[0] < band[1] <= longest:
             raise ValueError(
                 f"band = {brief(band)} is not within the spectrum; allowed: its periods"
             )
-        target = interpolated(own_periods, values, periods)
+        target = interpolated(periods_of_spectrum, values, periods)
     suite = {}
     for name, record in records.items():
         acceleration, _ = checked_record(record)

@@ -164,11 +164,12 @@ def half_cycles(system: EquivalentSystem, ground: Filter) -> HalfCycles:
         memory, largest = _by_modes(system, ground.oscillators, with_soil.T / covariance.z_z, time)
     left = np.flatnonzero(~(largest < LARGEST_MODE))
     if left.size:
-        some = on_arrays(lambda row: row[left], system)
+        selected = on_arrays(lambda row: row[left], system)
         moments = on_arrays(lambda row: row[left], covariance)
-        own_states = moments.mu_z, moments.v_z, moments.mu_z - moments.z_z
-        with_z = np.column_stack([*own_states, with_soil[left]])
-        memory[:, left] = _by_exponentials(some, ground.at(left), with_z, time[left]) / moments.z_z
+        states_of_structure = moments.mu_z, moments.v_z, moments.mu_z - moments.z_z
+        with_z = np.column_stack([*states_of_structure, with_soil[left]])
+        after_z = _by_exponentials(selected, ground.at(left), with_z, time[left])
+        memory[:, left] = after_z / moments.z_z
     return HalfCycles(time, np.clip(memory, -1, 1))
 
 

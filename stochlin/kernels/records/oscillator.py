@@ -224,8 +224,8 @@ def _respond(ground, dt, structures, refine, results, path):
     sides = len(structures)
     last = refine * (len(ground) - 1)
     step = dt / refine
-    first, each_of_first = _oscillator(structures[0], step)
-    second, each_of_second = _oscillator(structures[sides - 1], step)
+    first, substeps_of_first = _oscillator(structures[0], step)
+    second, substeps_of_second = _oscillator(structures[sides - 1], step)
     branch_of_first = _branch(first, results[0, PEAKS:])
     branch_of_second = _branch(second, results[sides - 1, PEAKS:])
     apart = 0.0
@@ -241,7 +241,7 @@ def _respond(ground, dt, structures, refine, results, path):
         for number in range(sides):
             is_first = number == 0
             o = first if is_first else second
-            substeps = each_of_first if is_first else each_of_second
+            substeps = substeps_of_first if is_first else substeps_of_second
             branch = branch_of_first if is_first else branch_of_second
             for n in range(substeps):
                 now = ground[s] + slope * o.h * (part * substeps + n)

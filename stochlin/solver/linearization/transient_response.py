@@ -191,7 +191,7 @@ def _of_cells(
         "k_eq": relaxation,
         "hysteretic_energy_per_mass": couple * np.where(np.isinf(uy), 0.0, uy) ** 2 * means[:, 0],
     }
-    own_names = (
+    variables = (
         *values,
         "yield_displacement",
         "envelope",
@@ -200,7 +200,7 @@ def _of_cells(
         "permanent_set_left_out",
     )
     shape = cells.shape
-    check_names((*shape.dims, *shape.coords), (*own_names, "status", TIME))
+    check_names((*shape.dims, *shape.coords), (*variables, "status", TIME))
     table = xr.Dataset(
         {name: ((TIME, *shape.dims), cells.whole(rows)) for name, rows in values.items()},
         coords=shape.coords,
