@@ -147,10 +147,10 @@ class HazardCurve(Hazard):
 
     def doubts(self) -> Iterator[str]:
         """Texts of ``Hazard``, on a curve that ends early, and a level part between steep ones."""
-        of_shaking = [*super().doubts()]
-        yield from of_shaking
+        doubts_of_shaking = [*super().doubts()]
+        yield from doubts_of_shaking
         rarest = 1 / self.frequencies[-1]
-        if not of_shaking and (text := PLAUSIBLE["rarest of a hazard"].doubt(rarest)):
+        if not doubts_of_shaking and (text := PLAUSIBLE["rarest of a hazard"].doubt(rarest)):
             yield f"its rarest shaking has a return period of {rarest:.3g} years; {text}"
         slopes = -np.diff(np.log(self.frequencies)) / np.diff(np.log(self.intensities))
         kinks = slopes[1:-1] / np.minimum(slopes[:-2], slopes[2:])
@@ -300,10 +300,9 @@ def check_curve(intensities: Array, frequencies: Array, places: Sequence[str]) -
             f"{where}: {intensities.size} points; allowed: {FEWEST_INTENSITIES} or more intensities"
         )
     rising = "increasing intensities, so sort them"
-    falling = "falling frequencies, since what is stronger"
+    falling = "falling frequencies, since what is stronger is rarer"
     if np.median(frequencies) > np.median(intensities):
         rising += ", or are they exchanged with the frequencies?"
-    falling += " is rarer"
     if (frequencies >= 1).all():
         falling += ", or are they return periods?"
     columns = ("intensity", intensities, 1, rising), ("annual frequency", frequencies, -1, falling)

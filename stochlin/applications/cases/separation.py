@@ -41,14 +41,14 @@ from stochlin.solver.tables.checks import standing
 
 SPECTRUM_PATHS = 512
 WORK_OF_RISK = 3.0  # work for the risk, in simulations of all motions
-WITH_SENSITIVITIES = 0.5  # share of the work before the sensitivities
+BEFORE_SENSITIVITIES = 0.5  # share of the work before the sensitivities
 # Motions for the sensitivities; an uncertain building with storeys is made anew for each, slowly.
 USUAL_PATHS = 512
 FEW_PATHS = 128
 # of the shortest and of the longest period of buildings, in which spectra are compared
 BAND = (0.2, 1.5)
 YEARS = 50.0  # default time of the probability of pounding [yr]
-FEWER_AT_INTENSITY = 8  # motions of the case over those at each of the 25 intensities
+CASE_MOTIONS_PER_RISK_MOTION = 8  # motions of the case over those at each of the 25 intensities
 WITH_SCATTER = "gap_with_scatter"  # variable: [m]
 RISK_PREFIX = "risk_"
 RISK_GAP = "risk_gap"
@@ -151,7 +151,7 @@ class ProgressOfParts(NamedTuple):
             "existing": 0.0 if gap_of(case) is None else WORK_OF_SEARCHES,
         }
         before = sum(work.values())
-        work["sensitivity"] = before * (1 / WITH_SENSITIVITIES - 1) if case.uncertain else 0.0
+        work["sensitivity"] = before * (1 / BEFORE_SENSITIVITIES - 1) if case.uncertain else 0.0
         ends = [0.0, *np.cumsum(list(work.values())) / sum(work.values())]
         shares = zip(work, pairwise(ends), strict=True)
         return cls(**{name: part_of(progress, *share) for name, share in shares})
@@ -267,7 +267,7 @@ def _simulated_risk(case: Case, models: Any, progress: Progress | None) -> Simul
     if (hazard := case.site.hazard) is None:
         return None
     first, second, ground = models
-    paths = whole_groups(max(FEWEST_PATHS, case.simulated.motions // FEWER_AT_INTENSITY))
+    paths = whole_groups(max(FEWEST_PATHS, case.simulated.motions // CASE_MOTIONS_PER_RISK_MOTION))
     with case.site.form.hazard.table.naming(""):
         motion = _finite_motion(case)
         structures = standing(first, second)

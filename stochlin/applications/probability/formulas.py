@@ -124,8 +124,8 @@ class RelativeMotion(NamedTuple):
 
     def variances(self) -> Variances:
         """Means over the strengths."""
-        of_instants = (values[self.course.shown] for values in self.moments[:3])
-        return Variances(*(np.einsum("k,tkh->th", self.weights, values) for values in of_instants))
+        shown = [values[self.course.shown] for values in self.moments[:3]]
+        return Variances(*(np.einsum("k,tkh->th", self.weights, values) for values in shown))
 
     def chances(self, gap: Array, height: Array) -> Chances:
         """Probabilities (instants of the result, c) of exceeding gaps, and of no pounding.
@@ -181,13 +181,11 @@ class DriftingMotion(NamedTuple):
         """Means over the strengths."""
         first = self.motions.first
         second = self.motions.second
-        apart = self.motions.difference
         assert second is not None
-        of_strengths = (
-            self.motions.means(values)[self.shown]
-            for values in (first.variance, second.variance, apart)
-        )
-        return Variances(*of_strengths)
+        u_1 = self.motions.means(first.variance)
+        u_2 = self.motions.means(second.variance)
+        d_d = self.motions.means(self.motions.difference)
+        return Variances(u_1[self.shown], u_2[self.shown], d_d[self.shown])
 
     def drifts(self) -> dict[str, Array]:
         """Standard deviations of the slow parts of the displacements and of ``u_1 - u_2`` [m]."""
@@ -261,12 +259,12 @@ def by_formula(
     heights = meeting_heights(*system.sticks)
     shortest = min(float(structure.first_period()) for structure in pair)
     moments = moments_of_pair(system, problem, heights, course, shortest, progress)
-    return [
-        _table(RelativeMotion(PairMoments(*parts), course, weights), heights, distance, confidence)
-        for parts in zip(
-            *(np.split(moment, intensities.size, axis=1) for moment in moments), strict=True
-        )
-    ]
+    parts = [np.split(moment, intensities.size, axis=1) for moment in moments]
+    tables = []
+    for moments_at_intensity in zip(*parts, strict=True):
+        motion = RelativeMotion(PairMoments(*moments_at_intensity), course, weights)
+        tables.append(_table(motion, heights, distance, confidence))
+    return tables
 
 
 def _table(
@@ -278,9 +276,8 @@ def _table(
     variances = motion.variances()
     chances = motion.chances(np.tile(gaps, count), np.repeat(np.arange(count), gaps.size))
     table = xr.Dataset()
-    columns = dict(
-        zip(STDS, (np.sqrt(np.maximum(variance, 0)) for variance in variances), strict=True)
-    )
+    stds = [np.sqrt(np.maximum(variance, 0)) for variance in variances]
+    columns = dict(zip(STDS, stds, strict=True))
     if isinstance(motion, DriftingMotion):
         columns |= motion.drifts()
     for name, values in columns.items():

@@ -179,9 +179,9 @@ def pounding_fragility(
     if paths:
         rest = part_of(progress, PROGRESS_OF_CURVES, 1.0)
         unit = times_intensity(ground, 1 / float(ground.arrays()[INTENSITY]))
-        of_unit = replace(prepared, ground=unit)
-        motions = simulated_separations(of_unit, levels, levels, 0.5, paths, rest)
-        table = table.assign(_of_motions(motions, distance, confidence))
+        prepared_at_unit = replace(prepared, ground=unit)
+        motions = simulated_separations(prepared_at_unit, levels, levels, 0.5, paths, rest)
+        table = table.assign(_simulated_variables(motions, distance, confidence))
     table["status"] = labels.status_where(distance.valid() & xr.ones_like(along, bool))
     table.attrs = {
         **over_time(xr.Dataset(), course).attrs,
@@ -209,7 +209,7 @@ def _increasing(intensity: Parameter) -> Array:
     return levels
 
 
-def _of_motions(
+def _simulated_variables(
     motions: SeparationsByIntensity, distance: Gap, confidence: float
 ) -> dict[str, xr.DataArray]:
     """Simulated probabilities and required gaps, and the lognormal fragility, for each gap."""

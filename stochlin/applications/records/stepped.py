@@ -60,9 +60,10 @@ class SteppedResponse(NamedTuple):
     def change(self, coarse: SteppedResponse) -> float:
         """Largest relative change of a peak, and largest change of z, from a coarser response."""
         with np.errstate(over="ignore", invalid="ignore"):  # of states that run away in long steps
-            of_peaks = np.abs(self.peaks - coarse.peaks) / np.where(self.peaks > 0, self.peaks, 1.0)
-            of_z = np.abs(self.z - coarse.z)
-        return float(max(of_peaks.max(), np.nanmax(of_z, initial=0.0)))
+            scale = np.where(self.peaks > 0, self.peaks, 1.0)
+            peak_changes = np.abs(self.peaks - coarse.peaks) / scale
+            z_changes = np.abs(self.z - coarse.z)
+        return float(max(peak_changes.max(), np.nanmax(z_changes, initial=0.0)))
 
 
 def stepped_response(

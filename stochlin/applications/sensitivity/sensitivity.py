@@ -38,7 +38,7 @@ CHANGE_OF_INPUT = 0.1  # relative change of a known input, to either side
 ENDS_OF_RANGE = 0.16, 0.84  # probabilities at the ends of the range of an uncertain input
 END = "end"
 LOW_AND_HIGH = ("low", "high")
-OF_INPUTS = {
+INPUT_TEXTS = {
     INPUT: "number of a model",
     "input_median": "the input, or its median, in its unit",
     "input_unit": "unit of the input",
@@ -171,9 +171,9 @@ def _responses(
     def run(changes: Mapping[str, UncertainModel]) -> Array:
         present = {**models, **changes}.values()
         sampled = any(value.spread for model in present for value in model.uncertain.values())
-        *structures, ground = (
+        *structures, ground = [
             model if sampled and model.uncertain else model.median() for model in present
-        )
+        ]
         others = {role: samples for role, samples in made.items() if role not in changes}
         moving = structures_in_motion(
             structures,
@@ -217,13 +217,15 @@ def _table(
         cure = "give it more hardening or strength, or weaker motions: separation takes it as it is"
         raise ArithmeticError(f"{what}; {cure}")
     changes, errors = changed_quantiles(base, responses[1:], confidence)
-    columns = zip(
-        *((f"{e.role}.{e.key}", e.value, e.units, np.int8(e.quantity.spread > 0)) for e in listed),
-        strict=True,
-    )
+    columns = [
+        [f"{entry.role}.{entry.key}" for entry in listed],
+        [entry.value for entry in listed],
+        [entry.units for entry in listed],
+        [np.int8(entry.quantity.spread > 0) for entry in listed],
+    ]
     coords: dict[str, Any] = {
-        name: (INPUT, [*column], {"long_name": text})
-        for (name, text), column in zip(OF_INPUTS.items(), columns, strict=True)
+        name: (INPUT, column, {"long_name": text})
+        for (name, text), column in zip(INPUT_TEXTS.items(), columns, strict=True)
     }
     coords[END] = END, [*LOW_AND_HIGH], {"long_name": "end of the range of the input"}
     gaps = zip(("gap", "gap_lower", "gap_upper"), quantile_interval(base, confidence), strict=True)
@@ -315,9 +317,9 @@ def inputs_of(role: str, model: UncertainModel) -> list[Input]:
         idle = key in WITHOUT_INFLUENCE and not hasattr(median, "masses")
         if kind is None or value is None or idle:
             continue
-        quantity = (
-            value if isinstance(value, Uncertain) else Uncertain(np.asarray(value, float), 0.0)
-        )
+        quantity = value
+        if not isinstance(value, Uncertain):
+            quantity = Uncertain(np.asarray(value, float), 0.0)
         usual = getattr(median, key) if kind is type(median) else quantity.median
         one_number = np.ndim(usual) == 0
         size = float(np.asarray(usual)) if one_number else float(np.any(usual))

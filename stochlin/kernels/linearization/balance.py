@@ -44,8 +44,8 @@ CORRELATION_STEPS = 12  # Newton's steps for the correlations
 # The damping c, with which cells need 4 to 6 steps on average; and that after so many steps, for
 # cells whose steps overshoot again and again.
 BALANCE_DAMPING = 0.3
-LATER = 2.0
-ENOUGH = 6
+LATER_DAMPING = 2.0
+STEPS_WITH_FIRST_DAMPING = 6
 
 
 @cache
@@ -120,7 +120,7 @@ def newton_step(
     v_by_z = 0.5 / ALONG * (after_z.v_v / response.v_v - 1)
     z_by_z = 0.5 / ALONG * (after_z.z_z / response.z_z - 1)
     norm = np.sqrt(off_v * off_v + off_z * off_z)
-    push = (BALANCE_DAMPING if number <= ENOUGH else LATER) * norm
+    push = (BALANCE_DAMPING if number <= STEPS_WITH_FIRST_DAMPING else LATER_DAMPING) * norm
     a = 1 + push - v_by_v
     d = 0.5 * z_z_by_z + push - z_by_z
     determinant = a * d - v_by_z * z_by_v

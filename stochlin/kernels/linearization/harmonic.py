@@ -23,8 +23,8 @@ LEAST_LOAD_LEVEL = 1e-3  # of a level
 # Shares of the load's level, over the damping ratio of the ground and over the smaller frequency of
 # the structures, over that of the ground.
 NARROW_DAMPING = (0.1, 0.2)
-ABOVE = (1.0, 1.6)
-FAR_ABOVE = (1.5, 3.0)
+RATIOS_ABOVE = (1.0, 1.6)
+RATIOS_FAR_ABOVE = (1.5, 3.0)
 
 
 class Harmonic(NamedTuple):
@@ -57,8 +57,8 @@ class Harmonic(NamedTuple):
 def share_of_load(frequencies: Array, ground: float, damping: float) -> float:
     """Share of the load's level; the structures have these frequencies, the ground this damping."""
     ratio = float(np.min(frequencies)) / ground
-    rises = np.interp(ratio, ABOVE, (0, 1)) * np.interp(damping, NARROW_DAMPING, (1, 0))
-    return float(max(rises, np.interp(ratio, FAR_ABOVE, (0, 1))))
+    rises = np.interp(ratio, RATIOS_ABOVE, (0, 1)) * np.interp(damping, NARROW_DAMPING, (1, 0))
+    return float(max(rises, np.interp(ratio, RATIOS_FAR_ABOVE, (0, 1))))
 
 
 def load_levels(structures: Sequence[Harmonic], std: float, share: float, levels: Array) -> Array:
@@ -72,8 +72,8 @@ def load_levels(structures: Sequence[Harmonic], std: float, share: float, levels
     sizes = _rising(np.abs(moves[0] - sum(moves[1:])))
     sizes = sizes / np.sqrt((sizes**2 * RAYLEIGH).sum() / (2 * RAYLEIGH.sum()))
     beyond = LOADS[-1] + SLOPE_BEYOND_LOADS * (levels - sizes[-1])
-    of_load = np.where(levels > sizes[-1], beyond, np.interp(levels, sizes, LOADS, left=0.0))
-    mixed: Array = levels ** (1 - share) * np.maximum(of_load, LEAST_LOAD_LEVEL) ** share
+    levels_of_load = np.where(levels > sizes[-1], beyond, np.interp(levels, sizes, LOADS, left=0.0))
+    mixed: Array = levels ** (1 - share) * np.maximum(levels_of_load, LEAST_LOAD_LEVEL) ** share
     return mixed
 
 
