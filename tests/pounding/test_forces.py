@@ -121,15 +121,6 @@ def test_a_touch_that_others_press_for_has_its_approach_velocity():
     assert first[:2] == pytest.approx([first[2]] * 2, rel=0.12)  # measured: 10 and .5 %
 
 
-KIP, INCH = 4448.2216, 0.0254
-
-
-def five_storeys(**yields):
-    """Storeys of 100 kips/g, 31.54 kips/in, 12 ft and 5 %, as in books on structural dynamics."""
-    mass, stiffness, height = 100 * KIP / 9.80665, 31.54 * KIP / INCH, 144 * INCH
-    return sl.ShearBuilding([mass] * 5, [stiffness] * 5, [height] * 5, 0.05, **yields)
-
-
 def check_peaks(structure, record, most):
     """Peaks in default steps are within ``most`` of those in steps of a sixteenth."""
     usual = sl.pound([structure], motion=record)
@@ -144,7 +135,7 @@ def check_peaks(structure, record, most):
 @needs_records
 @pytest.mark.extreme
 def test_peaks_of_five_storeys_on_el_centro_are_within_a_thousandth():
-    chain = five_storeys()
+    chain = peaks_of_steps.chain()
     assert float(chain.periods()[-1]) == pytest.approx(0.297, abs=5e-4)
     record = recorded("El Centro")[::2]  # in steps of 0.02 s
     usual = check_peaks(chain, record, 1e-3)
@@ -159,7 +150,7 @@ def test_peaks_of_five_storeys_on_el_centro_are_within_a_thousandth():
 @pytest.mark.parametrize(("name", "most"), [("El Centro", 1e-3), ("Taft", 2e-3), ("Kobe", 4e-3)])
 def test_peaks_of_five_storeys_that_yield(name, most):
     # At the yield of the storey above or below the acceleration of a floor has a corner.
-    chain = five_storeys(hardening=0.05, yield_drifts=0.01)
+    chain = peaks_of_steps.chain(hardening=0.05, yield_drifts=0.01)
     usual = check_peaks(chain, recorded(name), most)
     assert float(usual.hysteretic_energy[-1, 0]) > 0
     assert float(usual.step_error) == pytest.approx(3 * most, rel=0.4)

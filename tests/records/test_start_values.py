@@ -3,20 +3,12 @@
 import numpy as np
 import pytest
 from motions import motion, shaking
+from pounding.test_start_values import TOWER
 
 import stochlin as sl
 
 pytestmark = pytest.mark.invariant
 
-TOWER = sl.ShearBuilding(
-    [2e5] * 3,
-    [2e8, 1.6e8, 1e8],
-    [3.5] * 3,
-    0.05,
-    hardening=0.05,
-    yield_drifts=0.008,
-    law="bouc_wen",
-)
 STRUCTURES = [
     sl.Bilinear(1.2, 0.05, 0.05, yield_displacement=0.02),
     sl.Bilinear(0.6, 0.05),

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.applications.pounding.rows import CONTACT_SIDES, ContactPlace, PreparedRow
-from stochlin.kernels.basics.arrays import Array, row_products
+from stochlin.kernels.basics.arrays import Array, matrix_products
 from stochlin.kernels.pounding.run import RowResponse
 from stochlin.kernels.records.runs import SampledMotion
 from stochlin.models.buildings.base import FLOOR
@@ -75,25 +75,25 @@ def _course(prepared: PreparedRow, response: RowResponse, ground: SampledMotion)
     q = history.coordinates.q.T
     v = history.coordinates.v.T
     z = history.elements.z.T
-    extension = row_products(q, system.extensions)
-    rate = row_products(v, system.extensions)
+    extension = matrix_products(q, system.extensions)
+    rate = matrix_products(v, system.extensions)
     force = system.post * extension + system.couple * z
     stored = 0.5 * (system.post * extension**2 + system.couple * z**2)
     drag = _drags(prepared, rate)
     contact_force, contact_energy = _contact_forces(prepared, response, q)
-    load = row_products(v, system.damping) + row_products(force + drag, system.extensions.T)
-    shear = row_products(force[:, :n], assembly.shear_shares)
+    load = matrix_products(v, system.damping) + matrix_products(force + drag, system.extensions.T)
+    shear = matrix_products(force[:, :n], assembly.shear_shares)
     largest_input = motion.largest_input
     imbalance = np.zeros_like(largest_input)
     np.divide(np.abs(motion.missing_energy), largest_input, out=imbalance, where=largest_input > 0)
     by_structure = partial(np.add.reduceat, indices=assembly.first_coordinate[:-1], axis=1)
     # A floor moves with the ground as far as the modes of a building leave out mass.
     carried = np.multiply.outer(ground.acceleration, 1 - system.shapes.sum(axis=1))
-    acceleration = -(load + row_products(contact_force, row.contacts.weights.T)) / system.mass
+    acceleration = -(load + matrix_products(contact_force, row.contacts.weights.T)) / system.mass
     values: Quantities = {
-        "displacement": (FLOOR, row_products(q, system.shapes)),
-        "velocity": (FLOOR, row_products(v, system.shapes)),
-        "acceleration": (FLOOR, row_products(acceleration, system.shapes) + carried),
+        "displacement": (FLOOR, matrix_products(q, system.shapes)),
+        "velocity": (FLOOR, matrix_products(v, system.shapes)),
+        "acceleration": (FLOOR, matrix_products(acceleration, system.shapes) + carried),
         "storey_shear": (FLOOR, shear),
         "base_shear": (STRUCTURE, shear[:, prepared.first[:-1]]),
         "input_energy": (STRUCTURE, by_structure(history.coordinates.input_energy.T[:, :n])),
@@ -140,7 +140,7 @@ def _contact_forces(prepared: PreparedRow, response: RowResponse, q: Array) -> t
         return (states.mean_force * states.sticks).T, np.zeros(len(q))
     impacts = response.history.impacts
     force = np.where(np.isnan(impacts.begin), 0.0, impacts.force).T
-    penetration = np.maximum(row_products(q, contacts.weights) - contacts.gap, 0.0)
+    penetration = np.maximum(matrix_products(q, contacts.weights) - contacts.gap, 0.0)
     power = contacts.law["exponent"] + 1.0
     return force, (contacts.law["stiffness"] * penetration**power / power).sum(axis=1)
 

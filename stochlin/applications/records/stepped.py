@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.applications.records.cells import OUT_OF_RANGE, RecordedMotions
-from stochlin.kernels.basics.arrays import Array, row_products
+from stochlin.kernels.basics.arrays import Array, matrix_products
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.pounding.run import BuildingRow, GroundMotions, StepCounts, run
 from stochlin.kernels.records.runs import SampledMotion
@@ -176,9 +176,9 @@ def _history_table(structure: AnyStructure, system: Assembly, history: Any) -> x
     q = history.coordinates.q.T
     rate = history.coordinates.v.T
     z = history.elements.z.T
-    u = row_products(q, storeys.shapes)
-    v = row_products(rate, storeys.shapes)
-    extension = row_products(q, system.extensions)
+    u = matrix_products(q, storeys.shapes)
+    v = matrix_products(rate, storeys.shapes)
+    extension = matrix_products(q, system.extensions)
     elastic = storeys.post * extension**2 + storeys.couple * z**2
     energies = {
         "input": history.coordinates.input_energy.T,
@@ -203,7 +203,7 @@ def _history_table(structure: AnyStructure, system: Assembly, history: Any) -> x
         table["radius"] = ("time", radius)
     else:
         drifts = system.drifts @ system.displacements
-        table["storey_drift"] = over(ELEMENT, row_products(q, drifts))
+        table["storey_drift"] = over(ELEMENT, matrix_products(q, drifts))
         table = table.assign_coords({**floor_coordinates(system), **element_coordinates(system)})
     if structure.yields:
         table["z"] = over(ELEMENT, system.of_elements(z / storeys.strength, 0.0, np.nan))

@@ -22,7 +22,9 @@ MOST_CELLS_OF_SHEETS = 2**20  # of all visible sheets, with the empty ones betwe
 MOST_LINES_OF_SHEETS = 100_000
 MOST_SIGNS = 2**24  # of the texts of all of them
 # signs between them, which no text in XML may contain
-SHEET_SIGN, ROW_SIGN, CELL_SIGN = "\x1d", "\x1e", "\x1f"
+SHEET_SIGN = "\x1d"
+ROW_SIGN = "\x1e"
+CELL_SIGN = "\x1f"
 EXIT_REFUSED = 3  # exit status, with a message in place of cells
 
 

@@ -48,7 +48,7 @@ def where_finite(values: Any, *others: Any) -> Any:
     return values
 
 
-def row_products(values: Array, matrix: Array) -> Array:
+def matrix_products(values: Array, matrix: Array) -> Array:
     """Products (times, m) of a matrix (m, n) with each row of the values (times, n).
 
     BLAS is not used: its last bits depend on the number of rows, and its threads would take the

@@ -82,7 +82,8 @@ def check_arguments(start: AnyStart | None, arguments: Mapping[str, str]) -> Non
         return
     before = dict(line.split(" = ", 1) for line in str(start.attrs[ARGUMENTS]).splitlines())
     for name in ["function", *sorted(before.keys() ^ arguments.keys()), *before]:
-        was, now = before.get(name), arguments.get(name)
+        was = before.get(name)
+        now = arguments.get(name)
         if was != now:
             what = f"with {name} = {was}" if was is not None else f"without {name}"
             allowed = f"with {name} = {now}" if now is not None else f"without {name}"

@@ -122,8 +122,8 @@ def _lines(sheet: Sheet, names: pd.Series) -> dict[str, int]:
             raise sheet.error(line, 0, f"{brief(sheet.cells.at[line, 0])} {what}")
         lines[name] = line
     if (FACTOR_ROW in lines) != (MODAL_MASS in lines):
-        there, other = (FACTOR_ROW, MODAL_MASS) if FACTOR_ROW in lines else (MODAL_MASS, FACTOR_ROW)
-        raise sheet.error(
-            lines[there], 0, f"{there} is given without {other}; allowed: both or neither"
-        )
+        present = FACTOR_ROW if FACTOR_ROW in lines else MODAL_MASS
+        absent = MODAL_MASS if FACTOR_ROW in lines else FACTOR_ROW
+        what = f"{present} is given without {absent}; allowed: both or neither"
+        raise sheet.error(lines[present], 0, what)
     return lines

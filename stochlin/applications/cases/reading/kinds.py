@@ -89,8 +89,10 @@ class WithUnit:
             return Uncertain.between(self.certain(low), self.certain(high))
         median = UNCERTAIN.split(written, maxsplit=1)[0].strip()
         number = NUMBER_AND_UNIT.fullmatch(median) if len(median) < LONGEST_NUMBER else None
-        value, its = (float(number[1]), number[2]) if number else (10.0, f" {self.spellings[0]}")
-        ways = f'"{value:g}{its} +- 20 %", or two ends, "{0.8 * value:g} to {1.2 * value:g}{its}"'
+        value = float(number[1]) if number else 10.0
+        unit_of_median = number[2] if number else f" {self.spellings[0]}"
+        two_ends = f"{0.8 * value:g} to {1.2 * value:g}{unit_of_median}"
+        ways = f'"{value:g}{unit_of_median} +- 20 %", or two ends, "{two_ends}"'
         raise ValueError(f"has no valid spread; allowed: a share of up to 100 %, {ways}")
 
     def certain(self, written: Any) -> float:

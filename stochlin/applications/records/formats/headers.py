@@ -82,7 +82,8 @@ def _read_knet(file: RecordFile) -> list[Series]:
     header.line(_LAST_ENTRY, "Memo.             ")
     rate = header.positive("Sampling Freq(Hz)", "Sampling Freq(Hz) 100Hz")
     count = rate * header.positive(_DURATION, "Duration Time(s)  108")
-    number, text = header.line(_SCALE_ENTRY, example := "Scale Factor      3920(gal)/6182761")
+    example = "Scale Factor      3920(gal)/6182761"
+    number, text = header.line(_SCALE_ENTRY, example)
     fraction = _GAL_FRACTION.fullmatch(text)
     gal = number_in(fraction[1]) or 0.0 if fraction else 0.0
     counts = number_in(fraction[2]) or 0.0 if fraction else 0.0
@@ -96,7 +97,8 @@ def _read_knet(file: RecordFile) -> list[Series]:
 
 def _read_esm(file: RecordFile) -> list[Series]:
     header = _Header.of(file, _ESM_LINE)
-    number, kind = header.line("DATA_TYPE", example := "DATA_TYPE: ACCELERATION")
+    example = "DATA_TYPE: ACCELERATION"
+    number, kind = header.line("DATA_TYPE", example)
     if kind.upper() != "ACCELERATION":
         raise file.wrong(number, repr(example))
     dt = header.positive("SAMPLING_INTERVAL_S", "SAMPLING_INTERVAL_S: 0.005000")

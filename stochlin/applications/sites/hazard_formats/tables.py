@@ -157,7 +157,8 @@ def _of_sites(table: Table, path: Path, choice: AskedHazard) -> Ordinate:
         shown = brief(measure) if measure else "no imt"
         raise table.error(f"has {shown}; allowed: imt='PGA' or imt='SA(0.5)', or a folder SA0P5")
     line = line_of_site(table, choice.site)
-    what, allowed = ("probability", PROBABILITIES) if years else ("annual frequency", None)
+    what = "probability" if years else "annual frequency"
+    allowed = PROBABILITIES if years else None
     values = sheet.numbers(table.rows.loc[[line], columns], what, allowed)[0]
     frequencies = annual_frequencies(values, years) if years else values
     where = [sheet.where(line, column) for column in columns]
